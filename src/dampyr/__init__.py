@@ -1,0 +1,31 @@
+"""Test, identify and simulate magnetorheological dampers: from the shaking table to the building.
+
+The rooms are loaded when they are first entered, so ``import dampyr`` is quick::
+
+    import dampyr as dp
+
+    records = dp.records.read_campaign("data/labcontrol-mr-damper")
+    fit = dp.identification.fit("dahl", records)
+    response = dp.structures.respond(dp.structures.two_storey(), dp.ground_motions.el_centro(),
+                                     dampers={1: fit.damper}, voltage=1.98)
+"""
+
+from importlib import import_module
+from types import ModuleType
+
+__version__ = "0.1.0"
+
+_ROOMS = (
+    "records", "models", "identification", "ground_motions", "structures",
+    "report", "export", "studies", "errors", "units", "catalogue",
+)  # fmt: skip
+
+
+def __getattr__(name: str) -> ModuleType:
+    if name in _ROOMS:
+        return import_module(f"dampyr.{name}")
+    raise AttributeError(f"module 'dampyr' has no room {name!r}; the rooms are {', '.join(_ROOMS)}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*_ROOMS, "__version__"])

@@ -1,0 +1,35 @@
+"""A folder is a catalogue: its files are the members, found by their names.
+
+Adding a model, an earthquake format or a command is adding one file; nothing else lists them.
+"""
+
+from collections.abc import Iterator
+from difflib import get_close_matches
+from importlib import import_module
+from pkgutil import iter_modules
+from types import ModuleType
+
+from dampyr.errors import InputError
+
+
+def names(package: str) -> list[str]:
+    """The names on a shelf, sorted: the public modules of the package called ``package``."""
+    folder = import_module(package)
+    return sorted(m.name for m in iter_modules(folder.__path__) if not m.name.startswith("_"))
+
+
+def member(package: str, name: str) -> ModuleType:
+    """The module called ``name`` on a shelf, or an :class:`InputError` that lists what is there."""
+    known = names(package)
+    if name not in known:
+        close = get_close_matches(name, known, n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        shelf = package.rpartition(".")[2].replace("_", " ")
+        raise InputError(f"{name!r} is not among the {shelf}; {hint}choose from {', '.join(known)}")
+    return import_module(f"{package}.{name}")
+
+
+def members(package: str) -> Iterator[tuple[str, ModuleType]]:
+    """Every ``(name, module)`` of a shelf."""
+    for name in names(package):
+        yield name, member(package, name)

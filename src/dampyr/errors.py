@@ -1,0 +1,53 @@
+"""Every error that a caller of dampyr may catch.
+
+::
+
+    DampyrError
+    ├── InputError (ValueError)       an argument or a value is wrong: what, its value, the allowed range, the repair
+    │   ├── FileError                 a file is wrong: the message starts with its path
+    │   └── RangeError                an input lies outside the range that a damper was calibrated on
+    └── MissingData (FileNotFoundError)  a data set or file is not there, and how to get it
+
+    DampyrWarning (UserWarning)
+    └── ExtrapolationWarning          a result leaves the calibrated range; the caller asked for it by name
+
+Each message is one sentence for a person. The command line prints it without a traceback and exits with 2.
+A fit that does not converge is no error: it is a value with a reason (``fit.converged``, ``fit.reason``).
+"""
+
+from pathlib import Path
+
+
+class DampyrError(Exception):
+    """The root of all dampyr errors."""
+
+
+class InputError(DampyrError, ValueError):
+    """An argument or a value is wrong."""
+
+
+class FileError(InputError):
+    """A file is wrong; the message starts with its path."""
+
+    def __init__(self, path: str | Path, message: str) -> None:
+        super().__init__(f"{path}: {message}")
+        self.path = Path(path)
+
+
+class RangeError(InputError):
+    """An input lies outside the range that a damper was calibrated on."""
+
+
+class MissingData(DampyrError, FileNotFoundError):
+    """A data set or file is not there."""
+
+    def __str__(self) -> str:
+        return str(self.args[0]) if self.args else "data are missing"
+
+
+class DampyrWarning(UserWarning):
+    """The root of all dampyr warnings."""
+
+
+class ExtrapolationWarning(DampyrWarning):
+    """A result leaves the calibrated range; the caller asked for it by name."""

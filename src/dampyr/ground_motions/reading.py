@@ -1,0 +1,38 @@
+"""Reading a ground motion from a file: the format follows from the suffix."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dampyr import catalogue
+from dampyr.errors import FileError, MissingData
+from dampyr.ground_motions.motion import GroundMotion
+
+SHELF = "dampyr.ground_motions.formats"
+
+
+def formats() -> dict[str, tuple[str, ...]]:
+    """The formats on the shelf and their suffixes."""
+    return {name: module.SUFFIXES for name, module in catalogue.members(SHELF)}
+
+
+def read(path: str | Path, units: str | None = None, dt: float | None = None) -> GroundMotion:
+    """The ground motion in a file.
+
+    Parameters
+    ----------
+    units : unit of the acceleration, such as "g" or "m/s^2"; needed where the file does not name it.
+    dt : seconds between samples; needed where the file holds accelerations only.
+
+    Raises :class:`~dampyr.errors.MissingData` where there is no such file and :class:`~dampyr.errors.FileError` where the
+    file contradicts itself or the arguments, or holds values that are no numbers.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise MissingData(f"{file}: there is no such file; check the path of the ground motion")
+    for _, module in catalogue.members(SHELF):
+        if file.suffix.lower() in module.SUFFIXES:
+            motion: GroundMotion = module.read(file, units, dt)
+            return motion
+    known = ", ".join(sorted(suffix for suffixes in formats().values() for suffix in suffixes))
+    raise FileError(file, f"the suffix {file.suffix!r} is not a ground motion's; dampyr reads {known}")

@@ -1,0 +1,146 @@
+r"""What a fit determines: the values of each parameter at chosen inputs, and how they make the parameter at any other.
+
+Every law is fitted by its values at *knots*, inputs that occur in the records: they are as well conditioned as the records
+allow and have the parameter's own unit and limits. The parameter at the input u is :math:`p(u) = \sum_k b_k(u)\,\theta_k`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.models import Composition, Constant, Interpolation, Law, Polynomial
+from dampyr.units import Quantity
+
+Array = NDArray[np.float64]
+KINDS = ("constant", "polynomial", "interpolation")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One parameter in a fit: ``kind`` of law, its ``knots``, or a ``fixed`` value."""
+
+    name: str
+    quantity: Quantity
+    kind: str
+    knots: tuple[float, ...]
+    fixed: float | None = None
+
+    @property
+    def size(self) -> int:
+        """How many numbers the fit determines for it."""
+        return 0 if self.fixed is not None else len(self.knots)
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether the fit walks in the logarithm: a parameter that is not linear and must stay positive."""
+        return self.quantity.open_low and self.quantity.low == 0 and not self.quantity.linear
+
+    def basis(self, u: Array | float) -> Array:
+        """b(u), shape (..., size)."""
+        at = np.asarray(u, dtype=float)[..., None]
+        knots = np.array(self.knots)
+        if self.kind == "constant":
+            return np.ones_like(at)
+        if self.kind == "interpolation":
+            return np.asarray(np.isclose(at, knots, rtol=1e-9, atol=1e-12), dtype=float)
+        rows = [np.prod((at - np.delete(knots, k)) / (knots[k] - np.delete(knots, k)), axis=-1) for k in range(knots.size)]
+        return np.stack(rows, axis=-1)
+
+    def value(self, theta: Array, u: Array | float) -> Array:
+        """The parameter at ``u``."""
+        if self.fixed is not None:
+            return np.full(np.shape(u), self.fixed)
+        return np.asarray(self.basis(u) @ theta)
+
+    def law(self, theta: Array, low: float, high: float) -> Law:
+        """The law through the fitted values, on the range of the records."""
+        if self.fixed is not None:
+            return Constant(self.fixed, low, high)
+        if self.kind == "constant":
+            return Constant(float(theta[0]), low, high)
+        if self.kind == "interpolation":
+            return Interpolation(self.knots, tuple(theta))
+        return Polynomial(tuple(self.to_coefficients() @ theta), low, high)
+
+    def to_coefficients(self) -> Array:
+        """The matrix from the values at the knots to the coefficients of the law."""
+        if self.kind != "polynomial":
+            return np.eye(self.size)
+        return np.asarray(np.linalg.inv(np.vander(self.knots, increasing=True)))
+
+    def labels(self, unit: str) -> list[str]:
+        """Names for people: ``dahl.kx`` where there is one value, else ``dahl.kx @ 1.98 V``."""
+        if self.size == 1:
+            return [self.name]
+        return [f"{self.name} @ {u:g} {unit}" for u in self.knots]
+
+
+def columns(
+    composition: Composition,
+    inputs: list[Array | float],
+    laws: str | Mapping[str, str] | None,
+    fixed: Mapping[str, float] | None,
+) -> list[Column]:
+    """One column per parameter.
+
+    ``inputs`` are those of the records (a number, or an array where it varies during the test). ``laws`` is a kind for all
+    parameters, or one per flat name: ``"constant"``, ``"interpolation"`` (the default where inputs differ) or
+    ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 unless said).
+    """
+    fixed = dict(fixed or {})
+    for name, kinds in (("fixed", fixed), ("laws", {} if isinstance(laws, str) or laws is None else laws)):
+        unknown = sorted(set(kinds) - set(composition.parameters))
+        if unknown:
+            raise InputError(f"{name} names {unknown[0]!r}; {composition} has {', '.join(composition.parameters)}")
+    varying = any(np.ndim(u) for u in inputs)
+    distinct = _distinct(inputs)
+    made = []
+    for name, quantity in composition.quantities.items():
+        wanted = laws if isinstance(laws, str) else (laws or {}).get(name)
+        kind, knots = _kind(name, wanted, distinct, varying)
+        value = fixed.get(name)
+        if value is not None:
+            quantity.check(f"fixed {name}", value)
+        made.append(Column(name, quantity, kind, knots, value))
+    return made
+
+
+def _distinct(inputs: list[Array | float]) -> list[float]:
+    """The inputs that differ, to a millionth of their range."""
+    values = np.sort(np.concatenate([np.ravel(u) for u in inputs]))
+    step = 1e-6 * max(float(np.ptp(values)), 1e-6)
+    return [float(v) for k, v in enumerate(values) if k == 0 or v - values[k - 1] > step]
+
+
+def _kind(name: str, wanted: str | None, distinct: list[float], varying: bool) -> tuple[str, tuple[float, ...]]:
+    if len(distinct) == 1 or wanted == "constant":
+        if wanted not in (None, "constant"):
+            raise InputError(f"one input, {distinct[0]:g}, cannot give a law of {name}; add records at other inputs")
+        return "constant", (distinct[0],)
+    kind, _, degree_text = (wanted or ("polynomial" if varying else "interpolation")).partition(":")
+    if kind not in KINDS or (degree_text and not (kind == "polynomial" and degree_text.isdigit())):
+        raise InputError(f"{wanted!r} is no law; choose constant, interpolation, polynomial or polynomial:DEGREE")
+    if kind == "interpolation":
+        if varying:
+            raise InputError(f"{name} by interpolation needs a constant input in each record; use polynomial:DEGREE")
+        return kind, tuple(distinct)
+    degree = int(degree_text) if degree_text else min(3, len(distinct) - 1)
+    if degree >= len(distinct):
+        raise InputError(
+            f"{len(distinct)} inputs cannot give a polynomial of degree {degree} of {name}; "
+            f"lower it to {len(distinct) - 1} or add records at other inputs"
+        )
+    return kind, _spread(distinct, degree + 1)
+
+
+def _spread(distinct: list[float], count: int) -> tuple[float, ...]:
+    """``count`` of the inputs, as evenly spread as they can be."""
+    if count == 1:
+        return (distinct[len(distinct) // 2],)
+    picked = np.unique(np.round(np.linspace(0, len(distinct) - 1, count)).astype(int))
+    return tuple(distinct[k] for k in picked)

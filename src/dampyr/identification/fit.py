@@ -1,0 +1,336 @@
+"""One call from records to a damper: `fit`."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.identification.design import Column, columns
+from dampyr.identification.pieces import Piece, Start, linearise, piece
+from dampyr.identification.score import Score, compare
+from dampyr.identification.solver import Outcome, Point, Problem, projected_cost, search, with_theta
+from dampyr.identification.uncertainty import Uncertainty, uncertainty
+from dampyr.models import Composition, Damper, compose
+from dampyr.models.part import Scale
+from dampyr.records import Record, measure
+
+Array = NDArray[np.float64]
+MOST_STARTS = 48
+SCANNED_SAMPLES = 4000
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """What a record brought with it: the offset of its force in N, and the hysteretic states at the start of its motion."""
+
+    offset: float
+    states: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What `fit` found.
+
+    ``damper`` carries the laws, their covariance and the calibrated ranges, or is None where ``reason`` says why the numbers
+    make no damper. ``parameters``, ``stderr`` and ``naive_stderr`` are in SI units, by labels such as ``dahl.kx @ 1.98 V``;
+    an infinite error means that the records do not determine the number, NaN that it stands at its limit. ``correlation`` (m, m) follows the same
+    order. ``converged`` and ``reason`` say how the search ended; ``notes`` what a reader should know besides.
+    """
+
+    damper: Damper | None
+    parameters: dict[str, float]
+    stderr: dict[str, float]
+    naive_stderr: dict[str, float]
+    units: dict[str, str]
+    correlation: Array
+    converged: bool
+    reason: str
+    notes: tuple[str, ...]
+    clusters: str
+    nuisances: dict[str, Nuisance]
+    iterations: int
+    problem: Problem = field(repr=False)
+    outcome: Outcome = field(repr=False)
+    records: tuple[Record, ...] = field(repr=False)
+
+    @cached_property
+    def forces(self) -> list[Array]:
+        """The fitted force along each record from where its motion starts, with its own offset and initial states, N."""
+        found = []
+        theta = self.outcome.point.of(self.problem)
+        for one, start in zip(self.problem.pieces, self.outcome.point.starts, strict=True):
+            local = linearise(self.problem.composition, self.problem.columns, theta, one, start, self.problem.offset)
+            found.append(one.force - local.residual / one.weight)
+        return found
+
+    @cached_property
+    def scores(self) -> dict[str, Score]:
+        """How well the fit describes the records it was fitted to (which is no prediction), by record."""
+        found = {}
+        for record, force in zip(self.records, self.forces, strict=True):
+            whole = np.concatenate((np.full(record.n - force.size, force[0]), force))
+            found[record.name] = compare(record, whole)
+        return found
+
+
+def fit(
+    model: str | Composition | Damper,
+    records: Record | Sequence[Record],
+    laws: str | Mapping[str, str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    bandwidth: float | None = None,
+    progress: Callable[[int, float], None] | None = None,
+) -> Fit:
+    """Identify a damper from records by least squares over their whole motion.
+
+    Parameters
+    ----------
+    model
+        parts of the catalogue, such as ``"dahl"`` or ``"dahl + spring + delay"``, or a damper of the same make.
+    records
+        one record, or several for a joint fit. Each keeps an offset of its force and its initial states to itself and
+        weighs by the standard deviation of its force. Records of the role "validation" are refused.
+    laws
+        how parameters follow the input: see `dampyr.identification.design.columns`. By default the values at the
+        inputs that occur, interpolated monotonically between them.
+    fixed
+        flat parameter name -> value in SI units, held.
+    bandwidth
+        of the velocity in Hz, derived from the displacement; None takes the recorded velocity where there is one.
+    progress
+        called with the number of the step and the cost.
+
+    Returns
+    -------
+    Fit
+        also where the search did not converge: ``converged`` and ``reason`` say so.
+
+    Raises
+    ------
+    InputError
+        a record without input, without motion, with a constant force, or of mixed inputs; an unknown name or law.
+    """
+    composition = model.composition if isinstance(model, Damper) else _composition(model)
+    listed = [records] if isinstance(records, Record) else list(records)
+    _check(listed)
+    pieces = [piece(record, bandwidth) for record in listed]
+    made = columns(composition, [p.u for p in pieces], laws, fixed)
+    if not any(column.size for column in made):
+        raise InputError("every parameter is fixed; leave at least one free")
+    problem = Problem(composition, made, pieces, offset=not composition.static)
+    outcome = search(problem, begin(problem), progress)
+    return _report(problem, outcome, tuple(listed), bandwidth)
+
+
+def _composition(model: str | Composition) -> Composition:
+    return model if isinstance(model, Composition) else compose(model)
+
+
+def _check(records: list[Record]) -> None:
+    if not records:
+        raise InputError("there are no records to fit; give one or more")
+    held = [r.name for r in records if r.role == "validation"]
+    if held:
+        raise InputError(f"{held[0]} is a validation record and is never fitted; leave it out, or score it")
+    inputs = {r.input for r in records}
+    if len(inputs) > 1:
+        words = " and ".join(sorted(str(i) for i in inputs))
+        raise InputError(f"the records' inputs are in {words}; a damper has one input, so convert or fit them apart")
+    names = [r.name for r in records]
+    if len(set(names)) < len(names):
+        twice = next(n for n in names if names.count(n) > 1)
+        raise InputError(f"two records are called {twice!r}; rename one, so that results can be told apart")
+
+
+def begin(problem: Problem) -> Point:
+    """From where the search begins: the best of the parts' proposals, tried at each input apart."""
+    neutral = _neutral(problem)
+    groups: dict[float, list[int]] = {}
+    for k, one in enumerate(problem.pieces):
+        groups.setdefault(float(np.mean(one.u)), []).append(k)
+    best = {u: _best_start(problem, neutral, members) for u, members in groups.items()}
+    theta = neutral.theta.copy()
+    inputs = np.array(sorted(best))
+    for column, span in zip(problem.columns, problem.slices, strict=True):
+        key = column.name
+        if column.size and all(key in best[u] for u in inputs):
+            values = np.array([best[u][key] for u in inputs])
+            theta[span] = [values[int(np.argmin(np.abs(inputs - knot)))] for knot in column.knots]
+            if column.kind == "constant":
+                theta[span] = float(np.median(values))
+    return with_theta(neutral, theta)
+
+
+def _neutral(problem: Problem) -> Point:
+    theta = np.concatenate([np.full(c.size, max(c.quantity.low, 0.0) + 1e-9 * c.quantity.open_low) for c in problem.columns])
+    states = np.zeros(problem.composition.n_states)
+    starts = tuple(Start(float(np.mean(p.force)) if problem.offset else 0.0, states) for p in problem.pieces)
+    return Point(theta, starts)
+
+
+def _best_start(problem: Problem, neutral: Point, members: list[int]) -> dict[str, float]:
+    """The proposal with the lowest cost on the records at one input, of which at most two are tried, shortened."""
+    chosen = members[:: max(1, len(members) // 2)][:2]
+    pieces = [_shortened(problem.pieces[k]) for k in chosen]
+    inputs = [float(np.mean(p.u)) for p in pieces]
+    singles = [Column(c.name, c.quantity, "constant", (inputs[0],), c.fixed) for c in problem.columns]
+    small = Problem(problem.composition, singles, pieces, problem.offset)
+    at = _neutral(small)
+    best: tuple[float, dict[str, float]] = (np.inf, {})
+    for proposal in _proposals(problem, pieces):
+        theta = at.theta.copy()
+        for column, span in zip(singles, small.slices, strict=True):
+            if column.size and column.name in proposal:
+                theta[span] = proposal[column.name]
+        cost = projected_cost(small, with_theta(at, theta))
+        if cost < best[0]:
+            best = (cost, proposal)
+    return best[1]
+
+
+def _shortened(one: Piece) -> Piece:
+    n = min(one.t.size, SCANNED_SAMPLES)
+    u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
+    return Piece(
+        one.name, one.t[:n], one.x[:n], one.v[:n], one.force[:n], u, one.weight, one.cycle[:n], one.unit
+    )
+
+
+def _proposals(problem: Problem, pieces: list[Piece]) -> list[dict[str, float]]:
+    stroke = float(np.median([np.ptp(p.x) for p in pieces]))
+    speed = float(np.median([np.quantile(np.abs(p.v), 0.95) for p in pieces]))
+    scale = Scale(stroke, max(speed, 1e-9), float(np.median([np.median(np.diff(p.t)) for p in pieces])))
+    lists = [
+        [{f"{p.name}.{key}": value for key, value in start.items()} for start in p.starts(scale)]
+        for p in problem.composition.parts
+    ]
+    joined = [{k: v for part in combination for k, v in part.items()} for combination in itertools.product(*lists)]
+    return joined[:MOST_STARTS]
+
+
+def _report(problem: Problem, outcome: Outcome, records: tuple[Record, ...], bandwidth: float | None) -> Fit:
+    known = uncertainty(problem, outcome.point, outcome.at_limit)
+    labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
+    unit_of = [c.quantity.unit for c in problem.columns for _ in range(c.size)]
+    damper, trouble = _damper(problem, outcome, known, records, bandwidth)
+    states = list(problem.composition.states)
+    return Fit(
+        damper=damper,
+        parameters=dict(zip(labels, map(float, outcome.point.theta), strict=True)),
+        stderr=_errors(labels, known.covariance, outcome.at_limit),
+        naive_stderr=_errors(labels, known.naive, outcome.at_limit),
+        units=dict(zip(labels, unit_of, strict=True)),
+        correlation=_correlation(known.covariance),
+        converged=outcome.converged and not trouble,
+        reason=trouble or outcome.reason,
+        notes=tuple(_notes(problem, outcome, known, labels)),
+        clusters=known.clusters,
+        nuisances={
+            p.name: Nuisance(s.offset, dict(zip(states, map(float, s.states), strict=True)))
+            for p, s in zip(problem.pieces, outcome.point.starts, strict=True)
+        },
+        iterations=outcome.iterations,
+        problem=problem,
+        outcome=outcome,
+        records=records,
+    )
+
+
+def _errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:
+    errors = np.sqrt(np.diag(covariance))
+    errors[list(at_limit)] = np.nan
+    return dict(zip(labels, map(float, errors), strict=True))
+
+
+def _correlation(covariance: Array) -> Array:
+    spread = np.sqrt(np.diag(covariance))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        out = covariance / np.outer(spread, spread)
+    out[~np.isfinite(out)] = np.nan
+    return np.asarray(out)
+
+
+def _notes(problem: Problem, outcome: Outcome, known: Uncertainty, labels: list[str]) -> list[str]:
+    notes = [f"{labels[k]} stands at its limit {outcome.point.theta[k]:.3g}; its error is not known" for k in outcome.at_limit]
+    blind = [labels[k] for k in known.blind]
+    if blind:
+        notes.append(f"the records do not determine {', '.join(blind)} (infinite error)")
+    few = int(np.min(known.counts, initial=10**6))
+    if known.clusters == "cycle" and few < 10:
+        notes.append(f"errors rest on {few} cycles only; they are rough")
+    for record in problem.pieces:
+        if float(np.trapezoid(record.force - np.mean(record.force), record.x - np.mean(record.x))) < 0:
+            notes.append(f"{record.name}: its loops create energy; is the force's sign inverted?")
+    return notes
+
+
+def _damper(
+    problem: Problem, outcome: Outcome, known: Uncertainty, records: tuple[Record, ...], bandwidth: float | None
+) -> tuple[Damper | None, str]:
+    """The damper that the coefficients make, or None and why they make none."""
+    inputs = np.concatenate([np.ravel(p.u) for p in problem.pieces])
+    low, high = float(inputs.min()), float(inputs.max())
+    try:
+        damper = Damper(
+            parts=problem.composition.names,
+            laws={
+                c.name: c.law(theta, low, high)
+                for c, theta in zip(problem.columns, outcome.point.of(problem), strict=True)
+            },
+            input=problem.pieces[0].unit,
+            ranges=_ranges(records, problem.pieces),
+            covariance=_law_covariance(problem, known.covariance),
+            bandwidth=bandwidth,
+            provenance=_provenance(records),
+        )
+    except InputError as problem_:
+        return None, f"the fitted numbers make no damper: {problem_}"
+    return damper, ""
+
+
+def _law_covariance(problem: Problem, covariance: Array) -> Array:
+    """The covariance of the laws' own coefficients; fixed parameters are known."""
+    size = sum(max(c.size, 1) for c in problem.columns)
+    T = np.zeros((size, problem.size))
+    row = 0
+    for column, span in zip(problem.columns, problem.slices, strict=True):
+        if column.size:
+            T[row : row + column.size, span] = column.to_coefficients()
+        row += max(column.size, 1)
+    finite = np.where(np.isfinite(covariance), covariance, 0.0)
+    out = T @ finite @ T.T
+    for k in np.flatnonzero(~np.isfinite(np.diag(covariance))):
+        out[T[:, k] != 0.0, T[:, k] != 0.0] = np.inf
+    return np.asarray(0.5 * (out + out.T))
+
+
+def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple[float, float]]:
+    strokes = [0.5 * float(np.ptp(p.x)) for p in pieces]
+    speeds = [float(np.max(np.abs(p.v))) for p in pieces]
+    frequencies = []
+    for record in records:
+        try:
+            frequencies.append(measure(record).frequency_hz)
+        except InputError:
+            continue
+    ranges = {"displacement": (0.0, max(strokes)), "velocity": (0.0, max(speeds))}
+    if frequencies:
+        ranges["frequency"] = (min(frequencies), max(frequencies))
+    return ranges
+
+
+def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
+    from dampyr import __version__
+
+    names = [r.name for r in records]
+    shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
+    return {"method": "least squares over whole records (dampyr.identification.fit)", "records": shown, "dampyr": __version__}
+
+
+

@@ -1,0 +1,18 @@
+"""Models of hysteresis, the laws by which they follow the input, and dampers made of them.
+
+A *part* is one model or add-on (`names`), a *damper* is a composition of parts with one *law* per parameter over the coil's
+voltage or current. `Damper.force` gives the force along a path, `Damper.load` and `Damper.save` read and write its card.
+"""
+
+from dampyr.catalogue import names as _names
+from dampyr.models.composition import Composition, compose
+from dampyr.models.damper import Damper
+from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
+from dampyr.models.part import SHELF, part
+
+__all__ = ["Composition", "Constant", "Damper", "Interpolation", "Law", "Polynomial", "compose", "names", "part"]
+
+
+def names() -> list[str]:
+    """The names of all parts."""
+    return _names(SHELF)

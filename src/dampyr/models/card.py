@@ -1,0 +1,100 @@
+"""The card of a damper: one TOML file, schema 1 (docs/reference/card.md)."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dampyr.errors import FileError, InputError, MissingData
+from dampyr.models.laws import from_card
+
+if TYPE_CHECKING:
+    from dampyr.models.damper import Damper
+
+SCHEMA = 1
+
+
+def write(damper: Damper, path: Path) -> Path:
+    """Write ``damper`` to ``path``: beside it first, then moved into place, so that a kill leaves the old or the new."""
+    import tomli_w
+
+    text = tomli_w.dumps(_tables(damper))
+    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            file.write("# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n" + text)
+            file.flush()
+            os.fsync(file.fileno())
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+    return path
+
+
+def _tables(damper: Damper) -> dict[str, Any]:
+    head: dict[str, Any] = {"parts": list(damper.parts), "input": damper.input}
+    if damper.bandwidth is not None:
+        head["velocity_bandwidth_Hz"] = damper.bandwidth
+    units = {name: q.unit or "1" for name, q in damper.composition.quantities.items()}
+    tables: dict[str, Any] = {
+        "schema": SCHEMA,
+        "damper": head,
+        "laws": {name: {"unit": units[name], **law.card()} for name, law in damper.all_laws.items()},
+    }
+    if damper.ranges:
+        tables["ranges"] = {name: list(map(float, span)) for name, span in damper.ranges.items()}
+    if damper.covariance is not None:
+        tables["covariance"] = {"matrix": damper.covariance.tolist()}
+    if damper.provenance:
+        tables["provenance"] = dict(damper.provenance)
+    return tables
+
+
+def read(path: Path) -> Damper:
+    """Read a card; FileError names what is wrong, and refuses a schema that this version does not know."""
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise MissingData(f"{path}: there is no such card; `dampyr identify ... --save {path.name}` writes one") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+        raise FileError(path, f"this is not a TOML file: {problem}") from None
+    if tables.get("schema") != SCHEMA:
+        raise FileError(path, f"schema {tables.get('schema')!r} is not known; this dampyr reads schema {SCHEMA}")
+    try:
+        return _damper(tables)
+    except (InputError, KeyError, TypeError, ValueError, AttributeError) as problem:
+        text = f"it lacks {problem.args[0]!r}" if isinstance(problem, KeyError) else str(problem)
+        raise FileError(path, f"{text}; see docs/reference/card.md") from None
+
+
+def _damper(tables: dict[str, Any]) -> Damper:
+    from dampyr.models.damper import Damper
+
+    head = tables["damper"]
+    laws = {}
+    for name, table in tables["laws"].items():
+        try:
+            laws[name] = from_card(table)
+        except InputError as problem:
+            raise InputError(f"law {name}: {problem}") from None
+    covariance = tables.get("covariance", {}).get("matrix")
+    damper = Damper(
+        parts=tuple(head["parts"]),
+        laws=laws,
+        input=head["input"],
+        ranges={name: (float(span[0]), float(span[1])) for name, span in tables.get("ranges", {}).items()},
+        covariance=None if covariance is None else np.asarray(covariance, dtype=float),
+        bandwidth=head.get("velocity_bandwidth_Hz"),
+        provenance=tables.get("provenance", {}),
+    )
+    for name, quantity in damper.composition.quantities.items():
+        said = tables["laws"][name].get("unit", quantity.unit or "1")
+        if said != (quantity.unit or "1"):
+            raise InputError(f"law {name} is in {said!r}; a card holds {quantity.unit or '1'!r}")
+    return damper

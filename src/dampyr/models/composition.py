@@ -1,0 +1,264 @@
+"""A damper's parts put together: one vector of parameters, one of states, one text of functions.
+
+The text is what the kernels compile (see ``dampyr.models.kernels``); print ``compose("dahl + spring").source()`` to read it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from dampyr.errors import InputError
+from dampyr.models.formula import Formula, partials_of, read, tangent
+from dampyr.models.part import Part, part
+from dampyr.units import Quantity
+
+
+@dataclass(frozen=True)
+class Composition:
+    """The parts of a damper in their order; hashable, so that what is built from it can be kept."""
+
+    names: tuple[str, ...]
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """The parts."""
+        return tuple(part(name) for name in self.names)
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """Flat parameter names such as ``dahl.kx`` -> what they mean, in the order of the parameter vector."""
+        return {f"{p.name}.{key}": q for p in self.parts for key, q in p.parameters.items()}
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        """The flat parameter names."""
+        return tuple(self.quantities)
+
+    @cached_property
+    def states(self) -> dict[str, tuple[float, float]]:
+        """Flat state names such as ``dahl.w`` -> their bounds."""
+        return {f"{p.name}.{key}": bounds for p in self.parts for key, bounds in p.states.items()}
+
+    @property
+    def n_states(self) -> int:
+        """How many states there are."""
+        return len(self.states)
+
+    @property
+    def state0(self) -> tuple[float, ...]:
+        """The states at rest."""
+        return (0.0,) * self.n_states
+
+    @property
+    def path_only(self) -> bool:
+        """Whether every state depends on the path alone."""
+        return all(p.path_only for p in self.parts)
+
+    @cached_property
+    def delay(self) -> int | None:
+        """Where in the parameter vector the delay stands, if there is one."""
+        for p in self.parts:
+            if p.delay:
+                return self.parameters.index(f"{p.name}.{p.delay}")
+        return None
+
+    @property
+    def has_delay(self) -> bool:
+        """Whether one part delays the force."""
+        return self.delay is not None
+
+    @cached_property
+    def static(self) -> tuple[int, ...]:
+        """Where in the parameter vector the static forces stand."""
+        flat = [(p, key) for p in self.parts for key in p.parameters]
+        return tuple(i for i, (p, _) in enumerate(flat) if p.static)
+
+    @cached_property
+    def linear(self) -> tuple[int, ...]:
+        """Where the parameters stand to which the force is proportional."""
+        return tuple(i for i, q in enumerate(self.quantities.values()) if q.linear)
+
+    def __str__(self) -> str:
+        return " + ".join(self.names)
+
+    def formulas(self) -> list[Formula]:
+        """What the parts compute, intrinsics first, each name once."""
+        found: dict[str, Formula] = {}
+        for p in self.parts:
+            for formula in (p.advance, p.force):
+                if formula is not None:
+                    found.update((n, read(f, n)) for n, f in formula.intrinsics().items())
+                    found[formula.name] = formula
+        return list(found.values())
+
+    def source(self, site: int = 0) -> str:
+        """The Python text of this composition's functions, their names ending in ``_{site}``."""
+        texts = {f.name: f.source for f in self.formulas()}
+        for p in self.parts:
+            texts.update(_tangents(p))
+        glue = [write(self, site) for write in (_advance, _force, _slopes, _columns, _spread)]
+        return "\n\n".join([*texts.values(), *glue])
+
+
+def compose(names: str | Iterable[str]) -> Composition:
+    """The composition of parts named as ``"dahl + spring"`` or as a sequence of names."""
+    listed = [n.strip() for n in names.split("+")] if isinstance(names, str) else list(names)
+    for name in listed:
+        part(name)
+    twice = sorted({n for n in listed if listed.count(n) > 1})
+    if twice:
+        raise InputError(f"the part {twice[0]!r} stands twice in {' + '.join(listed)}; name each part once")
+    composition = Composition(tuple(listed))
+    if not any(p.force for p in composition.parts):
+        raise InputError(f"{composition} makes no force; add a part that does, such as dahl")
+    return composition
+
+
+Argument = Callable[[str], str]
+
+
+def _slots(composition: Composition) -> Iterator[tuple[Part, Argument, list[int], list[int]]]:
+    """Each part with the place of its arguments: states s[k], parameters p[k], the rest by their own name."""
+    i, j = 0, 0
+    for p in composition.parts:
+        states = {name: f"s[{j + k}]" for k, name in enumerate(p.states)}
+        values = {name: f"p[{i + k}]" for k, name in enumerate(p.parameters)}
+        places = states | values
+        own_states = list(range(j, j + len(states)))
+        own_values = list(range(i, i + len(values)))
+        yield p, lambda name, places=places: places.get(name, name), own_states, own_values  # type: ignore[misc]
+        i, j = i + len(values), j + len(states)
+
+
+def _call(formula: Formula, place: Argument, tangents: str = "", suffix: str = "") -> str:
+    arguments = ", ".join(place(a) for a in formula.arguments)
+    return f"{formula.name}{suffix}({arguments}{tangents})"
+
+
+def _tangents(p: Part) -> dict[str, str]:
+    """Derivatives of a part's two formulas: along its states, and along one more argument at a time."""
+    texts = {}
+    for formula in (p.advance, p.force):
+        if formula is None:
+            continue
+        states = [s for s in p.states if s in formula.arguments]
+        for name, function in partials_of(formula).items():
+            for inner, f in read(function, name).intrinsics().items():
+                texts.setdefault(inner, read(f, inner).source)
+            texts[name] = read(function, name).source
+        for unit in (None, *(a for a in formula.arguments if a not in p.states)):
+            name = f"{formula.name}_by_{unit or 'states'}"
+            texts[name] = tangent(formula, name, states, unit)
+    return texts
+
+
+def _define(name: str, site: int, arguments: str, lines: list[str]) -> str:
+    return "\n    ".join([f"def {name}_{site}({arguments}):", *lines])
+
+
+def _targets(states: list[int], array: str = "s") -> str:
+    return ", ".join(f"{array}[{k}]" for k in states)
+
+
+def _advance(composition: Composition, site: int) -> str:
+    lines = [
+        f"{_targets(states)} = {_call(p.advance, place)}"
+        for p, place, states, _ in _slots(composition)
+        if p.advance
+    ]
+    return _define("advance", site, "s, x0, x1, v0, v1, dt, p", [*lines, "return"])
+
+
+def _force(composition: Composition, site: int) -> str:
+    terms = [_call(p.force, place) for p, place, _, _ in _slots(composition) if p.force]
+    return _define("force", site, "s, x, v, a, p", ["return " + " + ".join(terms)])
+
+
+def _slopes(composition: Composition, site: int) -> str:
+    """dF/dx1 and dF/dv1 of the force at the end of a piece, through the states and directly."""
+    lines = ["fx, fv, x, v, a = 0.0, 0.0, x1, v1, 0.0"]
+    for p, place, states, _ in _slots(composition):
+        if p.force is None:
+            continue
+        ends = {name: f"e{k}" for name, k in zip(p.states, states, strict=True)}
+        if p.advance:
+            lines.append(f"{', '.join(ends.values())} = {_call(p.advance, place)}")
+        at_end = lambda name, ends=ends, place=place: ends.get(name) or place(name)  # noqa: E731
+        for axis, total in (("x", "fx"), ("v", "fv")):
+            tangents = _end_tangents(p, place, states, axis, lines)
+            if axis in p.force.arguments or tangents:
+                suffix = f"_by_{axis}" if axis in p.force.arguments else "_by_states"
+                lines.append(f"{total} += {_call(p.force, at_end, tangents or _zeros(p), suffix)}")
+    return _define("slopes", site, "s, x0, x1, v0, v1, dt, p", [*lines, "return fx, fv"])
+
+
+def _zeros(p: Part) -> str:
+    """Zero tangents of the states that the force of a part uses."""
+    assert p.force is not None
+    return ", 0.0" * sum(s in p.force.arguments for s in p.states)
+
+
+def _end_tangents(p: Part, place: Argument, states: list[int], axis: str, lines: list[str]) -> str:
+    """Write how a part's states change with x1 or v1; return the tangents that its force takes ("" if none)."""
+    if p.advance is None or p.force is None or f"{axis}1" not in p.advance.arguments:
+        return ""
+    seeds = ", 0.0" * sum(s in p.advance.arguments for s in p.states)
+    names = {s: f"d{axis}{k}" for s, k in zip(p.states, states, strict=True)}
+    lines.append(f"{', '.join(names.values())} = {_call(p.advance, place, seeds, f'_by_{axis}1')}")
+    return "".join(f", {names[s]}" for s in p.states if s in p.force.arguments)
+
+
+def _columns(composition: Composition, site: int) -> str:
+    """dF/dp_k and dF/ds_j(start), from the tangents D of the states."""
+    lines = []
+    offset = len(composition.parameters)
+    for p, place, states, values in _slots(composition):
+        if p.force is None:
+            continue
+        used = [k for s, k in zip(p.states, states, strict=True) if s in p.force.arguments]
+        for name, k in zip(p.parameters, values, strict=True):
+            direct = name in p.force.arguments
+            if direct or used:
+                suffix = f"_by_{name}" if direct else "_by_states"
+                seeds = "".join(f", D[{j}, {k}]" for j in used)
+                lines.append(f"J[{k}] = {_call(p.force, place, seeds, suffix)}")
+        for start in states:
+            seeds = "".join(f", D[{j}, {offset + start}]" for j in used)
+            lines.append(f"J[{offset + start}] = {_call(p.force, place, seeds, '_by_states')}")
+    return _define("columns", site, "s, D, x, v, a, p, J", [*lines, "return"])
+
+
+def _spread(composition: Composition, site: int) -> str:
+    """Move the tangents D of the states along one piece; called before the states move."""
+    lines = []
+    offset = len(composition.parameters)
+    for p, place, states, values in _slots(composition):
+        if p.advance is None:
+            continue
+        used = [k for s, k in zip(p.states, states, strict=True) if s in p.advance.arguments]
+        ways = [(k, name) for name, k in zip(p.parameters, values, strict=True) if name in p.advance.arguments]
+        ways += [(offset + start, "states") for start in states]
+        for column, unit in ways:
+            seeds = "".join(f", D[{j}, {column}]" for j in used)
+            targets = ", ".join(f"D[{k}, {column}]" for k in states)
+            lines.append(f"{targets} = {_call(p.advance, place, seeds, f'_by_{unit}')}")
+    return _define("spread", site, "s, D, x0, x1, v0, v1, dt, p", [*lines, "return"])
+
+
+def namespace_of(compositions: tuple[Composition, ...]) -> tuple[str, dict[str, Any]]:
+    """The text of several compositions with the functions that choose among them by ``site``, and its names."""
+    texts = [c.source(site) for site, c in enumerate(compositions)]
+    for name, arguments in (
+        ("advance", "s, x0, x1, v0, v1, dt, p"),
+        ("force", "s, x, v, a, p"),
+        ("slopes", "s, x0, x1, v0, v1, dt, p"),
+        ("columns", "s, D, x, v, a, p, J"),
+        ("spread", "s, D, x0, x1, v0, v1, dt, p"),
+    ):
+        last = len(compositions) - 1
+        lines = [f"if site == {k}: return {name}_{k}({arguments})" for k in range(last)]
+        texts.append("\n    ".join([f"def {name}(site, {arguments}):", *lines, f"return {name}_{last}({arguments})"]))
+    return "\n\n".join(texts), {"__name__": __name__}

@@ -1,0 +1,301 @@
+"""A damper: a composition of parts whose parameters follow the input, with the range it was calibrated on."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
+from dampyr.models.composition import Composition, compose
+from dampyr.models.laws import Constant, Law
+
+Array = NDArray[np.float64]
+INPUTS = {"V": "voltage", "A": "current"}
+RANGES = {"displacement": "m", "velocity": "m/s", "frequency": "Hz"}
+
+
+@dataclass(frozen=True, eq=False)
+class Damper:
+    """A damper, from whatever parts.
+
+    ``parts``
+        such as ``"dahl + spring"`` or ``("dahl", "spring")``: names of ``dampyr.models.parts``.
+    ``laws``
+        one law per parameter, by its flat name (``"dahl.kx"``), in SI units over the input; a number means a constant.
+    ``input``
+        ``"V"``: the voltage at the coil, or ``"A"``: its current.
+    ``ranges``
+        what the calibration covered: ``displacement`` (m, peak), ``velocity`` (m/s, peak), ``frequency`` (Hz) -> (low, high).
+    ``covariance``
+        of the laws' coefficients in their order, shape (m, m), or None where it is not known.
+    ``bandwidth``
+        of the derivative that gives the velocity where none is passed, in Hz; None: plain central differences.
+    ``provenance``
+        where the numbers come from, for people.
+
+    Raises :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
+    """
+
+    parts: str | tuple[str, ...]
+    laws: Mapping[str, Law | float]
+    input: str = "V"
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    covariance: Array | None = None
+    bandwidth: float | None = None
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        composition = compose(self.parts)
+        object.__setattr__(self, "parts", composition.names)
+        object.__setattr__(self, "composition", composition)
+        self._check_names()
+        laws = {name: self._law(self.laws[name]) for name in composition.parameters}
+        object.__setattr__(self, "laws", laws)
+        for name, quantity in composition.quantities.items():
+            low, high = laws[name].extremes()
+            where = f"{name} between {laws[name].low:g} and {laws[name].high:g} {self.input}"
+            quantity.check(where, low)
+            quantity.check(where, high)
+        self._check_covariance()
+
+    composition: Composition = field(init=False, repr=False)
+
+    def _check_names(self) -> None:
+        if self.input not in INPUTS:
+            raise InputError(f"the input of a damper is 'V' or 'A', not {self.input!r}")
+        wanted, given = set(self.composition.parameters), set(self.laws)
+        if wanted - given:
+            raise InputError(f"{self.composition} lacks a law for {', '.join(sorted(wanted - given))}")
+        if given - wanted:
+            raise InputError(
+                f"{', '.join(sorted(given - wanted))} is no parameter of {self.composition}; "
+                f"it has {', '.join(self.composition.parameters)}"
+            )
+
+    def _check_covariance(self) -> None:
+        if self.covariance is None:
+            return
+        matrix = np.array(self.covariance, dtype=float)
+        if matrix.shape != (self.coefficients.size,) * 2:
+            raise InputError(
+                f"the covariance has shape {matrix.shape}; the laws have {self.coefficients.size} coefficients"
+            )
+        matrix.setflags(write=False)
+        object.__setattr__(self, "covariance", matrix)
+
+    def _law(self, law: Law | float) -> Law:
+        if isinstance(law, int | float):
+            ranged = [k for k in self.laws.values() if not isinstance(k, int | float)]
+            low = max((k.low for k in ranged), default=0.0)
+            high = min((k.high for k in ranged), default=0.0)
+            return Constant(float(law), low, high)
+        return law
+
+    @property
+    def all_laws(self) -> dict[str, Law]:
+        """The laws by flat parameter name."""
+        return dict(self.laws)  # type: ignore[arg-type]
+
+    @cached_property
+    def range(self) -> tuple[float, float]:
+        """The inputs that every law was calibrated on."""
+        laws = self.all_laws.values()
+        return max(law.low for law in laws), min(law.high for law in laws)
+
+    @cached_property
+    def coefficients(self) -> Array:
+        """All coefficients of the laws, in the order of the parameters."""
+        return np.concatenate([law.coefficients for law in self.all_laws.values()])
+
+    def with_coefficients(self, coefficients: ArrayLike) -> Self:
+        """The same damper with other coefficients in its laws."""
+        numbers, start, laws = np.asarray(coefficients, dtype=float), 0, {}
+        for name, law in self.all_laws.items():
+            stop = start + len(law.coefficients)
+            laws[name] = law.with_coefficients(numbers[start:stop])
+            start = stop
+        return replace(self, laws=laws)
+
+    def check_input(self, u: ArrayLike, allow_extrapolation: bool = False) -> Array:
+        """``u`` as an array; :class:`~dampyr.errors.RangeError` outside the calibrated range unless allowed by name."""
+        values = np.asarray(u, dtype=float)
+        if not np.all(np.isfinite(values)):
+            raise InputError(f"the {INPUTS[self.input]} holds a value that is not finite")
+        low, high = self.range
+        slack = 1e-9 * max(abs(low), abs(high), 1.0)
+        worst = values.max() if values.max() > high + slack else values.min()
+        if low - slack <= worst <= high + slack:
+            return values
+        text = (
+            f"{INPUTS[self.input]} {worst:g} {self.input} is outside the calibrated range "
+            f"{low:g} to {high:g} {self.input}"
+        )
+        if not allow_extrapolation:
+            raise RangeError(f"{text}; stay inside it, or pass allow_extrapolation=True")
+        warnings.warn(f"{text}: extrapolated", ExtrapolationWarning, stacklevel=4)
+        return values
+
+    def values(self, u: ArrayLike, static: bool = True, allow_extrapolation: bool = False) -> Array:
+        """The parameters at the input ``u``: (P,) for a number, (n, P) for an array, in SI units.
+
+        ``static=False`` sets static forces (the offset) to zero. Raises :class:`~dampyr.errors.RangeError` outside the
+        calibrated range unless ``allow_extrapolation``, and InputError where extrapolation leaves the allowed values.
+        """
+        inputs = self.check_input(u, allow_extrapolation)
+        table = np.stack([np.asarray(law(inputs), dtype=float) for law in self.all_laws.values()], axis=-1)
+        for k, (name, quantity) in enumerate(self.composition.quantities.items()):
+            for extreme in (table[..., k].min(), table[..., k].max()):
+                quantity.check(f"{name} at {_span(inputs)} {self.input}", float(extreme))
+        if not static:
+            table[..., list(self.composition.static)] = 0.0
+        return table
+
+    def delay(self, u: float, allow_extrapolation: bool = False) -> float:
+        """The delay in s at the input ``u``; 0 without a delay part."""
+        k = self.composition.delay
+        return 0.0 if k is None else float(self.values(u, allow_extrapolation=allow_extrapolation)[k])
+
+    def at(self, u: float, allow_extrapolation: bool = False) -> Any:
+        """The model at one input: the part's dataclass, or a tuple of them where there are several parts."""
+        values = self.values(float(u), allow_extrapolation=allow_extrapolation)
+        models, start = [], 0
+        for p in self.composition.parts:
+            stop = start + len(p.parameters)
+            models.append(p.cls(*map(float, values[start:stop])))
+            start = stop
+        return models[0] if len(models) == 1 else tuple(models)
+
+    def pick_input(self, voltage: ArrayLike | None, current: ArrayLike | None) -> ArrayLike:
+        """The input that this damper takes, of the two; InputError where it is the other one, or none."""
+        given, other = (voltage, current) if self.input == "V" else (current, voltage)
+        word = INPUTS[self.input]
+        if other is not None:
+            raise InputError(f"this damper was calibrated over {word} in {self.input}; pass {word}=, not the other")
+        if given is None:
+            raise InputError(f"this damper needs its {word}; pass {word}= in {self.input}")
+        return given
+
+    def force(
+        self,
+        t: ArrayLike,
+        x: ArrayLike,
+        voltage: ArrayLike | None = None,
+        current: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        state0: ArrayLike | None = None,
+        allow_extrapolation: bool = False,
+    ) -> Array:
+        """The force in N, shape (n,), along a path.
+
+        ``t`` (n,) s rising, ``x`` (n,) m, ``velocity`` (n,) m/s or None for the derivative of x (see ``bandwidth``),
+        ``voltage`` a number or (n,) V, ``state0`` the hysteretic states at the start (0: no memory). Between samples the
+        path is straight. A motion beyond the calibrated displacement or velocity gives one warning that names the limit.
+        """
+        from dampyr.models.march import along, delayed
+
+        t, x = _path(t, x)
+        u = self._input_along(self.pick_input(voltage, current), t)
+        v = self._velocity(t, x, velocity)
+        self._warn_outside(x, v)
+        values = self.values(u, allow_extrapolation=allow_extrapolation)
+        undelayed = along(self.composition, t, x, v, values, self._state0(state0))
+        k = self.composition.delay
+        return undelayed if k is None else delayed(t, undelayed, np.asarray(values[..., k]))
+
+    def _input_along(self, u: ArrayLike, t: Array) -> Array:
+        values = np.asarray(u, dtype=float)
+        if values.ndim and values.shape != t.shape:
+            raise InputError(f"{INPUTS[self.input]} has shape {values.shape}, the path {t.shape}; give one number or as many")
+        return values
+
+    def _velocity(self, t: Array, x: Array, velocity: ArrayLike | None) -> Array:
+        from dampyr.models.derivative import differentiate
+
+        if velocity is None:
+            return differentiate(t, x, self.bandwidth)
+        v = np.ascontiguousarray(velocity, dtype=float)
+        if v.shape != x.shape or not np.all(np.isfinite(v)):
+            raise InputError(f"velocity has shape {v.shape}, the path {x.shape}; give as many finite values")
+        return v
+
+    def _state0(self, state0: ArrayLike | None) -> Array | None:
+        if state0 is None:
+            return None
+        s = np.atleast_1d(np.asarray(state0, dtype=float))
+        bounds = self.composition.states
+        if s.shape != (len(bounds),):
+            raise InputError(f"state0 has {s.size} values; {self.composition} has {len(bounds)} states")
+        for (name, (low, high)), value in zip(bounds.items(), s, strict=True):
+            if not low <= value <= high:
+                raise InputError(f"the initial state {name} = {value:g} must lie between {low:g} and {high:g}")
+        return s
+
+    def _warn_outside(self, x: Array, v: Array) -> None:
+        peaks = {"displacement": 0.5 * float(np.ptp(x)), "velocity": float(np.abs(v).max())}
+        for name, peak in peaks.items():
+            limit = self.ranges.get(name, (0.0, np.inf))[1]
+            if peak > 1.01 * limit:
+                unit = RANGES[name]
+                warnings.warn(
+                    f"{name} reaches {peak:.4g} {unit}; the damper was calibrated up to {limit:.4g} {unit}",
+                    DampyrWarning,
+                    stacklevel=3,
+                )
+
+    def draws(self, n: int, seed: int) -> list[Self]:
+        """``n`` dampers from the distribution of the fit (normal in the coefficients, inadmissible ones drawn again).
+
+        Raises InputError without a covariance, where the fit was blind to a coefficient, or where fewer than 1 % of the
+        draws are admissible.
+        """
+        if self.covariance is None:
+            raise InputError("this damper has no covariance to draw from; identify it from records first")
+        if not np.all(np.isfinite(self.covariance)):
+            raise InputError("the fit was blind to a coefficient (infinite variance), so there is nothing to draw from")
+        rng = np.random.default_rng(seed)
+        found: list[Self] = []
+        for _ in range(100 * n):
+            coefficients = rng.multivariate_normal(self.coefficients, self.covariance, method="eigh")
+            try:
+                found.append(self.with_coefficients(coefficients))
+            except InputError:
+                continue
+            if len(found) == n:
+                return found
+        raise InputError(f"only {len(found)} of {100 * n} draws were admissible; the fit is too uncertain to draw from")
+
+    def save(self, path: str | Path) -> Path:
+        """Write the card, a TOML file (docs/reference/card.md), whole or not at all."""
+        from dampyr.models.card import write
+
+        return write(self, Path(path))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Damper:
+        """Read a card; :class:`~dampyr.errors.FileError` says what is wrong with it."""
+        from dampyr.models.card import read
+
+        return read(Path(path))
+
+
+def _path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
+    time, displacement = (np.ascontiguousarray(a, dtype=float) for a in (t, x))
+    if time.ndim != 1 or time.shape != displacement.shape or time.size < 2:
+        raise InputError(f"t {time.shape} and x {displacement.shape} must be two vectors of the same length, 2 or more")
+    if not (np.all(np.isfinite(time)) and np.all(np.isfinite(displacement))):
+        raise InputError("t and x must be finite; a value is NaN or infinite")
+    if np.any(np.diff(time) <= 0):
+        k = int(np.argmax(np.diff(time) <= 0))
+        raise InputError(f"t must rise; t[{k + 1}] = {time[k + 1]:g} s follows t[{k}] = {time[k]:g} s")
+    return time, displacement
+
+
+def _span(u: Array) -> str:
+    return f"{u.min():g}" if u.min() == u.max() else f"{u.min():g} to {u.max():g}"

@@ -1,0 +1,246 @@
+"""A model's formulas as data: read once, differentiated exactly, written out for any machine.
+
+A part of a damper is a few lines of plain scalar Python (`parts/dahl.py` shows the form). This module reads these
+lines as a syntax tree, so that the same text serves as the kernel (numba), its exact forward derivatives
+(tangents), and the exports (C). The language is small on purpose: assignments, ``if``, ``return``, arithmetic,
+the functions in ``DERIVATIVES`` and *intrinsics*, which are functions that come with their own partial derivatives.
+"""
+
+from __future__ import annotations
+
+import ast
+import copy
+import inspect
+import textwrap
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+#: d f(a) / da for the functions of one argument, in terms of ``a``
+DERIVATIVES = {
+    "exp": "exp({a})",
+    "log": "1.0/({a})",
+    "sqrt": "0.5/sqrt({a})",
+    "tanh": "(1.0 - tanh({a})**2)",
+    "sin": "cos({a})",
+    "cos": "(-sin({a}))",
+    "atan": "1.0/(1.0 + ({a})**2)",
+    "abs": "copysign(1.0, {a})",
+}
+
+_PARTIALS: dict[Callable[..., float], tuple[Callable[..., float], ...]] = {}
+
+
+def intrinsic(*partials: Callable[..., float]) -> Callable[[Callable[..., float]], Callable[..., float]]:
+    """Mark a function as an intrinsic with one partial derivative per argument, in their order.
+
+    A partial takes the value of the function and then its arguments.
+    """
+
+    def mark(function: Callable[..., float]) -> Callable[..., float]:
+        _PARTIALS[function] = partials
+        return function
+
+    return mark
+
+
+@dataclass(frozen=True)
+class Formula:
+    """One function of a part: its name, the names of its arguments, its tree and what it calls."""
+
+    name: str
+    arguments: tuple[str, ...]
+    tree: ast.FunctionDef
+    namespace: dict[str, Any]
+
+    @property
+    def source(self) -> str:
+        """Python text."""
+        return ast.unparse(self.tree)
+
+    def intrinsics(self) -> dict[str, Callable[..., float]]:
+        """The plain functions that this one calls, by name, with all that these call in turn."""
+        found: dict[str, Callable[..., float]] = {}
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                function = self.namespace.get(node.func.id)
+                if inspect.isfunction(function) and node.func.id not in found:
+                    found.update(read(function, node.func.id).intrinsics())
+                    found[node.func.id] = function
+        return found
+
+
+@lru_cache(maxsize=512)
+def read(function: Callable[..., Any], name: str) -> Formula:
+    """The formula of a plain function, under a new name and without hints and docstring."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    assert isinstance(tree, ast.FunctionDef)
+    if ast.get_docstring(tree):
+        tree.body = tree.body[1:]
+    tree.name, tree.returns, tree.decorator_list = name, None, []
+    for argument in tree.args.args:
+        argument.annotation = None
+    namespace = function.__globals__
+    tree = _Constants(namespace).visit(tree)
+    return Formula(name, tuple(a.arg for a in tree.args.args), ast.fix_missing_locations(tree), namespace)
+
+
+class _Constants(ast.NodeTransformer):
+    """Write the module's numeric constants in place, so that the text stands alone."""
+
+    def __init__(self, namespace: dict[str, Any]) -> None:
+        self.namespace = namespace
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        value = self.namespace.get(node.id)
+        if isinstance(node.ctx, ast.Load) and isinstance(value, int | float) and not isinstance(value, bool):
+            return ast.Constant(value)
+        return node
+
+
+def tangent(formula: Formula, name: str, active: Iterable[str], unit: str | None = None) -> str:
+    """Python text of the forward derivative of ``formula`` in one direction.
+
+    The function takes the arguments of the formula and then a tangent ``d_a`` for each ``a`` of ``active``; the
+    argument called ``unit`` has the tangent 1. It returns the tangent of what the formula returns.
+    """
+    active = tuple(active)
+    seeds = {a: f"d_{a}" for a in active}
+    if unit is not None:
+        seeds[unit] = "1.0"
+    body, _ = _Tangent(formula.namespace).block(formula.tree.body, seeds)
+    arguments = ", ".join((*formula.arguments, *(f"d_{a}" for a in active)))
+    return f"def {name}({arguments}):\n" + textwrap.indent("\n".join(body), "    ")
+
+
+class _Tangent:
+    """Writes a block of statements with their tangents; a name without an entry in ``seeds`` has tangent zero."""
+
+    def __init__(self, namespace: dict[str, Any]) -> None:
+        self.namespace = namespace
+        self.values: dict[str, str] = {}
+
+    def block(self, statements: list[ast.stmt], seeds: dict[str, str]) -> tuple[list[str], dict[str, str]]:
+        lines: list[str] = []
+        for statement in statements:
+            if isinstance(statement, ast.Return):
+                assert statement.value is not None
+                returned = self._returned(statement.value, seeds)
+                lines += [*self._computed(), f"return {returned}"]
+            elif isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name):
+                lines += self._assign(statement.targets[0].id, statement.value, seeds)
+            elif isinstance(statement, ast.If):
+                lines += self._branch(statement, seeds)
+            else:
+                raise TypeError(f"a formula cannot say: {ast.unparse(statement)}")
+        return lines, seeds
+
+    def _returned(self, value: ast.expr, seeds: dict[str, str]) -> str:
+        if isinstance(value, ast.Tuple):
+            return "(" + ", ".join(self.of(e, seeds) or "0.0" for e in value.elts) + ")"
+        return self.of(value, seeds) or "0.0"
+
+    def _assign(self, target: str, value: ast.expr, seeds: dict[str, str]) -> list[str]:
+        derivative = self.of(value, seeds)
+        lines = self._computed() + ([f"d_{target} = {derivative}"] if derivative else [])
+        lines.append(f"{target} = {ast.unparse(value)}")
+        seeds.pop(target, None)
+        if derivative:
+            seeds[target] = f"d_{target}"
+        return lines
+
+    def _branch(self, statement: ast.If, seeds: dict[str, str]) -> list[str]:
+        sides = [self.block(side, dict(seeds)) for side in (statement.body, statement.orelse)]
+        touched = sorted(set(sides[0][1]) | set(sides[1][1]))
+        for name in touched:
+            ends = [side[1].get(name) for side in sides]
+            if ends[0] != ends[1]:
+                for (lines, _), end in zip(sides, ends, strict=True):
+                    if end != f"d_{name}":
+                        lines.insert(len(lines), f"d_{name} = {end or '0.0'}")
+                seeds[name] = f"d_{name}"
+            elif ends[0] is not None:
+                seeds[name] = ends[0]
+        text = [f"if {ast.unparse(statement.test)}:", *("    " + line for line in sides[0][0] or ["pass"])]
+        if sides[1][0]:
+            text += ["else:", *("    " + line for line in sides[1][0])]
+        return "\n".join(text).split("\n")
+
+    def _computed(self) -> list[str]:
+        """The values of the intrinsics that the next line needs."""
+        lines = [f"{name} = {text}" for text, name in self.values.items()]
+        self.values = {}
+        return lines
+
+    def of(self, node: ast.expr, seeds: dict[str, str]) -> str | None:
+        """The tangent of an expression as text, or None where it is zero."""
+        if isinstance(node, ast.Constant):
+            return None
+        if isinstance(node, ast.Name):
+            return seeds.get(node.id)
+        if isinstance(node, ast.UnaryOp):
+            inner = self.of(node.operand, seeds)
+            return inner and f"(-{inner})" if isinstance(node.op, ast.USub) else inner
+        if isinstance(node, ast.BinOp):
+            return self._binary(node, seeds)
+        if isinstance(node, ast.Call):
+            return self._call(node, seeds)
+        raise TypeError(f"a formula cannot say: {ast.unparse(node)}")
+
+    def _binary(self, node: ast.BinOp, seeds: dict[str, str]) -> str | None:
+        a, b = ast.unparse(node.left), ast.unparse(node.right)
+        da, db = self.of(node.left, seeds), self.of(node.right, seeds)
+        if da is None and db is None:
+            return None
+        if isinstance(node.op, ast.Add | ast.Sub):
+            sign = "+" if isinstance(node.op, ast.Add) else "-"
+            if db is None:
+                return da
+            return f"({da} {sign} {db})" if da else (db if sign == "+" else f"(-{db})")
+        if isinstance(node.op, ast.Mult):
+            return _sum(da and f"{da}*({b})", db and f"({a})*{db}")
+        if isinstance(node.op, ast.Div):
+            return _sum(da and f"{da}/({b})", db and f"(-(({a})/({b}))/({b})*{db})")
+        if isinstance(node.op, ast.Pow) and db is None:
+            return f"({b})*({a})**(({b}) - 1.0)*{da}"
+        raise TypeError(f"a formula cannot say: {ast.unparse(node)}")
+
+    def _call(self, node: ast.Call, seeds: dict[str, str]) -> str | None:
+        assert isinstance(node.func, ast.Name)
+        name, texts = node.func.id, [ast.unparse(a) for a in node.args]
+        tangents = [self.of(a, seeds) for a in node.args]
+        if name == "copysign":
+            return tangents[0] and f"copysign(1.0, {texts[1]})*copysign(1.0, {texts[0]})*{tangents[0]}"
+        if name in DERIVATIVES:
+            return tangents[0] and f"{DERIVATIVES[name].format(a=texts[0])}*{tangents[0]}"
+        partials = _PARTIALS[self.namespace[name]]
+        value = self.values.setdefault(ast.unparse(node), f"value{len(self.values)}")
+        terms = [
+            f"{partial.__name__}({', '.join([value, *texts])})*{t}"
+            for partial, t in zip(partials, tangents, strict=True)
+            if t
+        ]
+        return f"({' + '.join(terms)})" if terms else None
+
+
+def _sum(a: str | None, b: str | None) -> str | None:
+    if a and b:
+        return f"({a} + {b})"
+    return a and f"({a})" or b and f"({b})"
+
+
+def partials_of(formula: Formula) -> dict[str, Callable[..., float]]:
+    """The partial derivatives of the intrinsics that a formula calls, by name."""
+    found: dict[str, Callable[..., float]] = {}
+    for function in formula.intrinsics().values():
+        for partial in _PARTIALS.get(function, ()):
+            found[partial.__name__] = partial
+    return found
+
+
+def renamed(formula: Formula, name: str) -> Formula:
+    """The same formula under another name."""
+    tree = copy.deepcopy(formula.tree)
+    tree.name = name
+    return Formula(name, formula.arguments, tree, formula.namespace)

@@ -1,0 +1,129 @@
+"""Compiling a driver for a composition of parts, and keeping what was compiled.
+
+A *driver* is a plain function in a real file (``march`` below, the coupling in ``dampyr.structures``) that walks along a path
+or through an earthquake. It calls ``advance``, ``force``, ``slopes``, ``columns`` and ``spread`` by name, and `bind` gives these names the
+functions of one or several compositions and compiles the whole with numba.
+
+Compiled code is kept on disk in a folder whose name holds a hash of dampyr's own sources, so that an edited model
+can never be served stale. The folder lies in the user's cache, or where ``DAMPYR_CACHE`` says.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+from dampyr.models.composition import Composition, namespace_of
+
+BOUND = ("advance", "force", "slopes", "columns", "spread")
+FAST = {"contract", "nsz", "arcp"}
+_MATH = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "tan", "atan", "copysign")
+
+
+@lru_cache(maxsize=1)
+def cache_folder() -> Path:
+    """Where compiled kernels are kept: made if need be; a temporary folder where the user's cache is not writable."""
+    package = Path(__file__).resolve().parents[1]
+    digest = hashlib.sha256()
+    for file in sorted(package.rglob("*.py")):
+        digest.update(str(file.relative_to(package)).encode() + b"\0" + file.read_bytes())
+    base = os.environ.get("DAMPYR_CACHE") or _user_cache()
+    folder = Path(base) / f"kernels-{digest.hexdigest()[:16]}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError:
+        return Path(tempfile.mkdtemp(prefix="dampyr-kernels-"))
+
+
+def _user_cache() -> Path:
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "dampyr"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "dampyr"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dampyr"
+
+
+def jit(function: Callable[..., Any], keep: bool = False) -> Any:
+    """``function`` compiled by numba without Python objects; ``keep`` puts the machine code on disk."""
+    from numba import njit
+
+    compiled = njit(error_model="numpy", fastmath=FAST)(function)
+    if keep:
+        compiled._cache = _cache_class()(function)
+    return compiled
+
+
+@lru_cache(maxsize=1)
+def _cache_class() -> Any:
+    from numba.core import caching
+
+    class Locator(caching._CacheLocator):  # type: ignore[misc]
+        """Our folder; the folder's name carries the sources' hash, so the stamp need not."""
+
+        def __init__(self, function: Any) -> None:
+            self.name = function.__qualname__
+
+        def get_cache_path(self) -> str:
+            return str(cache_folder())
+
+        def get_source_stamp(self) -> str:
+            return cache_folder().name
+
+        def get_disambiguator(self) -> str:
+            return hashlib.sha256(self.name.encode()).hexdigest()[:12]
+
+        @classmethod
+        def from_function(cls, function: Any, file: str) -> Any:
+            return cls(function)
+
+    class Implementation(caching.CompileResultCacheImpl):  # type: ignore[misc]
+        _locator_classes = [Locator]  # noqa: RUF012
+
+    class Cache(caching.FunctionCache):  # type: ignore[misc]
+        _impl_class = Implementation
+
+    return Cache
+
+
+@lru_cache(maxsize=256)
+def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...]) -> Any:
+    """``driver`` compiled with the functions of ``compositions`` in the place of the names in `BOUND`.
+
+    ``site`` in the driver's calls says which of the compositions is meant. Functions of the driver's own module that it
+    calls are bound with it.
+    """
+    text, names = namespace_of(compositions)
+    names.update((name, getattr(math, name)) for name in _MATH)
+    exec(compile(text, f"<{' | '.join(map(str, compositions))}>", "exec"), names)
+    for name, value in list(names.items()):
+        if isinstance(value, FunctionType):
+            names[name] = jit(value)
+    key = hashlib.sha256(text.encode()).hexdigest()[:16]
+    return _rebound(driver, {name: names[name] for name in BOUND}, key, {}, keep=True)
+
+
+def _rebound(
+    function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any], keep: bool = False
+) -> Any:
+    if function in done:
+        return done[function]
+    names = {**function.__globals__, **bound}
+    for name in function.__code__.co_names:
+        called = names.get(name)
+        if isinstance(called, FunctionType) and called.__module__ == function.__module__:
+            names[name] = _rebound(called, bound, key, done)
+    copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+    copy.__qualname__ = f"{function.__module__}.{function.__qualname__}.{key}"
+    copy.__module__ = function.__module__
+    done[function] = jit(copy, keep)
+    return done[function]

@@ -1,0 +1,198 @@
+r"""Voltage laws: how a parameter follows the input of the damper.
+
+A law is defined on the range of inputs it was calibrated on, ``low`` to ``high``, and knows its coefficients. The input is
+the coil's voltage in V, or its current in A, as the damper says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Protocol, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+class Law(Protocol):
+    """What every law can do."""
+
+    kind: str
+    low: float
+    high: float
+
+    @property
+    def coefficients(self) -> tuple[float, ...]:
+        """The numbers that a fit determines."""
+        ...
+
+    def __call__(self, u: ArrayLike) -> Any:
+        """The parameter at the input ``u``."""
+        ...
+
+    def with_coefficients(self, coefficients: ArrayLike) -> Self:
+        """The same law with other numbers."""
+        ...
+
+    def extremes(self) -> tuple[float, float]:
+        """The smallest and the largest value inside the range."""
+        ...
+
+    def card(self) -> dict[str, Any]:
+        """The law as a table of the damper's card."""
+        ...
+
+
+def _checked_range(low: float, high: float) -> None:
+    if not (np.isfinite(low) and np.isfinite(high) and low <= high):
+        raise InputError(f"the range {low:g} to {high:g} of a law is not a range; give finite low <= high")
+
+
+def _checked_numbers(what: str, numbers: ArrayLike) -> tuple[float, ...]:
+    values = np.atleast_1d(np.asarray(numbers, dtype=float))
+    if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):
+        raise InputError(f"the {what} of a law must be a list of finite numbers, not {numbers!r}")
+    return tuple(float(v) for v in values)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """The same value at every input of the range."""
+
+    value: float
+    low: float = 0.0
+    high: float = 0.0
+    kind = "constant"
+
+    def __post_init__(self) -> None:
+        _checked_range(self.low, self.high)
+        _checked_numbers("value", self.value)
+
+    @property
+    def coefficients(self) -> tuple[float, ...]:
+        return (float(self.value),)
+
+    def __call__(self, u: ArrayLike) -> Any:
+        return self.value + 0.0 * np.asarray(u, dtype=float)
+
+    def with_coefficients(self, coefficients: ArrayLike) -> Self:
+        return replace(self, value=_checked_numbers("value", coefficients)[0])
+
+    def extremes(self) -> tuple[float, float]:
+        return self.value, self.value
+
+    def card(self) -> dict[str, Any]:
+        return {"kind": self.kind, "value": self.value, "range": [self.low, self.high]}
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    r""":math:`p(u) = \sum_k c_k u^k`, as in (4.3)-(4.5); ``coefficients`` in rising powers."""
+
+    coefficients: tuple[float, ...]
+    low: float
+    high: float
+    kind = "polynomial"
+
+    def __post_init__(self) -> None:
+        _checked_range(self.low, self.high)
+        object.__setattr__(self, "coefficients", _checked_numbers("coefficients", self.coefficients))
+
+    def __call__(self, u: ArrayLike) -> Any:
+        return np.polynomial.polynomial.polyval(np.asarray(u, dtype=float), np.array(self.coefficients))
+
+    def with_coefficients(self, coefficients: ArrayLike) -> Self:
+        return replace(self, coefficients=_checked_numbers("coefficients", coefficients))
+
+    def extremes(self) -> tuple[float, float]:
+        turning = np.polynomial.Polynomial(self.coefficients).deriv().roots()
+        real = turning[np.abs(np.imag(turning)) < 1e-12].real
+        at = np.concatenate(([self.low, self.high], real[(real > self.low) & (real < self.high)]))
+        values = self(at)
+        return float(values.min()), float(values.max())
+
+    def card(self) -> dict[str, Any]:
+        return {"kind": self.kind, "coefficients": list(self.coefficients), "range": [self.low, self.high]}
+
+
+@dataclass(frozen=True)
+class Interpolation:
+    """A smooth curve through ``values`` at ``knots`` that never leaves the two values it runs between.
+
+    Piecewise cubic Hermite with the slopes of Fritsch and Butland (1984), so it is monotone wherever the values are.
+    """
+
+    knots: tuple[float, ...]
+    values: tuple[float, ...]
+    kind = "interpolation"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "knots", _checked_numbers("knots", self.knots))
+        object.__setattr__(self, "values", _checked_numbers("values", self.values))
+        if len(self.knots) != len(self.values) or len(self.knots) < 2:
+            raise InputError(
+                f"a law by interpolation needs two or more knots and as many values, not {len(self.knots)} knots "
+                f"and {len(self.values)} values"
+            )
+        if np.any(np.diff(self.knots) <= 0):
+            raise InputError(f"the knots {list(self.knots)} of a law must rise strictly")
+
+    @property
+    def low(self) -> float:  # type: ignore[override]
+        """The first knot."""
+        return self.knots[0]
+
+    @property
+    def high(self) -> float:  # type: ignore[override]
+        """The last knot."""
+        return self.knots[-1]
+
+    @property
+    def coefficients(self) -> tuple[float, ...]:
+        return self.values
+
+    @cached_property
+    def pieces(self) -> Array:
+        """Rising powers of (u - left knot), shape (4, pieces)."""
+        from scipy.interpolate import PchipInterpolator
+
+        return np.asarray(PchipInterpolator(self.knots, self.values).c)[::-1]
+
+    def __call__(self, u: ArrayLike) -> Any:
+        u = np.asarray(u, dtype=float)
+        piece = np.clip(np.searchsorted(self.knots, u, side="right") - 1, 0, len(self.knots) - 2)
+        d = u - np.asarray(self.knots)[piece]
+        c = self.pieces[:, piece]
+        return c[0] + d * (c[1] + d * (c[2] + d * c[3]))
+
+    def with_coefficients(self, coefficients: ArrayLike) -> Self:
+        return replace(self, values=_checked_numbers("values", coefficients))
+
+    def extremes(self) -> tuple[float, float]:
+        return min(self.values), max(self.values)
+
+    def card(self) -> dict[str, Any]:
+        return {"kind": self.kind, "knots": list(self.knots), "values": list(self.values)}
+
+
+def from_card(table: dict[str, Any]) -> Law:
+    """The law that a card's table describes; :class:`~dampyr.errors.InputError` names what is wrong with it."""
+    kind = table.get("kind")
+    try:
+        if kind == "constant":
+            return Constant(float(table["value"]), *map(float, table["range"]))
+        if kind == "polynomial":
+            return Polynomial(tuple(table["coefficients"]), *map(float, table["range"]))
+        if kind == "interpolation":
+            return Interpolation(tuple(table["knots"]), tuple(table["values"]))
+    except KeyError as missing:
+        raise InputError(f"a law of kind {kind!r} lacks {missing.args[0]!r}; add it") from None
+    except (TypeError, ValueError) as problem:
+        if isinstance(problem, InputError):
+            raise
+        raise InputError(f"a law of kind {kind!r} holds something that is not a number: {problem}") from None
+    raise InputError(f"unknown law {kind!r}; choose constant, polynomial or interpolation")

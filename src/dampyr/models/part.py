@@ -1,0 +1,107 @@
+"""What one part of a damper is: its parameters, states and formulas, read from its file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
+from functools import lru_cache, wraps
+from types import ModuleType
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+
+from dampyr.catalogue import member
+from dampyr.models.formula import Formula, read
+from dampyr.units import Quantity
+
+SHELF = "dampyr.models.parts"
+_Class = TypeVar("_Class", bound=type)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How large a record's motion is, from where a fit begins: peak-to-peak stroke [m], peak speed [m/s], dt [s]."""
+
+    stroke: float
+    speed: float
+    dt: float
+
+
+def quantities(cls: type) -> dict[str, Quantity]:
+    """The parameters of a part's dataclass: name -> what it means and which values are allowed."""
+    found = {}
+    for name, hint in get_type_hints(cls, include_extras=True).items():
+        if get_origin(hint) is Annotated:
+            found[name] = next(a for a in get_args(hint) if isinstance(a, Quantity))
+    return found
+
+
+def checked(cls: _Class) -> _Class:
+    """Check each parameter against its allowed range when a part is made."""
+    made: Callable[..., None] = cls.__init__  # type: ignore[misc]
+
+    @wraps(made)
+    def init(self: Any, *args: Any, **kwargs: Any) -> None:
+        made(self, *args, **kwargs)
+        for name, quantity in quantities(cls).items():
+            quantity.check(f"{cls.__name__}.{name}", getattr(self, name))
+
+    cls.__init__ = init  # type: ignore[misc]
+    return cls
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part: where a composition, a fit and an export look up what its file says."""
+
+    name: str
+    cls: type
+    module: ModuleType
+
+    @property
+    def parameters(self) -> dict[str, Quantity]:
+        """Parameter name -> quantity, in the order of the file."""
+        known = quantities(self.cls)
+        return {f.name: known[f.name] for f in fields(self.cls)}
+
+    @property
+    def states(self) -> dict[str, tuple[float, float]]:
+        """State name -> its bounds; every state is 0 at rest."""
+        return getattr(self.module, "STATES", {})
+
+    @property
+    def advance(self) -> Formula | None:
+        """The formula that moves the states, if there are any."""
+        return read(self.module.advance, f"{self.name}_advance") if self.states else None
+
+    @property
+    def force(self) -> Formula | None:
+        """The formula of the force, if the part has one of its own."""
+        return read(self.module.force, f"{self.name}_force") if hasattr(self.module, "force") else None
+
+    @property
+    def delay(self) -> str | None:
+        """The name of the parameter that delays the whole damper, if this part is a delay."""
+        return getattr(self.module, "DELAY", None)
+
+    @property
+    def static(self) -> bool:
+        """Whether the part is a static force that a building leaves out."""
+        return getattr(self.module, "STATIC", False)
+
+    @property
+    def path_only(self) -> bool:
+        """Whether the states depend on the path alone, not on how fast it is walked."""
+        return self.advance is None or not {"v0", "v1", "dt"} & set(self.advance.arguments)
+
+    def starts(self, scale: Scale) -> list[dict[str, float]]:
+        """Values of the parameters that are not linear, from where a fit may begin."""
+        propose: Callable[[Scale], Iterator[dict[str, float]]] | None = getattr(self.module, "starts", None)
+        return list(propose(scale)) if propose else [{}]
+
+
+@lru_cache(maxsize=64)
+def part(name: str) -> Part:
+    """The part called ``name``; :class:`~dampyr.errors.InputError` with the known names if there is none."""
+    module = member(SHELF, name)
+    wanted = name.replace("_", "")
+    cls = next(c for n, c in vars(module).items() if isinstance(c, type) and n.lower() == wanted)
+    return Part(name, cls, module)

@@ -1,0 +1,27 @@
+r"""A pure delay of the whole force.
+
+.. math:: F(t) = F_\text{other parts}(t - \tau)
+
+Until the motion has lasted tau, the force is the one at the start. Between samples the force is interpolated linearly.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+from dampyr.models.part import Scale, checked
+from dampyr.units import Quantity
+
+DELAY = "tau"
+
+
+@checked
+@dataclass(frozen=True)
+class Delay:
+    """The delay ``tau``."""
+
+    tau: Annotated[float, Quantity("s", low=0)]
+
+
+def starts(scale: Scale) -> Iterator[dict[str, float]]:
+    yield {"tau": scale.dt}

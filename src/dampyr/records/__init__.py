@@ -1,0 +1,55 @@
+"""What was measured: one test, one clock; readers, conditioning, cycles.
+
+A :class:`Record` is read with :func:`read` or :func:`read_campaign`, in SI, checked and immutable. Each
+conditioning step returns a new record whose history says what was done; each report (:func:`measure`,
+:func:`quality`, :func:`disagreements`, :func:`estimate_delay`, :func:`drift`) changes nothing.
+"""
+
+from dampyr.records.campaign import CampaignRow, campaign_rows, read_campaign, read_row
+from dampyr.records.cycles import cycle_average, cycles, legs, turning_points
+from dampyr.records.datasets import fetch, locate
+from dampyr.records.delay import Delay, correct_delay, estimate_delay
+from dampyr.records.derivative import default_bandwidth, differentiate, with_velocity
+from dampyr.records.drift import drift, remove_drift
+from dampyr.records.files import read, write
+from dampyr.records.labels import disagreements
+from dampyr.records.measure import Measured, cycle_energies, measure
+from dampyr.records.motion import motion_start
+from dampyr.records.offset import mean_force, remove_offset
+from dampyr.records.quality import Quality, quality, quantum
+from dampyr.records.record import Label, Record
+
+__all__ = [
+    "Label",
+    "Record",
+    "read",
+    "write",
+    "CampaignRow",
+    "campaign_rows",
+    "read_campaign",
+    "read_row",
+    "fetch",
+    "locate",
+    "motion_start",
+    "turning_points",
+    "legs",
+    "cycles",
+    "cycle_average",
+    "differentiate",
+    "default_bandwidth",
+    "with_velocity",
+    "mean_force",
+    "remove_offset",
+    "drift",
+    "remove_drift",
+    "Delay",
+    "estimate_delay",
+    "correct_delay",
+    "Measured",
+    "measure",
+    "cycle_energies",
+    "Quality",
+    "quality",
+    "quantum",
+    "disagreements",
+]

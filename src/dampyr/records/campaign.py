@@ -1,0 +1,191 @@
+"""A campaign is a folder: the laboratory's, with its ``campaign.csv``, or one that dampyr recorded.
+
+The table's columns are ``file, table, row, voltage_V, peak_to_peak_mm, frequency_Hz, kx_Ns_per_mm, kw_N,
+rho_per_mm, sha256``. What it prints about a test becomes the record's label, never its measurement.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from dampyr.errors import FileError, InputError, MissingData
+from dampyr.records.files import read
+from dampyr.records.formats import h5
+from dampyr.records.record import Label, Record, Role, as_role
+from dampyr.units import round_trip, to_si
+
+TABLE = "campaign.csv"
+COLUMNS = ("file", "table", "row", "voltage_V", "peak_to_peak_mm", "frequency_Hz")
+PUBLISHED = {
+    "kx_Ns_per_mm": ("kx", "N s/mm", "N s/m"),
+    "kw_N": ("kw", "N", "N"),
+    "rho_per_mm": ("rho", "1/mm", "1/m"),
+}
+
+
+@dataclass(frozen=True)
+class CampaignRow:
+    """One row of a campaign's table, SI.
+
+    ``file`` is None when the row has no file, or when the file is not in the folder (``file_name`` then still
+    names it). ``published`` holds kx (N s/m), kw (N) and rho (1/m) where the table prints them.
+    """
+
+    file_name: str
+    file: Path | None
+    label: Label
+    voltage: float
+    role: Role
+    sha256: str
+    published: Mapping[str, float]
+
+    @property
+    def table(self) -> str:
+        """The table it is printed in, such as "4.2"."""
+        return self.label.table
+
+    @property
+    def row(self) -> int | None:
+        """The row of that table, from 1; None for a test that is in no table."""
+        return self.label.row
+
+
+def read_campaign(folder: str | Path, role: Role | None = "fit", incomplete: bool = False) -> list[Record]:
+    """The records of a campaign, in the order of its table (or of the file names, in a recorded folder).
+
+    Parameters
+    ----------
+    folder
+        A folder with a ``campaign.csv``, or one with dampyr's ``.h5`` files.
+    role
+        "fit" (the rows of the tables), "validation" (the tests that no fit may use), or None for both.
+    incomplete
+        Of a recorded folder the complete tests are returned, the latest try of each; True adds all the rest.
+
+    Rows without a file are skipped here and reported by :func:`campaign_rows`.
+
+    Raises
+    ------
+    MissingData
+        There is no such folder, or there are no tests in it.
+    FileError
+        A file is wrong, is not the file whose sha256 the table gives, or the table is wrong.
+    """
+    folder = _folder(folder)
+    wanted = None if role is None else as_role(role)
+    if (folder / TABLE).is_file():
+        rows = [row for row in campaign_rows(folder) if wanted in (None, row.role)]
+        return [read_row(row) for row in rows if row.file is not None]
+    records = _recorded(folder, incomplete)
+    return [record for record in records if wanted in (None, record.role)]
+
+
+def campaign_rows(folder: str | Path | None = None) -> list[CampaignRow]:
+    """Every row of a campaign's table, those without a file too (``row.file is None``).
+
+    Without a folder: the table of the Labcontrol campaign that comes with dampyr, all files None.
+    """
+    if folder is None:
+        text = resources.files("dampyr.records").joinpath("labcontrol_campaign.csv").read_text("utf-8")
+        return _rows(Path("labcontrol_campaign.csv"), text, None)
+    path = _folder(folder) / TABLE
+    if not path.is_file():
+        raise MissingData(f"{path}: there is no such table; a campaign's folder holds one")
+    return _rows(path, path.read_text("utf-8"), path.parent)
+
+
+def read_row(row: CampaignRow) -> Record:
+    """The record of one row: its file checked by sha256, with the row's voltage, label and role."""
+    if row.file is None:
+        where = f"row {row.row} of table {row.table}" if row.row else f"the test of {row.table}"
+        raise MissingData(
+            f"{where} has no file{f' {row.file_name}' if row.file_name else ''}; choose another row"
+        )
+    check_sha256(row.file, row.sha256)
+    record = read(row.file, voltage=row.voltage)
+    provenance = dict(record.provenance) | {"campaign": TABLE, "sha256": row.sha256}
+    note = f"voltage, label and role from {TABLE}"
+    return record.replace(note=note, label=row.label, role=row.role, provenance=provenance)
+
+
+def check_sha256(path: Path, expected: str) -> None:
+    """Raise :class:`FileError` unless the file has this sha256; an empty one is not checked."""
+    found = hashlib.sha256(path.read_bytes()).hexdigest()
+    if expected and found != expected.lower():
+        raise FileError(
+            path, f"its sha256 is {found[:12]}..., the table says {expected[:12]}...; fetch the file again"
+        )
+
+
+def _folder(folder: str | Path) -> Path:
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise MissingData(
+            f"{folder}: there is no such folder; fetch the campaign with `dampyr datasets fetch labcontrol`"
+        )
+    return folder
+
+
+def _rows(path: Path, text: str, folder: Path | None) -> list[CampaignRow]:
+    reader = csv.DictReader(io.StringIO(text, newline=""))
+    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
+    if missing:
+        raise FileError(
+            path, f"the column {missing[0]} is missing; a campaign's table has {', '.join(COLUMNS)}"
+        )
+    return [_row(path, line, cells, folder) for line, cells in enumerate(reader, start=2)]
+
+
+def _row(path: Path, line: int, cells: dict[str, str], folder: Path | None) -> CampaignRow:
+    def number(column: str) -> float:
+        try:
+            return float(cells[column])
+        except (TypeError, ValueError):
+            raise FileError(
+                path, f"line {line}: {column} = {cells[column]!r} is not a number; repair the table"
+            ) from None
+
+    try:
+        label = Label(
+            round_trip(to_si(number("peak_to_peak_mm"), "mm", "m")),
+            number("frequency_Hz"),
+            (cells["table"] or "").strip(),
+            int(number("row")) if (cells["row"] or "").strip() else None,
+        )
+    except FileError:
+        raise
+    except InputError as problem:
+        raise FileError(path, f"line {line}: {problem}") from problem
+    printed = {c: parts for c, parts in PUBLISHED.items() if (cells.get(c) or "").strip()}
+    name = (cells["file"] or "").strip()
+    there = folder is not None and bool(name) and (folder / name).is_file()
+    return CampaignRow(
+        file_name=name,
+        file=folder / name if folder is not None and there else None,
+        label=label,
+        voltage=number("voltage_V"),
+        role="validation" if label.row is None else "fit",
+        sha256=(cells.get("sha256") or "").strip(),
+        published={word: round_trip(to_si(number(c), unit, si)) for c, (word, unit, si) in printed.items()},
+    )
+
+
+def _recorded(folder: Path, incomplete: bool) -> list[Record]:
+    """The tests in dampyr's own files: the latest complete try of each, or every one."""
+    paths = sorted(folder.glob("*.h5"))
+    if not paths:
+        raise MissingData(f"{folder}: neither {TABLE} nor .h5 files are there; give the folder of a campaign")
+    if incomplete:
+        return [read(path) for path in paths]
+    latest: dict[str, tuple[int, Path]] = {}
+    for path in paths:
+        state = h5.state(path)
+        if state.complete and (state.test not in latest or state.attempt >= latest[state.test][0]):
+            latest[state.test] = (state.attempt, path)
+    return [read(path) for _, path in sorted(latest.values(), key=lambda found: found[1].name)]

@@ -1,0 +1,224 @@
+"""dampyr's own file, HDF5: one file per test, the raw readings beside the calibrated channels.
+
+Layout (schema 1)::
+
+    /            format = "dampyr record", schema = 1, complete = 0 or 1, name, role, test, try
+    /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
+                 voltage or current as a number when it is constant
+    /raw         one dataset per raw reading with the attributes unit, gain, offset, calibrated_unit:
+                 calibrated = gain*raw + offset; empty for a test that was read from another format
+    /label       peak_to_peak_m, frequency_hz, table, row (as attributes), where there is a label
+    /provenance  one attribute per entry
+    /history     one string per step
+
+In MATLAB: ``h5read("test.h5", "/calibrated/force")`` and ``h5readatt("test.h5", "/calibrated/force",
+"unit")``. ``complete`` is set last, so a file whose writer was killed says so.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dampyr.errors import FileError
+from dampyr.records.files import Request
+from dampyr.records.record import CHANNELS, Array, Label, Record, as_role
+from dampyr.units import to_si
+
+FORMAT = "dampyr record"
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Raw:
+    """A raw reading, ``(n,)`` volts or counts; gain*values + offset is the calibrated channel."""
+
+    values: Array
+    unit: str
+    gain: float
+    offset: float
+    calibrated_unit: str
+
+
+@dataclass(frozen=True)
+class State:
+    """What a folder needs to know of a file: is it complete, of which test is it which try."""
+
+    complete: bool
+    test: str
+    attempt: int
+
+
+def read(path: Path, request: Request) -> Record:
+    """The record in one of dampyr's files; an incomplete one says so in its provenance and history."""
+    with _open(path) as file:
+        channels = {
+            name: _channel(path, file, name, request) for name in CHANNELS if f"calibrated/{name}" in file
+        }
+        for name in ("time", "displacement", "force"):
+            if name not in channels:
+                raise FileError(path, f"/calibrated/{name} is missing; record the test again")
+        channels |= request.input_channels(channels.pop("voltage", None), channels.pop("current", None))
+        provenance = {k: str(v) for k, v in file["provenance"].attrs.items()} if "provenance" in file else {}
+        history = tuple(file["history"].asstr()[()]) if "history" in file else ()
+        if not _is_complete(file) and provenance.get("complete") != "no":
+            provenance["complete"] = "no"
+            history = (*history, "read from a file whose recording was not completed")
+        return Record(
+            **channels,
+            name=str(file.attrs["name"]),
+            role=as_role(str(file.attrs["role"])),
+            label=_label(file),
+            provenance=provenance,
+            history=history,
+        )
+
+
+def read_raw(path: str | Path) -> dict[str, Raw]:
+    """The raw readings of a test with their calibration, by name."""
+    with _open(Path(path)) as file:
+        return {
+            name: Raw(
+                data[()],
+                str(data.attrs["unit"]),
+                float(data.attrs["gain"]),
+                float(data.attrs["offset"]),
+                str(data.attrs["calibrated_unit"]),
+            )
+            for name, data in file["raw"].items()
+        }
+
+
+def state(path: str | Path) -> State:
+    """Whether the file is complete, and of which test it is which try."""
+    with _open(Path(path)) as file:
+        test = str(file.attrs.get("test", file.attrs["name"]))
+        return State(_is_complete(file), test, int(file.attrs.get("try", 1)))
+
+
+def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None) -> Path:
+    """Write a record whole or not at all: to a file beside, synced, then put in its place in one move.
+
+    A record whose provenance says ``complete: no`` stays marked incomplete; its entries ``test`` and ``try``
+    (a whole number) say of which test of a campaign it is which try.
+    """
+    path = Path(path)
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+        os.close(handle)
+    except OSError as problem:
+        raise FileError(
+            path, f"cannot be written ({problem.strerror}); choose a folder that exists"
+        ) from problem
+    try:
+        _fill(record, name, raw or {})
+        with open(name, "rb+") as written:  # noqa: PTH123 - a descriptor is needed to sync
+            os.fsync(written.fileno())
+        Path(name).chmod(0o644)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+    _sync_folder(path.parent)
+    return path
+
+
+def _fill(record: Record, name: str, raw: Mapping[str, Raw]) -> None:
+    import h5py
+
+    with h5py.File(name, "w") as file:
+        file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0)})
+        file.attrs.update({"name": record.name, "role": record.role})
+        file.attrs["test"] = record.provenance.get("test", record.name)
+        file.attrs["try"] = int(record.provenance.get("try", "1"))
+        for channel, unit in CHANNELS.items():
+            if getattr(record, channel) is not None:
+                data = file.create_dataset(f"calibrated/{channel}", data=getattr(record, channel))
+                data.attrs["unit"] = unit
+        _fill_raw(file, raw)
+        if record.label is not None:
+            fields = {k: v for k, v in vars(record.label).items() if v is not None}
+            file.create_group("label").attrs.update(fields)
+        file.create_group("provenance").attrs.update(dict(record.provenance))
+        if record.history:
+            file.create_dataset("history", data=list(record.history), dtype=h5py.string_dtype())
+        file.flush()
+        file.attrs["complete"] = np.uint8(record.provenance.get("complete") != "no")
+
+
+def _fill_raw(file: Any, raw: Mapping[str, Raw]) -> None:
+    group = file.create_group("raw")
+    for name, channel in raw.items():
+        data = group.create_dataset(name, data=channel.values)
+        kept = {k: v for k, v in vars(channel).items() if k != "values"}
+        data.attrs.update(kept)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the move itself last through a power cut, where the system can."""
+    with contextlib.suppress(OSError, AttributeError):  # Windows has no descriptors of folders
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+@contextlib.contextmanager
+def _open(path: Path) -> Any:
+    """The open file, checked to be one of ours of a schema we know; every fault is a :class:`FileError`."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            _check_schema(path, file)
+            yield file
+    except (OSError, KeyError, RuntimeError, TypeError, AttributeError) as problem:
+        reason = " ".join(str(problem).split())
+        raise FileError(
+            path, f"is a truncated or broken HDF5 file ({reason}); record or copy the test again"
+        ) from problem
+
+
+def _check_schema(path: Path, file: Any) -> None:
+    found = str(file.attrs.get("format", ""))
+    if found != FORMAT:
+        raise FileError(path, f"is HDF5 but no {FORMAT}: its format is {found!r}; export it as .csv")
+    schema = int(file.attrs.get("schema", 0))
+    if schema != SCHEMA:
+        raise FileError(path, f"has the schema {schema}, this dampyr knows schema {SCHEMA}; upgrade dampyr")
+
+
+def _is_complete(file: Any) -> bool:
+    return bool(file.attrs.get("complete", 0))
+
+
+def _channel(path: Path, file: Any, name: str, request: Request) -> Any:
+    data = file[f"calibrated/{name}"]
+    unit = str(data.attrs.get("unit", "")) or request.units.get(name, "")
+    if not unit:
+        raise FileError(
+            path, f"/calibrated/{name} has no unit; declare units={{{name!r}: {CHANNELS[name]!r}}}"
+        )
+    values = data[()]
+    converted = values if unit == CHANNELS[name] else to_si(values, unit, CHANNELS[name])
+    return float(converted) if np.ndim(converted) == 0 else converted
+
+
+def _label(file: Any) -> Label | None:
+    if "label" not in file:
+        return None
+    fields = dict(file["label"].attrs)
+    return Label(
+        float(fields["peak_to_peak_m"]),
+        float(fields["frequency_hz"]),
+        str(fields.get("table", "")),
+        int(fields["row"]) if "row" in fields else None,
+    )

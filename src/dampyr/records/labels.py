@@ -1,0 +1,53 @@
+"""Labels against measurements: a label that disagrees with its own record is reported, never used."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dampyr.records.cycles import cycles
+from dampyr.records.measure import cycle_energies, measure
+from dampyr.records.record import Record
+
+FREQUENCY_TOLERANCE = 0.05
+PEAK_TO_PEAK_TOLERANCE = 0.05
+
+
+def disagreements(
+    record: Record, frequency: float = FREQUENCY_TOLERANCE, peak_to_peak: float = PEAK_TO_PEAK_TOLERANCE
+) -> list[str]:
+    """What does not agree in a record, one sentence each; an empty list when all agrees.
+
+    The labelled frequency and peak-to-peak displacement are compared with the measured ones (tolerances
+    relative to the measured, 5 % each by default), and the loops must dissipate energy, else the sign of the
+    force is inverted. A record without a whole cycle can confirm no label, and says so where it has one.
+    """
+    found = cycles(record)
+    if not found:
+        return [f"{record.name}: no whole cycle, so its label cannot be checked"] if record.label else []
+    said = _against_label(record, frequency, peak_to_peak) if record.label else []
+    energy = float(np.median(cycle_energies(record, found)))
+    if energy < 0:
+        said.append(
+            f"{record.name}: its loops create energy ({-energy:.3g} J per cycle where a damper dissipates); "
+            "force sign inverted?"
+        )
+    return said
+
+
+def _against_label(record: Record, frequency: float, peak_to_peak: float) -> list[str]:
+    label, found = record.label, measure(record)
+    assert label is not None
+    said = []
+    off = label.frequency_hz / found.frequency_hz - 1.0
+    if abs(off) > frequency:
+        said.append(
+            f"{record.name}: labelled {label.frequency_hz:.4g} Hz, measures {found.frequency_hz:.4g} Hz "
+            f"({100 * off:+.1f} %)"
+        )
+    off = label.peak_to_peak_m / found.peak_to_peak_m - 1.0
+    if abs(off) > peak_to_peak:
+        said.append(
+            f"{record.name}: labelled {1e3 * label.peak_to_peak_m:.4g} mm peak to peak, "
+            f"measures {1e3 * found.peak_to_peak_m:.4g} mm per cycle ({100 * off:+.1f} %)"
+        )
+    return said

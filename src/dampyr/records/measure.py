@@ -1,0 +1,141 @@
+r"""What a record measures: frequency, amplitude, harmonics, drift, energy; never taken from a label.
+
+Over the whole cycles the displacement is fitted by least squares with
+
+.. math:: x(t) = p_0 + p_1 t + p_2 t^2 + \sum_{k=1}^{7} a_k \cos 2\pi k f t + b_k \sin 2\pi k f t
+
+where f is found with Gauss-Newton from the cycles' mean duration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dampyr.records.cycles import require_cycles
+from dampyr.records.derivative import default_bandwidth, differentiate
+from dampyr.records.drift import drift
+from dampyr.records.motion import motion_start
+from dampyr.records.offset import mean_force
+from dampyr.records.record import Array, Record
+
+ORDERS = 7
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured over the whole cycles of a record, SI.
+
+    Attributes
+    ----------
+    frequency_hz, peak_to_peak_m
+        Of the motion; peak to peak per cycle (the mean of a cycle's way up and way down, median over cycles),
+        which a drift of the mean position does not widen.
+    mean_force, drift_m_per_s, peak_speed, energy_per_cycle
+        N; m/s; m/s; J dissipated per cycle (median; negative when the loops create energy).
+    harmonics
+        Amplitude of the orders 2 to 7 over the fundamental's.
+    distortion
+        What is left of the displacement by the fit above, rms over the fundamental's rms.
+    cycles, motion_start
+        How many whole cycles, and when the motion starts, s.
+    """
+
+    frequency_hz: float
+    peak_to_peak_m: float
+    mean_force: float
+    drift_m_per_s: float
+    peak_speed: float
+    energy_per_cycle: float
+    harmonics: Mapping[int, float]
+    distortion: float
+    cycles: int
+    motion_start: float
+
+
+def measure(record: Record) -> Measured:
+    """Measure the motion and the loops of a record over its whole cycles.
+
+    Raises
+    ------
+    InputError
+        There is no whole cycle.
+    """
+    found = require_cycles(record, "a measurement")
+    frequency, amplitudes, distortion = _harmonics(record, found)
+    part = slice(found[0][0], found[-1][1] + 1)
+    speed = differentiate(record.time, record.displacement, default_bandwidth(record))
+    return Measured(
+        frequency_hz=frequency,
+        peak_to_peak_m=peak_to_peak(record, found),
+        mean_force=mean_force(record),
+        drift_m_per_s=drift(record),
+        peak_speed=float(np.max(np.abs(speed[part]))),
+        energy_per_cycle=float(np.median(cycle_energies(record, found))),
+        harmonics={k: float(amplitudes[k - 1] / amplitudes[0]) for k in range(2, ORDERS + 1)},
+        distortion=distortion,
+        cycles=len(found),
+        motion_start=motion_start(record),
+    )
+
+
+def peak_to_peak(record: Record, found: list[tuple[int, int]]) -> float:
+    """Peak to peak per cycle, m: the mean of the way up and the way down, median over the cycles."""
+    return float(np.median([_half_travel(record.displacement[i0 : i1 + 1]) for i0, i1 in found]))
+
+
+def cycle_energies(record: Record, found: list[tuple[int, int]]) -> Array:
+    """The energy dissipated in each cycle, J: the loop integral of force by displacement, by trapezoids.
+
+    The mean force is left out, so that gas force times drift is not counted.
+    """
+    force = record.force - mean_force(record)
+    work = 0.5 * (force[1:] + force[:-1]) * np.diff(record.displacement)
+    return np.array([float(np.sum(work[i0:i1])) for i0, i1 in found])
+
+
+def _half_travel(x: Array) -> float:
+    """Half the way there and back of a cycle that runs from one turning point to its next equal."""
+    far = x[np.argmax(np.abs(x - 0.5 * (x[0] + x[-1])))]
+    return float(0.5 * (abs(far - x[0]) + abs(far - x[-1])))
+
+
+def _harmonics(record: Record, found: list[tuple[int, int]]) -> tuple[float, Array, float]:
+    """``(frequency, amplitudes of orders 1 to 7, distortion)`` of the displacement over the whole cycles."""
+    part = slice(found[0][0], found[-1][1] + 1)
+    middle = 0.5 * (record.time[part.start] + record.time[part.stop - 1])
+    t, x = record.time[part] - middle, record.displacement[part]
+    frequency = len(found) / float(t[-1] - t[0])
+    for _ in range(8):
+        basis, slope, coefficients = _fit(t, x, frequency)
+        size = float(np.linalg.norm(slope)) or 1.0
+        step = float(_solve(np.column_stack([basis, slope / size]), x)[-1]) / size
+        frequency += step
+        if abs(step) < 1e-10 * frequency:
+            break
+    basis, _, coefficients = _fit(t, x, frequency)
+    amplitudes = np.hypot(coefficients[3 : 3 + ORDERS], coefficients[3 + ORDERS :])
+    left = float(np.sqrt(np.mean((x - basis @ coefficients) ** 2)))
+    return frequency, amplitudes, left / float(amplitudes[0] / np.sqrt(2.0))
+
+
+def _solve(basis: Array, x: Array) -> Array:
+    """Least squares by the normal equations; the columns are of one size."""
+    # small sums: a threaded product would wait longer for its threads than it computes
+    normal = np.einsum("ni,nj->ij", basis, basis)
+    return np.linalg.lstsq(normal, np.einsum("ni,n->i", basis, x), rcond=None)[0]
+
+
+def _fit(t: Array, x: Array, frequency: float) -> tuple[Array, Array, Array]:
+    """The basis ``(n, 17)``, the fitted curve's derivative by frequency ``(n,)``, the coefficients."""
+    orders = 2.0 * np.pi * np.arange(1, ORDERS + 1)
+    phase = orders * frequency * t[:, None]
+    cos, sin = np.cos(phase), np.sin(phase)
+    scaled = t / max(float(np.max(np.abs(t))), 1e-300)
+    basis = np.column_stack([scaled**0, scaled, scaled**2, cos, sin])
+    coefficients = _solve(basis, x)
+    a, b = coefficients[3 : 3 + ORDERS], coefficients[3 + ORDERS :]
+    slope = t * ((cos * orders) @ b - (sin * orders) @ a)
+    return basis, slope, coefficients

@@ -1,0 +1,125 @@
+"""Quality of the sampling: reported, never repaired here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dampyr.records.record import CHANNELS, Array, Record
+
+GAP = 1.5
+LONGEST_PLATEAU = 5
+PLATEAU_OF_CYCLE = 0.05
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How well a record is sampled.
+
+    Attributes
+    ----------
+    samples, dt
+        How many, and their median interval, s.
+    jitter
+        rms deviation of the intervals from the median, over the median, gaps left out.
+    gaps
+        ``(time, length)`` in s of every interval longer than 1.5 times the median.
+    quantum
+        The quantisation step of each channel in SI; channels without one are not in it.
+    saturated
+        For displacement and force, how many samples stand at the channel's extreme in runs of five or more
+        that last over 5 % of a cycle, while the table moves; channels without such are not in it.
+    per_cycle
+        Samples per cycle, or None without whole cycles.
+    """
+
+    samples: int
+    dt: float
+    jitter: float
+    gaps: tuple[tuple[float, float], ...]
+    quantum: Mapping[str, float]
+    saturated: Mapping[str, int]
+    per_cycle: float | None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a person should look at, one sentence each; empty when all is well."""
+        said = [f"gap of {length:.4g} s at {at:.4g} s" for at, length in self.gaps]
+        if self.jitter > 0.01:
+            said.append(f"sampling jitter of {100 * self.jitter:.2g} % rms")
+        said += [
+            f"{channel} may be saturated: {count} samples stand at its extreme"
+            for channel, count in self.saturated.items()
+        ]
+        if self.per_cycle is not None and self.per_cycle < 40:
+            said.append(f"only {self.per_cycle:.0f} samples per cycle")
+        return tuple(said)
+
+
+def quality(record: Record) -> Quality:
+    """Report gaps, jitter, saturation and quantisation of a record."""
+    from dampyr.records.cycles import cycles
+
+    steps = np.diff(record.time)
+    dt = record.dt
+    gaps = np.flatnonzero(steps > GAP * dt)
+    even = steps[steps <= GAP * dt]
+    found = cycles(record)
+    per_cycle = float(np.mean([i1 - i0 for i0, i1 in found])) if found else None
+    channels = {name: getattr(record, name) for name in CHANNELS if name != "time"}
+    arrays = {name: values for name, values in channels.items() if isinstance(values, np.ndarray)}
+    moving = _moving(record, found)
+    counts = {name: _stuck(getattr(record, name)[moving], per_cycle) for name in ("displacement", "force")}
+    return Quality(
+        samples=record.n,
+        dt=dt,
+        jitter=float(np.sqrt(np.mean((even / dt - 1.0) ** 2))),
+        gaps=tuple((float(record.time[k]), float(steps[k])) for k in gaps),
+        quantum={name: step for name, values in arrays.items() if (step := quantum(values)) is not None},
+        saturated={name: count for name, count in counts.items() if count},
+        per_cycle=per_cycle,
+    )
+
+
+def quantum(values: Array) -> float | None:
+    """The quantisation step of a channel in its own unit, or None when the values are continuous.
+
+    Levels that differ by float noise are one level. The step is the smallest distance between levels, taken
+    when at least 95 % of the distances are whole multiples of it to 5 %, and then refined over the whole
+    span.
+    """
+    span = float(np.ptp(values))
+    apart = np.diff(np.unique(values))
+    apart = apart[apart > 1e-9 * max(span, float(np.max(np.abs(values))))]
+    if len(apart) < 4:
+        return None
+    step = float(np.min(apart))
+    whole = np.rint(apart / step)
+    if np.mean(np.abs(apart / step - whole) < 0.05) < 0.95:
+        return None
+    return float(np.sum(apart) / np.sum(whole))
+
+
+def _moving(record: Record, found: list[tuple[int, int]]) -> slice:
+    """The whole cycles, or without them all that comes after the start of the motion."""
+    from dampyr.records.motion import motion_start
+
+    if found:
+        return slice(found[0][0], found[-1][1])
+    return slice(int(np.searchsorted(record.time, motion_start(record))) + 1, record.n)
+
+
+def _stuck(moving: Array, per_cycle: float | None) -> int:
+    """How many samples stand at the highest or the lowest value in long runs, once the table moves."""
+    long = max(LONGEST_PLATEAU, PLATEAU_OF_CYCLE * (per_cycle or 0.0))
+    if len(moving) == 0 or np.ptp(moving) == 0:
+        return 0
+    return sum(_in_runs(moving == extreme, long) for extreme in (moving.max(), moving.min()))
+
+
+def _in_runs(flags: Array, long: float) -> int:
+    edges = np.flatnonzero(np.diff(np.r_[False, flags, False].astype(int)))
+    runs = edges[1::2] - edges[::2]
+    return int(np.sum(runs[runs >= long]))

@@ -1,0 +1,215 @@
+"""One test, one clock: the record of a damper under test.
+
+Everything is SI. Extension is positive; a positive force opposes a positive velocity, so a cycle dissipates.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from types import MappingProxyType
+from typing import Any, Literal, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+
+Array = NDArray[np.float64]
+Role = Literal["fit", "validation"]
+
+FEWEST_SAMPLES = 8
+CHANNELS: Mapping[str, str] = MappingProxyType(
+    {
+        "time": "s",
+        "displacement": "m",
+        "force": "N",
+        "velocity": "m/s",
+        "voltage": "V",
+        "current": "A",
+        "temperature": "degC",
+    }
+)
+"""The channels that a record can hold, each with the unit it is held in."""
+
+
+@dataclass(frozen=True)
+class Label:
+    """What a table says about a test: never taken for a measurement.
+
+    ``peak_to_peak_m`` in m and ``frequency_hz`` in Hz are as printed; ``table`` and ``row`` say where.
+    """
+
+    peak_to_peak_m: float
+    frequency_hz: float
+    table: str = ""
+    row: int | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("peak_to_peak_m", "frequency_hz"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0):
+                raise InputError(
+                    f"label {name} = {value:g} is not allowed; it must be finite and greater than 0"
+                )
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One test on one clock, in SI units, checked when made and never changed afterwards.
+
+    Parameters
+    ----------
+    time, displacement, force
+        ``(n,)`` in s, m and N; time strictly increases, everything is finite, n is at least 8.
+    velocity
+        ``(n,)`` in m/s as recorded or as derived (the history says which), or None.
+    voltage, current
+        The damper's input at the coil, in V or A: a number, a ``(n,)`` channel or None. At most one of the
+        two.
+    temperature
+        ``(n,)`` in degC, or None.
+    name, role
+        What it is called, and whether a fit may use it ("fit") or not ("validation").
+    label
+        What a table says about it, see :class:`Label`.
+    provenance, history
+        Where the numbers came from, and what was done to them since, oldest first.
+
+    Raises
+    ------
+    InputError
+        One sentence naming what is wrong, where, its value and the repair.
+    """
+
+    time: Array
+    displacement: Array
+    force: Array
+    velocity: Array | None = None
+    voltage: float | Array | None = None
+    current: float | Array | None = None
+    temperature: Array | None = None
+    name: str = "record"
+    role: Role = "fit"
+    label: Label | None = None
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    history: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for channel in CHANNELS:
+            object.__setattr__(self, channel, _frozen(channel, getattr(self, channel)))
+        object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
+        object.__setattr__(self, "history", tuple(self.history))
+        _check_shapes(self)
+        _check_values(self)
+        if self.voltage is not None and self.current is not None:
+            raise InputError(
+                "voltage and current are both given; a record has one input, so leave one of them out"
+            )
+        if self.role not in ("fit", "validation"):
+            raise InputError(f"role = {self.role!r} is not known; choose 'fit' or 'validation'")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return _rebuilt, (values | {"provenance": dict(self.provenance)},)
+
+    @property
+    def n(self) -> int:
+        """The number of samples."""
+        return len(self.time)
+
+    @property
+    def dt(self) -> float:
+        """The median sampling interval, s."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def duration(self) -> float:
+        """From the first sample to the last, s."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def input(self) -> Literal["V", "A"] | None:
+        """The unit of the damper's input: "V", "A", or None when unknown."""
+        if self.voltage is not None:
+            return "V"
+        return "A" if self.current is not None else None
+
+    @property
+    def input_value(self) -> float | None:
+        """The mean of the damper's input in V or A, or None when unknown."""
+        value = self.voltage if self.voltage is not None else self.current
+        return None if value is None else float(np.mean(value))
+
+    def replace(self, *, note: str, **changes: Any) -> Record:
+        """A new record with these fields changed and ``note``, what was done, added to its history."""
+        kept = {f.name: getattr(self, f.name) for f in fields(self)}
+        unknown = sorted(set(changes) - set(kept))
+        if unknown:
+            raise InputError(f"a record has no field {unknown[0]!r}; choose from {', '.join(kept)}")
+        return Record(**(kept | {"history": (*self.history, note)} | changes))
+
+
+def _rebuilt(values: dict[str, Any]) -> Record:
+    return Record(**values)
+
+
+def _frozen(channel: str, value: Any) -> Any:
+    """A read-only float64 copy of a channel; a plain float for an input that is constant."""
+    if value is None:
+        return None
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{channel} is not numbers; give an array of them in {CHANNELS[channel]}") from None
+    if array.ndim == 0 and channel in ("voltage", "current"):
+        return float(array)
+    array.setflags(write=False)
+    return array
+
+
+def _check_shapes(record: Record) -> None:
+    n = np.size(record.time)
+    for channel, unit in CHANNELS.items():
+        value = getattr(record, channel)
+        if value is None and channel in ("time", "displacement", "force"):
+            raise InputError(f"{channel} is missing; give one value in {unit} per sample")
+        if value is None or isinstance(value, float):
+            continue
+        if value.ndim != 1:
+            raise InputError(f"{channel} has the shape {value.shape}; give one column of {n} values")
+        if len(value) != n:
+            raise InputError(f"{channel} has {len(value)} values and time has {n}; give one value per sample")
+    if n < FEWEST_SAMPLES:
+        raise InputError(f"the record has {n} samples; give at least {FEWEST_SAMPLES}")
+
+
+def _check_values(record: Record) -> None:
+    for channel, unit in CHANNELS.items():
+        value = getattr(record, channel)
+        if value is None:
+            continue
+        bad = np.flatnonzero(~np.isfinite(np.atleast_1d(value)))
+        if len(bad) and isinstance(value, float):
+            raise InputError(f"{channel} = {value} {unit} is not finite; give the value that was applied")
+        if len(bad):
+            i = int(bad[0])
+            raise InputError(
+                f"{channel}[{i}] = {value[i]} {unit} is not finite ({len(bad)} such of {len(value)}); "
+                "repair or cut out those samples"
+            )
+    back = np.flatnonzero(np.diff(record.time) <= 0)
+    if len(back):
+        i = int(back[0]) + 1
+        raise InputError(
+            f"time[{i}] = {record.time[i]:.9g} s does not come after {record.time[i - 1]:.9g} s; "
+            "time must strictly increase, so sort or cut the samples"
+        )
+
+
+def as_role(text: str) -> Role:
+    """``text`` as a role, or an :class:`InputError`."""
+    if text not in ("fit", "validation"):
+        raise InputError(f"role = {text!r} is not known; choose 'fit' or 'validation'")
+    return cast(Role, text)

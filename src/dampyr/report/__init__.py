@@ -1,0 +1,45 @@
+"""Figures and pages for people.
+
+A figure takes plain arrays in SI, shows them in the units people read (mm, N, s, V) and returns a matplotlib
+``Figure``. A page is one self-contained HTML file: no network, light and dark, for paper and for a phone.
+
+::
+
+    figure = loops(record.displacement, record.velocity, record.force, {"viscous Dahl": predicted})
+    html = page("A damper", [Section("Loops", [Text("Five cycles."), FigureBlock(figure, "measured, model")])])
+    write_page("out/damper.html", html)
+"""
+
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
+from dampyr.report.figures.building import building_response
+from dampyr.report.figures.ground_motion import ground_motion
+from dampyr.report.figures.history import history
+from dampyr.report.figures.laws import Law, parameters_against_input
+from dampyr.report.figures.loops import loops
+from dampyr.report.figures.phase_portrait import phase_portrait
+from dampyr.report.figures.scores import scores
+from dampyr.report.figures.theta import theta
+from dampyr.report.page import page, write_page
+from dampyr.report.style import save
+
+__all__ = [
+    "Block",
+    "Cell",
+    "Text",
+    "Table",
+    "FigureBlock",
+    "Verdict",
+    "Section",
+    "page",
+    "write_page",
+    "save",
+    "Law",
+    "loops",
+    "history",
+    "parameters_against_input",
+    "building_response",
+    "ground_motion",
+    "theta",
+    "phase_portrait",
+    "scores",
+]

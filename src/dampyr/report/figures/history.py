@@ -1,0 +1,46 @@
+"""A time history, measured and modelled, with what the model leaves below it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dampyr.report import style
+from dampyr.report.style import FORCE, TIME, Axis
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def history(
+    time: ArrayLike,
+    measured: ArrayLike,
+    model: ArrayLike | None = None,
+    axis: Axis = FORCE,
+    name: str = "model",
+    title: str = "",
+) -> Figure:
+    """A quantity over time; with a model also the residual, measured - model, on the same scale.
+
+    ``time`` s, ``measured`` and ``model`` in SI ``(n,)``; ``axis`` says what they are.
+    """
+    if model is None:
+        fig, axes = style.figure(2.6, 1, 1, title)
+    else:
+        fig, axes = style.figure(3.8, 2, 1, title, sharex=True, height_ratios=(2.6, 1))
+    with style.style():
+        top = axes[0, 0]
+        style.line(top, time, axis.of(measured), color=style.MEASURED, lw=1.6, label="measured")
+        top.set_ylabel(axis.label)
+        if model is not None:
+            style.line(top, time, axis.of(model), color=style.VERMILLION, lw=1.1, label=name)
+            left = axis.of(measured) - axis.of(model)
+            style.line(axes[1, 0], time, left, color=style.BLUE, lw=0.9)
+            axes[1, 0].set_ylabel(f"residual [{axis.unit}]")
+            reach = max(float(np.nanmax(np.abs(left))), 0.25 * float(np.ptp(axis.of(measured))))
+            axes[1, 0].set_ylim(-reach, reach)
+        axes[-1, 0].set_xlabel(TIME.label)
+        style.legend(fig, top)
+    return fig

@@ -1,0 +1,76 @@
+"""Parameters against the input: points with error bars, the law's curve, the calibrated range shaded."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dampyr.report import style
+from dampyr.report.style import VOLTAGE, Axis
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Law:
+    """One parameter over the input, for one panel.
+
+    ``axis`` names it and its unit; ``curve`` (inputs, values) is the law; ``points`` (inputs, values) are what
+    it was made from or is compared with, ``error`` their half error bars; ``others`` name -> (inputs, values)
+    are further points, such as published ones. All SI.
+    """
+
+    axis: Axis
+    curve: tuple[ArrayLike, ArrayLike] | None = None
+    points: tuple[ArrayLike, ArrayLike] | None = None
+    error: ArrayLike | None = None
+    others: Mapping[str, tuple[ArrayLike, ArrayLike]] = field(default_factory=dict)
+
+
+def parameters_against_input(
+    laws: Sequence[Law],
+    calibrated: tuple[float, float] | None = None,
+    axis: Axis = VOLTAGE,
+    title: str = "",
+) -> Figure:
+    """One panel per parameter; ``calibrated`` is the range of the input that the laws were fitted on."""
+    columns = min(2, len(laws))
+    rows = math.ceil(len(laws) / columns)
+    fig, axes = style.figure(0.5 + 2.1 * rows, rows, columns, title, sharex=True)
+    with style.style():
+        for panel, law in zip(axes.flat, laws, strict=False):
+            _panel(panel, law, calibrated, axis)
+        for empty in list(axes.flat)[len(laws) :]:
+            empty.set_axis_off()
+        for panel in list(axes.flat)[max(len(laws) - columns, 0) : len(laws)]:
+            panel.set_xlabel(axis.label)
+            panel.tick_params(labelbottom=True)
+        style.legend(fig, axes.flat[0])
+    return fig
+
+
+def _panel(panel: Any, law: Law, calibrated: tuple[float, float] | None, axis: Axis) -> None:
+    if calibrated:
+        low, high = axis.of(calibrated)
+        panel.axvspan(low, high, color=style.SKY, alpha=0.16, lw=0, label="calibrated range")
+    if law.curve:
+        style.line(panel, axis.of(law.curve[0]), law.axis.of(law.curve[1]), color=style.BLUE, label="law")
+    if law.points:
+        bars = None if law.error is None else _finite(law.axis.of(law.error))
+        x, y = axis.of(law.points[0]), law.axis.of(law.points[1])
+        panel.errorbar(x, y, bars, fmt="o", ms=4, color=style.VERMILLION, capsize=2.5, lw=1, label="fitted")
+    for colour, (name, (x, y)) in zip(style.SERIES[2:], law.others.items(), strict=False):
+        panel.plot(axis.of(x), law.axis.of(y), "D", ms=4, mfc="none", color=colour, label=name)
+    panel.set_ylabel(law.axis.label)
+
+
+def _finite(error: ArrayLike) -> Any:
+    """Infinite error bars (the data say nothing) cannot be drawn; the table beside the figure says so."""
+    error = np.asarray(error, dtype=float)
+    return np.where(np.isfinite(error), error, np.nan)

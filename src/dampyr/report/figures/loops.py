@@ -1,0 +1,41 @@
+"""Hysteresis loops: force against displacement and against velocity, measured and modelled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+from dampyr.report import style
+from dampyr.report.style import DISPLACEMENT, FORCE, VELOCITY
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def loops(
+    displacement: ArrayLike,
+    velocity: ArrayLike | None,
+    measured: ArrayLike | None,
+    models: Mapping[str, ArrayLike] | None = None,
+    title: str = "",
+) -> Figure:
+    """Force-displacement and, with a velocity, force-velocity loops.
+
+    ``displacement`` m, ``velocity`` m/s or None, ``measured`` N or None where nothing was measured, ``models``
+    name -> N; all ``(n,)`` on one clock.
+    """
+    panels = [(displacement, DISPLACEMENT)] + ([(velocity, VELOCITY)] if velocity is not None else [])
+    fig, axes = style.figure(3.0, 1, len(panels), title, sharey=True)
+    with style.style():
+        for panel, (values, axis) in zip(axes[0], panels, strict=True):
+            x = axis.of(values)
+            if measured is not None:
+                style.line(panel, x, FORCE.of(measured), color=style.MEASURED, lw=1.6, label="measured")
+            for colour, (name, force) in zip(style.SERIES, (models or {}).items(), strict=False):
+                style.line(panel, x, FORCE.of(force), color=colour, lw=1.1, label=name)
+            style.name_axes(panel, axis, FORCE)
+            panel.label_outer(remove_inner_ticks=False)
+        style.legend(fig, axes[0, 0])
+    return fig

@@ -1,0 +1,169 @@
+"""One self-contained HTML page: nothing is fetched, it reads on paper, on a phone, in light and in dark."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import tempfile
+import unicodedata
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from dampyr.errors import InputError
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
+from dampyr.report.svg import inline_svg
+
+DASH = "–"
+_MARKS = {"agrees": "✓", "differs": "≠", "cannot be checked": "?"}
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """A cell as the template needs it: what is read, and what is sorted by."""
+
+    text: str
+    key: str
+    verdict: Verdict | None = None
+
+
+def page(
+    title: str,
+    sections: Sequence[Section],
+    subtitle: str = "",
+    provenance: str | Mapping[str, str] = "",
+) -> str:
+    """The page as a string of HTML.
+
+    ``subtitle`` stands under the title; ``provenance`` (a sentence, or name -> value) at the foot says where the
+    numbers came from. All text is escaped: none of it is taken for HTML.
+    """
+    if not sections:
+        raise InputError("a page needs at least one section")
+    ids = _anchors([section.title for section in sections])
+    counted = iter(range(1, 1 + sum(len(section.blocks) for section in sections)))
+    ready = [
+        {"id": anchor, "title": section.title, "blocks": [_block(b, f"f{next(counted)}") for b in section.blocks]}
+        for anchor, section in zip(ids, sections, strict=True)
+    ]
+    facts = {"": provenance} if isinstance(provenance, str) else dict(provenance)
+    return str(
+        _template().render(
+            title=title, subtitle=subtitle, sections=ready, provenance=facts if provenance else {}, marks=_MARKS
+        )
+    )
+
+
+def write_page(path: str | Path, html: str) -> Path:
+    """Write a page whole or not at all: a reader never sees half of it."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-", suffix=".part")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(html)
+        Path(name).chmod(0o644)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+    return path
+
+
+@lru_cache(maxsize=1)
+def _template() -> Any:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=PackageLoader("dampyr.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    folder = files("dampyr.report") / "templates"
+    environment.globals["css"] = Markup((folder / "page.css").read_text("utf-8"))
+    environment.globals["js"] = Markup((folder / "page.js").read_text("utf-8"))
+    return environment.get_template("page.html")
+
+
+def _anchors(titles: Sequence[str]) -> list[str]:
+    """One id per title, readable in an address and never twice."""
+    found: list[str] = []
+    for title in titles:
+        plain = unicodedata.normalize("NFKD", title).encode("ascii", "ignore").decode().lower()
+        anchor = base = re.sub(r"[^a-z0-9]+", "-", plain).strip("-") or "section"
+        number = 2
+        while anchor in found:
+            anchor, number = f"{base}-{number}", number + 1
+        found.append(anchor)
+    return found
+
+
+def _block(block: Block, prefix: str) -> dict[str, Any]:
+    """A block as the template needs it."""
+    from markupsafe import Markup
+
+    match block:
+        case Text():
+            return {"kind": "text", "paragraphs": block.paragraphs}
+        case Verdict():
+            return {"kind": "verdict", "verdict": block}
+        case FigureBlock():
+            svg = inline_svg(block.figure, block.alt or block.caption, prefix)
+            return {"kind": "figure", "svg": Markup(svg), "caption": block.caption}
+        case Table():
+            return _table(block)
+    raise InputError(f"{type(block).__name__} is no block; use Text, Table, FigureBlock or Verdict")
+
+
+def _table(table: Table) -> dict[str, Any]:
+    sides = list(table.align) or [_side([row[k] for row in table.rows]) for k in range(len(table.columns))]
+    units = list(table.units) or [""] * len(table.columns)
+    return {
+        "kind": "table",
+        "caption": table.caption,
+        "columns": [
+            {"name": n, "unit": u, "side": s} for n, u, s in zip(table.columns, units, sides, strict=True)
+        ],
+        "rows": [[_shown(cell, table.digits) for cell in row] for row in table.rows],
+    }
+
+
+def _side(cells: Sequence[Cell]) -> str:
+    filled = [cell for cell in cells if cell is not None]
+    numbers = [cell for cell in filled if _is_number(cell)]
+    return "right" if numbers and len(numbers) == len(filled) else "left"
+
+
+def _is_number(cell: object) -> bool:
+    return hasattr(cell, "__float__") and not isinstance(cell, bool)
+
+
+def _shown(cell: Any, digits: int) -> _Shown:
+    if cell is None:
+        return _Shown(DASH, "")
+    if isinstance(cell, Verdict):
+        return _Shown(cell.text, cell.kind, cell)
+    if isinstance(cell, bool):
+        return _Shown("yes" if cell else "no", str(int(cell)))
+    if _is_number(cell):
+        return _Shown(number(float(cell), digits), repr(float(cell)))
+    return _Shown(str(cell), str(cell))
+
+
+def number(value: float, digits: int = 5) -> str:
+    """A number for a person: ``digits`` significant digits, a true minus, powers of ten written out."""
+    if not math.isfinite(value):
+        return DASH if math.isnan(value) else ("∞" if value > 0 else "−∞")
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    power = f"·10{str(int(exponent)).translate(_SUPERSCRIPT)}" if exponent else ""
+    return mantissa.replace("-", "−") + power
+
+
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

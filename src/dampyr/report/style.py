@@ -1,0 +1,163 @@
+"""One style for all figures: colours that colour-blind readers tell apart, units on every axis, few points.
+
+The colours are those of [OkabeIto2008]_. In a page they become CSS variables, so a figure follows the reader's
+light or dark mode; in a file of its own it is drawn for white paper.
+
+References
+----------
+.. [OkabeIto2008] M. Okabe and K. Ito, "Color universal design (CUD): how to make figures and presentations that
+   are friendly to colorblind people", 2008.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK, MUTED, GRID = "#1b2026", "#79828c", "#d3d8dd"
+BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"
+SERIES = (VERMILLION, BLUE, GREEN, PURPLE, ORANGE, SKY)
+MEASURED = MUTED
+WIDTH = 5.6
+POINTS = 2400
+
+_RC = {
+    "font.family": "sans-serif",
+    "font.size": 10.0,
+    "axes.titlesize": 10.5,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 10.0,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "axes.linewidth": 0.7,
+    "lines.linewidth": 1.2,
+    "lines.solid_joinstyle": "round",
+    "legend.frameon": False,
+    "legend.fontsize": 9.0,
+    "axes.unicode_minus": True,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "dampyr",
+    "path.simplify": True,
+    "path.simplify_threshold": 0.12,
+}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What an axis shows: words, the unit people read, and how many of it make one SI unit."""
+
+    words: str
+    unit: str
+    per_si: float = 1.0
+
+    @property
+    def label(self) -> str:
+        """Such as ``displacement [mm]``."""
+        return f"{self.words} [{self.unit}]"
+
+    def of(self, values: ArrayLike) -> NDArray[np.float64]:
+        """SI values in the unit of the axis."""
+        return np.asarray(values, dtype=float) * self.per_si
+
+
+TIME = Axis("time", "s")
+DISPLACEMENT = Axis("displacement", "mm", 1e3)
+VELOCITY = Axis("velocity", "mm/s", 1e3)
+FORCE = Axis("force", "N")
+VOLTAGE = Axis("voltage", "V")
+CURRENT = Axis("current", "A")
+ACCELERATION = Axis("acceleration", "m/s²")
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """matplotlib with the style of the house, restored on leaving."""
+    import matplotlib
+
+    with matplotlib.rc_context(_RC):
+        yield
+
+
+def figure(
+    height: float, rows: int = 1, columns: int = 1, title: str = "", **subplots: Any
+) -> tuple[Figure, NDArray[Any]]:
+    """An empty figure of the page's width, ``height`` in inches, and its axes ``(rows, columns)``."""
+    from matplotlib.figure import Figure
+
+    with style():
+        fig = Figure(figsize=(WIDTH, height), layout="constrained")
+        fig.patch.set_alpha(0.0)
+        axes = fig.subplots(rows, columns, squeeze=False, **subplots)
+        for each in axes.flat:
+            each.patch.set_alpha(0.0)
+        if title:
+            fig.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold", color=INK)
+    return fig, axes
+
+
+def name_axes(axes: Axes, x: Axis, y: Axis) -> None:
+    """Words and units on both axes."""
+    axes.set_xlabel(x.label)
+    axes.set_ylabel(y.label)
+
+
+def legend(fig: Figure, axes: Axes) -> None:
+    """One row of names above the axes, when there is more than one name."""
+    handles, names = axes.get_legend_handles_labels()
+    if len(names) > 1:
+        fig.legend(handles, names, loc="outside upper left", ncols=min(len(names), 3))
+
+
+def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """At most ``limit`` points of a line, with the extremes of x and y of each stretch kept.
+
+    A stretch gives its first point and where x and y are least and greatest, in their order; so no peak is lost,
+    whatever the number of points. A missing value (NaN) is no extreme.
+    """
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if len(x) <= limit:
+        return x, y
+    keep = {0, len(x) - 1}
+    edges = np.linspace(0, len(x), max(limit // 4, 1) + 1).astype(int)
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        for values in (x[start:stop], y[start:stop]):
+            if not np.all(np.isnan(values)):
+                keep.update((start + int(np.nanargmin(values)), start + int(np.nanargmax(values))))
+    chosen = np.array(sorted(keep))
+    return x[chosen], y[chosen]
+
+
+def line(axes: Axes, x: ArrayLike, y: ArrayLike, **kwargs: Any) -> None:
+    """A line of few points."""
+    axes.plot(*thin(x, y), **kwargs)
+
+
+def save(fig: Figure, path: str | Path) -> Path:
+    """Write a figure to a file of its own (.svg, .pdf, .png), on white."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with style():
+        fig.savefig(path, facecolor="white", dpi=200)
+    return path

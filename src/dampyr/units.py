@@ -1,0 +1,112 @@
+"""Quantities with units at the boundary; SI inside.
+
+Units are spoken where people type and read: in files, tables, plots and arguments such as ``"12.4 mm"``.
+Everything between is SI: m, m/s, N, s, V, A, 1/m.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from dampyr.errors import InputError
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a number means: its SI unit and the range that is allowed.
+
+    Used as an annotation, ``kx: Annotated[float, Quantity("N s/m", low=0)]``. ``low`` and ``high`` are
+    inclusive unless ``open_low``. ``linear`` says that a force is proportional to this parameter.
+    """
+
+    unit: str
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    linear: bool = False
+    words: str = ""
+
+    def check(self, name: str, value: float) -> None:
+        """Raise :class:`InputError` unless ``value`` is finite and in the range."""
+        below = value <= self.low if self.open_low else value < self.low
+        if not math.isfinite(value) or below or value > self.high:
+            raise InputError(f"{name} = {value:g} {self.unit} is not allowed; it must be {self.range_in_words()}")
+
+    def range_in_words(self) -> str:
+        """The allowed range, as a person would say it."""
+        above = "greater than" if self.open_low else "at least"
+        low = f"{above} {self.low:g}" if math.isfinite(self.low) else ""
+        high = f"at most {self.high:g}" if math.isfinite(self.high) else ""
+        return " and ".join(part for part in (low, high) if part) or "finite"
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+    registry.default_format = "~"
+    return registry
+
+
+@lru_cache(maxsize=256)
+def _scale(unit: str, si: str) -> tuple[float, float]:
+    """``(factor, shift)`` such that ``value_si = factor*value + shift``."""
+    import pint
+
+    registry = _registry()
+    spelled = unit.replace("·", "*").replace("²", "**2").replace("µ", "u").replace("μ", "u")
+    if spelled.strip().lower() in ("g", "gal") and si == "m/s^2":
+        spelled = {"g": "standard_gravity", "gal": "cm/s**2"}[spelled.strip().lower()]
+    try:
+        source, target = registry.parse_units(spelled.replace("^", "**")), registry.parse_units(si.replace("^", "**"))
+    except (pint.errors.PintError, ValueError, TypeError, AttributeError, AssertionError) as problem:
+        raise InputError(f"unknown unit {unit!r}; write a unit such as mm, m/s, N, V, s, g") from problem
+    try:
+        zero = registry.Quantity(0.0, source).to(target).magnitude
+        one = registry.Quantity(1.0, source).to(target).magnitude
+    except pint.errors.PintError as problem:
+        raise InputError(f"the unit {unit!r} does not measure what {si!r} measures; write a unit such as {si}") from problem
+    return float(one - zero), float(zero)
+
+
+def to_si(values: Any, unit: str, si: str) -> Any:
+    """Numbers in ``unit`` as numbers in the SI unit ``si``: a float for a number, else an array."""
+    factor, shift = _scale(unit, si)
+    if np.isscalar(values):
+        return float(values) * factor + shift  # type: ignore[arg-type]
+    return np.asarray(values, dtype=float) * factor + shift
+
+
+def from_si(values: Any, unit: str, si: str) -> Any:
+    """Numbers in the SI unit ``si`` as numbers in ``unit``."""
+    factor, shift = _scale(unit, si)
+    if np.isscalar(values):
+        return (float(values) - shift) / factor  # type: ignore[arg-type]
+    return (np.asarray(values, dtype=float) - shift) / factor
+
+
+def parse(text: str | float, si: str) -> float:
+    """A quantity as typed, ``"12.4 mm"``, in the SI unit ``si``; a bare number is SI already.
+
+    >>> parse("12.4 mm", "m")
+    0.0124
+    """
+    if isinstance(text, int | float):
+        return float(text)
+    number, _, unit = text.strip().partition(" ")
+    try:
+        value = float(number)
+    except ValueError:
+        raise InputError(f"{text!r} is not a quantity; write a number and a unit, such as '12.4 mm'") from None
+    return round_trip(to_si(value, unit.strip() or si, si))
+
+
+def round_trip(value: float) -> float:
+    """Drop the last bit of noise that a unit factor leaves: 12.4 mm is 0.0124 m, not 0.012400000000000001."""
+    return float(f"{value:.15g}")

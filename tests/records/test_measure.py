@@ -1,0 +1,79 @@
+"""Frequency, amplitude, harmonics and energy are measured, and labels that disagree are reported."""
+
+import numpy as np
+import pytest
+
+from dampyr.errors import InputError
+from dampyr.records import Label, Record, campaign_rows, disagreements, measure, read_campaign
+
+
+@pytest.mark.parametrize("fault", [{}, {"noise": 5e-5}, {"quantum": 1e-4}], ids=str)
+def test_a_drifting_distorted_sine(make_sine, fault):
+    record = make_sine(amplitude=0.0085, frequency=0.873, third=-0.05, drift=5e-4, duration=20.0, **fault)
+    found = measure(record)
+    exact = 0.0085 * 2 * 1.05  # the third harmonic, in antiphase, adds to both peaks
+    assert found.frequency_hz == pytest.approx(0.873, rel=3e-4)
+    assert found.peak_to_peak_m == pytest.approx(exact, rel=0.01)
+    assert found.harmonics[3] == pytest.approx(0.05, abs=2e-3)
+    assert max(found.harmonics[k] for k in (2, 4, 5, 6, 7)) < 5e-3
+    assert found.drift_m_per_s == pytest.approx(5e-4, abs=2e-5)
+    assert found.mean_force == pytest.approx(120.0, abs=1.0)
+    assert found.motion_start == pytest.approx(2.0, abs=0.03)
+
+
+def test_a_dashpot_dissipates_pi_c_omega_a2(make_sine):
+    found = measure(make_sine(amplitude=0.01, frequency=0.9, viscous=3000.0, duration=30.0))
+    assert found.energy_per_cycle == pytest.approx(np.pi * 3000.0 * 2 * np.pi * 0.9 * 0.01**2, rel=2e-3)
+    assert found.peak_speed == pytest.approx(2 * np.pi * 0.9 * 0.01, rel=0.02)
+
+
+def test_an_unlabelled_good_record_agrees(make_sine):
+    assert disagreements(make_sine()) == []
+
+
+def test_an_inverted_force_is_flagged(make_sine):
+    said = disagreements(make_sine(viscous=-3000.0, name="upside down"))
+    assert len(said) == 1
+    assert said[0].startswith("upside down: its loops create energy")
+    assert said[0].endswith("force sign inverted?")
+
+
+@pytest.mark.parametrize(("off", "words"), [((1.1, 1.0), "Hz"), ((1.0, 0.9), "mm peak to peak"), ((1.02, 0.98), None)])
+def test_a_label_that_disagrees_is_reported(make_sine, off, words):
+    said = disagreements(make_sine(label=Label(0.02 * off[1], 0.9 * off[0])))
+    assert len(said) == (0 if words is None else 1)
+    assert words is None or words in said[0]
+
+
+def test_a_record_without_cycles_cannot_confirm_its_label():
+    t = 0.01 * np.arange(100)
+    still = Record(t, np.zeros(100), np.ones(100), label=Label(0.02, 1.0))
+    assert "cannot be checked" in disagreements(still)[0]
+    with pytest.raises(InputError, match="no whole cycle"):
+        measure(still)
+
+
+def test_only_row_10_of_table_4_3_disagrees(campaign_folder):
+    said = {record.name: disagreements(record) for record in read_campaign(campaign_folder, role=None)}
+    assert {name for name, sentences in said.items() if sentences} == {"ensaio10.2.2"}
+    frequency, peak_to_peak = said["ensaio10.2.2"]
+    assert "labelled 0.8474 Hz, measures 0.675" in frequency
+    assert "labelled 22.41 mm peak to peak, measures 16.2" in peak_to_peak
+
+
+def test_row_10_measures_0_675_hz_and_16_3_mm(campaign_folder):
+    (row,) = [r for r in campaign_rows(campaign_folder) if (r.table, r.row) == ("4.3", 10)]
+    (record,) = [r for r in read_campaign(campaign_folder) if r.name + ".mat" == row.file_name]
+    found = measure(record)
+    assert found.frequency_hz == pytest.approx(0.675, abs=2e-3)
+    assert found.peak_to_peak_m == pytest.approx(0.0163, abs=1e-4)
+
+
+def test_the_real_motion_is_a_distorted_sine_of_29_to_76_mm_per_s(campaign_folder):
+    found = [measure(record) for record in read_campaign(campaign_folder)]
+    assert 0.028 < min(m.peak_speed for m in found) < 0.030
+    assert 0.072 < max(m.peak_speed for m in found) < 0.077
+    assert 0.022 < min(m.harmonics[3] for m in found)
+    assert max(m.harmonics[3] for m in found) < 0.085
+    assert all(m.harmonics[k] < 0.025 for m in found for k in (2, 4, 5, 6, 7))
+    assert all(m.energy_per_cycle > 0 for m in found)

@@ -1,0 +1,63 @@
+"""A folder is a catalogue: a file is a member, and nothing else lists it."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from dampyr import catalogue
+from dampyr.errors import InputError
+
+SHELF = "planted_shelf"
+
+
+@pytest.fixture
+def shelf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A shelf of two members and one private file."""
+    folder = tmp_path / SHELF
+    folder.mkdir()
+    (folder / "__init__.py").write_text("")
+    for name in ("viscous_dahl", "bouc_wen", "_private"):
+        (folder / f"{name}.py").write_text(f"title = {name!r}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    yield folder
+    for name in [n for n in sys.modules if n.split(".")[0] == SHELF]:
+        del sys.modules[name]
+
+
+def test_members_are_the_public_files(shelf: Path) -> None:
+    assert catalogue.names(SHELF) == ["bouc_wen", "viscous_dahl"]
+
+
+def test_adding_a_member_is_adding_a_file(shelf: Path) -> None:
+    (shelf / "lugre.py").write_text("title = 'LuGre'\n")
+    assert catalogue.names(SHELF) == ["bouc_wen", "lugre", "viscous_dahl"]
+
+
+def test_names_are_known_without_loading_the_members(shelf: Path) -> None:
+    catalogue.names(SHELF)
+    assert f"{SHELF}.bouc_wen" not in sys.modules
+
+
+def test_a_member_is_its_module(shelf: Path) -> None:
+    assert catalogue.member(SHELF, "bouc_wen").title == "bouc_wen"
+    assert {name: module.title for name, module in catalogue.members(SHELF)} == {
+        "bouc_wen": "bouc_wen",
+        "viscous_dahl": "viscous_dahl",
+    }
+
+
+def test_a_slip_of_the_pen_is_answered_with_the_nearest_name(shelf: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        catalogue.member(SHELF, "bouc_when")
+    assert str(caught.value) == (
+        "'bouc_when' is not among the planted shelf; "
+        "did you mean 'bouc_wen'? choose from bouc_wen, viscous_dahl"
+    )
+
+
+@pytest.mark.parametrize("name", ["", "quark", "_private", "os.path"])
+def test_what_is_not_there_lists_what_is(shelf: Path, name: str) -> None:
+    with pytest.raises(InputError, match="choose from bouc_wen, viscous_dahl"):
+        catalogue.member(SHELF, name)

@@ -1,0 +1,45 @@
+"""``import dampyr`` is light: no room and no heavy library is loaded before it is needed.
+
+What is loaded is asserted, not how long it takes: a list of modules is the same on every machine.
+"""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import dampyr
+
+HEAVY = {"numpy", "scipy", "xarray", "matplotlib", "pint", "numba", "h5py", "pandas", "pooch", "jinja2"}
+ROOMS = ["records", "models", "identification", "ground_motions", "structures", "report", "export", "studies"]
+
+
+def loaded_by(statement: str) -> set[str]:
+    """The modules that a fresh interpreter holds after ``statement``."""
+    code = f"{statement}\nimport sys, json; print(json.dumps(sorted(sys.modules)))"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(json.loads(run.stdout.splitlines()[-1]))
+
+
+def test_import_loads_no_room_and_no_heavy_library() -> None:
+    loaded = loaded_by("import dampyr")
+    assert {name for name in loaded if name.split(".")[0] == "dampyr"} == {"dampyr"}
+    assert not HEAVY & loaded
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_entering_a_room_loads_only_light_libraries(room: str) -> None:
+    """A room needs numpy at most; what compiles, plots or opens files is loaded by the call that uses it."""
+    loaded = loaded_by(f"import dampyr; dampyr.{room}")
+    assert f"dampyr.{room}" in loaded
+    assert not (HEAVY - {"numpy"}) & loaded
+
+
+def test_every_room_is_listed() -> None:
+    assert set(ROOMS) <= set(dir(dampyr))
+
+
+def test_an_unknown_room_names_the_rooms() -> None:
+    with pytest.raises(AttributeError, match=r"'recods'.*the rooms are records, models"):
+        _ = dampyr.recods

@@ -1,0 +1,114 @@
+"""Units at the boundary, SI inside."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dampyr import units
+from dampyr.errors import InputError
+
+KNOWN = [
+    (12.4, "mm", "m", 0.0124),
+    (-3.0, "cm", "m", -0.03),
+    (1.0, "in", "m", 0.0254),
+    (76.0, "mm/s", "m/s", 0.076),
+    (2.5, "kN", "N", 2500.0),
+    (1.0, "kgf", "N", 9.80665),
+    (1.0, "g", "m/s^2", 9.80665),
+    (1.0, "G", "m/s^2", 9.80665),
+    (100.0, "Gal", "m/s^2", 1.0),
+    (1.0, "cm/s²", "m/s^2", 0.01),
+    (20.0, "µm", "m", 20e-6),
+    (20.0, "µm", "m", 20e-6),
+    (495.0, "mA", "A", 0.495),
+    (2.0, "min", "s", 120.0),
+    (10.0, "ms", "s", 0.01),
+    (1.0, "N*s/mm", "N*s/m", 1000.0),
+    (1.0, "N·s/mm", "N*s/m", 1000.0),
+    (0.02, "1/mm", "1/m", 20.0),
+]
+PAIRS = sorted({(unit, si) for _, unit, si, _ in KNOWN})
+finite = st.floats(min_value=-1e9, max_value=1e9, allow_subnormal=False)
+
+
+@pytest.mark.parametrize(("value", "unit", "si", "expected"), KNOWN)
+def test_known_conversions(value: float, unit: str, si: str, expected: float) -> None:
+    assert units.to_si(value, unit, si) == pytest.approx(expected, rel=1e-14)
+
+
+def test_g_is_the_gram_where_a_mass_is_meant() -> None:
+    assert units.to_si(250.0, "g", "kg") == pytest.approx(0.25, rel=1e-14)
+
+
+def test_a_shifted_scale() -> None:
+    assert units.to_si(25.0, "degC", "kelvin") == pytest.approx(298.15, rel=1e-12)
+    assert units.from_si(298.15, "degC", "kelvin") == pytest.approx(25.0, rel=1e-12)
+
+
+@given(value=finite, pair=st.sampled_from(PAIRS))
+def test_there_and_back(value: float, pair: tuple[str, str]) -> None:
+    unit, si = pair
+    there = units.to_si(value, unit, si)
+    assert math.isclose(units.from_si(there, unit, si), value, rel_tol=1e-14, abs_tol=1e-300)
+
+
+@given(values=st.lists(finite, max_size=8), pair=st.sampled_from(PAIRS))
+def test_an_array_is_converted_like_its_numbers(values: list[float], pair: tuple[str, str]) -> None:
+    unit, si = pair
+    np.testing.assert_array_equal(units.to_si(values, unit, si), [units.to_si(v, unit, si) for v in values])
+
+
+@given(value=finite)
+def test_what_is_typed_is_what_is_meant(value: float) -> None:
+    assert units.parse(f"{value!r} mm", "m") == pytest.approx(value / 1000, rel=1e-14, abs=1e-300)
+    assert units.parse(repr(value), "m") == pytest.approx(value, rel=1e-14)
+
+
+def test_a_typed_quantity_carries_no_noise() -> None:
+    assert units.parse("12.4 mm", "m") == 0.0124
+    assert units.parse("0.1 s", "s") == 0.1
+    assert units.parse(3, "V") == 3.0
+
+
+@pytest.mark.parametrize("unit", ["millimetrs", "+", "mm mm mm x", "mm)"])
+def test_an_unknown_unit_is_named(unit: str) -> None:
+    with pytest.raises(InputError, match="unknown unit") as caught:
+        units.to_si(1.0, unit, "m")
+    assert repr(unit) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("unit", "si"), [("kg", "N"), ("V", "A"), ("mm", "m/s"), ("s", "m")])
+def test_a_wrong_dimension_is_refused(unit: str, si: str) -> None:
+    with pytest.raises(InputError, match="does not measure") as caught:
+        units.to_si(1.0, unit, si)
+    assert repr(unit) in str(caught.value)
+    assert repr(si) in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["", "mm", "12,4 mm", "twelve mm"])
+def test_what_is_no_quantity_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="is not a quantity"):
+        units.parse(text, "m")
+
+
+@pytest.mark.parametrize(
+    ("quantity", "good", "bad", "words"),
+    [
+        (units.Quantity("N", low=0), [0.0, 5.0], [-1e-12, math.nan, math.inf], "at least 0"),
+        (units.Quantity("1/m", low=0, open_low=True), [1e-12], [0.0, -1.0], "greater than 0"),
+        (units.Quantity("1", low=0.5, high=1), [0.5, 1.0], [0.4999, 1.0001], "at least 0.5 and at most 1"),
+        (units.Quantity("s"), [-1e300, 0.0], [math.nan, -math.inf], "finite"),
+    ],
+)
+def test_a_quantity_checks_its_range(
+    quantity: units.Quantity, good: list[float], bad: list[float], words: str
+) -> None:
+    for value in good:
+        quantity.check("p", value)
+    for value in bad:
+        with pytest.raises(InputError, match=f"p = .* {quantity.unit} is not allowed; it must be {words}"):
+            quantity.check("p", value)
