@@ -50,7 +50,7 @@ def _registry() -> Any:
     import pint
 
     registry: Any = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
-    registry.default_format = "~"
+    registry.formatter.default_format = "~"
     return registry
 
 

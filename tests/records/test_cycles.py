@@ -1,5 +1,7 @@
 """Turning points and cycles on plateaus, drift, noise and harmonics, and on all real records."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -62,7 +64,7 @@ def test_cycles_follow_on_one_another_and_last_one_period(make_sine):
     record = make_sine()
     found = cycles(record)
     assert len(found) == 11
-    assert all(a[1] == b[0] for a, b in zip(found, found[1:]))
+    assert all(a[1] == b[0] for a, b in pairwise(found))
     assert [i1 - i0 for i0, i1 in found] == pytest.approx([111.1] * 11, abs=3)
 
 

@@ -19,17 +19,17 @@ def gain_and_phase(frequency, bandwidth):
     return np.hypot(a, b) / omega, np.arctan2(b, a)
 
 
-@pytest.mark.parametrize("bandwidth", [5.0, 12.0, 50.0])
-def test_half_power_at_the_stated_bandwidth_and_no_phase(bandwidth):
+@pytest.mark.parametrize(("bandwidth", "within"), [(5.0, 1e-4), (12.0, 1e-4), (50.0, 3e-3)])
+def test_half_power_at_the_stated_bandwidth_and_no_phase(bandwidth, within):
     gain, phase = gain_and_phase(bandwidth, bandwidth)
-    assert gain == pytest.approx(np.sqrt(0.5), rel=2e-3)
+    assert gain == pytest.approx(np.sqrt(0.5), rel=within)
     assert abs(phase) < 1e-9
 
 
 @pytest.mark.parametrize("frequency", [1.0, 3.0, 7.0, 15.0])
 def test_the_gain_is_the_closed_form(frequency):
     gain, _ = gain_and_phase(frequency, 10.0)
-    assert gain == pytest.approx(float(response(frequency, 10.0)), abs=2e-3)
+    assert gain == pytest.approx(float(response(frequency, 10.0)), abs=1e-4)
 
 
 def test_exact_for_cubics_to_the_very_ends():
@@ -45,7 +45,9 @@ def test_even_and_uneven_sampling_agree():
     x = np.sin(7 * T)
     nudged = T.copy()
     nudged[0] -= 1e-4
-    assert differentiate(nudged, x, 10.0)[100:-100] == pytest.approx(differentiate(T, x, 10.0)[100:-100], abs=1e-9)
+    assert differentiate(nudged, x, 10.0)[100:-100] == pytest.approx(
+        differentiate(T, x, 10.0)[100:-100], abs=1e-9
+    )
 
 
 @pytest.mark.parametrize("bandwidth", [0.5, 60.0, np.nan, 0.0, -3.0])

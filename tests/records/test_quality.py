@@ -35,7 +35,9 @@ def test_a_saturated_force_is_reported(make_sine):
     record = make_sine()
     clipped = record.replace(note="clipped", force=np.minimum(record.force, 250.0))
     found = quality(clipped)
-    assert found.saturated["force"] == int(np.sum(clipped.force[slice(cycles(record)[0][0], cycles(record)[-1][1])] == 250.0))
+    assert found.saturated["force"] == int(
+        np.sum(clipped.force[slice(cycles(record)[0][0], cycles(record)[-1][1])] == 250.0)
+    )
     assert any("force may be saturated" in note for note in found.notes)
     assert "force" not in quality(record).saturated
 

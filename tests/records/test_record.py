@@ -48,7 +48,10 @@ def test_properties():
     [
         ({"force": F[:-1]}, r"^force has 19 values and time has 20; give one value per sample$"),
         ({"voltage": F[:3]}, r"^voltage has 3 values and time has 20"),
-        ({"displacement": with_value(X, 7, np.nan)}, r"^displacement\[7\] = nan m is not finite \(1 such of 20\)"),
+        (
+            {"displacement": with_value(X, 7, np.nan)},
+            r"^displacement\[7\] = nan m is not finite \(1 such of 20\)",
+        ),
         ({"temperature": with_value(X, 3, np.inf)}, r"^temperature\[3\] = inf degC is not finite"),
         ({"voltage": np.nan}, r"^voltage = nan V is not finite"),
         ({"time": with_value(T, 5, 0.01)}, r"^time\[5\] = 0.01 s does not come after 0.04 s; .*sort or cut"),
@@ -88,7 +91,9 @@ def test_replace_extends_the_history():
 
 
 def test_records_travel_to_other_processes():
-    record = Record(T, X, F, voltage=1.0, label=Label(0.02, 1.0, "4.2", 1), provenance={"file": "a"}, history=("b",))
+    record = Record(
+        T, X, F, voltage=1.0, label=Label(0.02, 1.0, "4.2", 1), provenance={"file": "a"}, history=("b",)
+    )
     twin = pickle.loads(pickle.dumps(record))
     assert np.array_equal(twin.force, record.force)
     assert not twin.force.flags.writeable

@@ -1,1 +1,39 @@
+"""The command line: one file per command, found by its name.
 
+A command is a file of this folder called as the command, with a click command (or group) named ``command``::
+
+    \"""Tell the mass of a damper.\"""
+
+    import click
+
+    from dampyr.cli._output import as_json_option, print_json, print_table
+
+
+    @click.command()
+    @click.argument("card", type=click.Path())
+    @as_json_option
+    def command(card: str, as_json: bool) -> None:
+        \"""Tell the mass of the damper in CARD.
+
+        The first sentence stands in ``dampyr --help``.
+        \"""
+        from dampyr import models  # rooms are entered here, not above: help stays quick
+
+        damper = models.Damper.load(card)
+        ...
+        if as_json:
+            print_json({"name": ..., "mass_kg": ...})
+        else:
+            print_table("Mass", ["damper", "mass"], [[..., ...]], units=["", "kg"])
+
+It parses, calls one public function of a room, and prints: nothing is computed here. An underscore in the
+file's name is a hyphen in the command's. It may return an exit code; None is 0. A
+:class:`dampyr.errors.DampyrError`, a file that cannot be opened and a wrong option end it with one line on
+stderr and exit code 2; a :class:`dampyr.errors.DampyrWarning` is one line on stderr. Any other exception is a
+fault of dampyr and shows its traceback. Progress belongs on stderr, so that ``--json`` leaves nothing else on
+stdout.
+"""
+
+from dampyr.cli._frame import cli, main
+
+__all__ = ["cli", "main"]

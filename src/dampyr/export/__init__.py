@@ -1,1 +1,34 @@
+"""The damper in other people's tools.
 
+Each kind of export is one file on the shelf ``dampyr.export.kinds``; `export` writes one of them, `names` lists them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dampyr.catalogue import member
+from dampyr.catalogue import names as _names
+from dampyr.models import Damper
+
+SHELF = "dampyr.export.kinds"
+
+__all__ = ["export", "names"]
+
+
+def names() -> list[str]:
+    """The kinds of export."""
+    return _names(SHELF)
+
+
+def export(damper: Damper, to: str, out: str | Path, name: str = "damper", allow_extrapolation: bool = False) -> list[Path]:
+    """Write ``damper`` as ``to`` (one of `names`) into the folder ``out``; the files written.
+
+    ``name`` is what it is called there. Inputs outside the calibrated range are refused by what is written, unless
+    ``allow_extrapolation``. Raises :class:`~dampyr.errors.InputError` for an unknown kind or a name that the target
+    cannot use.
+    """
+    kind = member(SHELF, to)
+    folder = Path(out)
+    written: list[Path] = kind.write(damper, folder, name, allow_extrapolation)
+    return written

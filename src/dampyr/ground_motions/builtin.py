@@ -8,7 +8,8 @@ from importlib.resources import files
 import numpy as np
 
 from dampyr.ground_motions.motion import GroundMotion
-from dampyr.units import to_si
+
+STANDARD_GRAVITY = 9.80665
 
 
 @lru_cache(maxsize=1)
@@ -21,7 +22,7 @@ def el_centro() -> GroundMotion:
     rows = [line.split(",") for line in text.splitlines() if line and not line.startswith("#")]
     values = np.array([float(row[1]) for row in rows[1:]])
     return GroundMotion(
-        acceleration=to_si(values, "g", "m/s^2"),
+        acceleration=values * STANDARD_GRAVITY,
         dt=0.02,
         name="El Centro 1940 NS",
         source="Imperial Valley earthquake, 18 May 1940, El Centro, north-south, Peknold version (Chopra, Dynamics of Structures)",

@@ -1,8 +1,15 @@
-r"""The velocity of a sampled path, with a stated bandwidth.
+r"""Smooth differentiation with a stated bandwidth and no phase.
 
-A Gaussian low-pass and the derivative in one zero-phase step, by the derivative of a Gaussian. Its response to a sine of
-frequency f is :math:`i 2\pi f\, e^{-2\pi^2\sigma^2 f^2}`, which is half its power (-3 dB) at the bandwidth
-:math:`f_b = \sqrt{\ln 2}/(2\pi\sigma)`.
+At every sample a cubic is fitted to the samples around it with Gaussian weights of standard deviation s, and
+its slope is the derivative. Away from the ends of an evenly sampled record this is a symmetric filter with
+
+.. math:: \frac{H(f)}{2\pi j f} = (1 + u)\,e^{-u}, \qquad u = \tfrac12 (2\pi f s)^2,
+
+exact for cubics, flat at zero to fourth order, and 3 dB down where u = 1.07796; the ends need no padding and
+uneven sampling no resampling.
+
+References: local polynomial regression, Fan and Gijbels (1996), section 3.2; the filter above is its Fourier
+transform.
 """
 
 from __future__ import annotations
@@ -15,28 +22,80 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 
 Array = NDArray[np.float64]
+HALF_POWER = 1.077960450100453  # (1 + u)*exp(-u) = 1/sqrt(2)
+REACH = 6.0  # standard deviations of the window on each side
+FINEST = 0.25  # of the sampling rate: there the gain is still within 0.3 % of the formula
+AT_ONCE = 1000  # windows, to bound the memory
 
 
-def differentiate(t: Array, x: Array, bandwidth: float | None) -> Array:
-    """dx/dt, shape (n,), of samples ``x`` at times ``t``; ``bandwidth`` in Hz (-3 dB), None for central differences.
+def differentiate(time: Array, values: Array, bandwidth_hz: float | None) -> Array:
+    """The derivative ``(n,)`` of ``values`` by ``time``, 3 dB down at ``bandwidth_hz``, without phase.
 
-    Filtering needs one sampling interval: InputError where ``t`` is uneven by more than 1 % or the bandwidth is not
-    below half of the sampling rate.
+    None: plain central differences, whose bandwidth is the sampling's.
+
+    Raises
+    ------
+    InputError
+        The bandwidth is not within what the sampling carries: from 4 over the duration to a quarter of the
+        rate.
     """
-    if bandwidth is None:
-        return np.asarray(np.gradient(x, t))
-    from scipy.ndimage import gaussian_filter1d
+    time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    if bandwidth_hz is None:
+        return np.asarray(np.gradient(values, time))
+    steps = np.diff(time)
+    dt = float(np.median(steps))
+    _check(bandwidth_hz, dt, float(time[-1] - time[0]))
+    width = math.sqrt(2.0 * HALF_POWER) / (2.0 * math.pi * bandwidth_hz)
+    reach = max(math.ceil(REACH * width / dt), 3)
+    if len(time) < 2 * reach + 2 or np.ptp(steps) > 1e-6 * dt:
+        return _slopes(time, values, np.arange(len(time)), width, reach)
+    kernel = _slopes_kernel(dt, width, reach)
+    out = np.empty(len(time))
+    out[reach:-reach] = np.convolve(values, kernel[::-1], mode="valid")
+    ends = np.r_[0:reach, len(time) - reach : len(time)]
+    out[ends] = _slopes(time, values, ends, width, reach)
+    return out
 
-    dt = float(np.median(np.diff(t)))
-    if np.max(np.abs(np.diff(t) - dt)) > 0.01 * dt:
-        raise InputError(f"a derivative of {bandwidth:g} Hz bandwidth needs even sampling; resample the path first")
-    if not 0.0 < bandwidth < 0.5 / dt:
-        raise InputError(f"the bandwidth {bandwidth:g} Hz must be between 0 and {0.5 / dt:g} Hz, half the sampling rate")
-    sigma = math.sqrt(math.log(2.0)) / (2.0 * math.pi * bandwidth)
-    smooth = gaussian_filter1d(_mirrored(x), sigma / dt, truncate=6.0)
-    return np.asarray(np.gradient(smooth, dt)[x.size : 2 * x.size])
+
+def response(frequency_hz: Array | float, bandwidth_hz: float) -> Array:
+    """The gain of :func:`differentiate` over the true derivative's at these frequencies, in the interior."""
+    u = HALF_POWER * (np.asarray(frequency_hz, dtype=float) / bandwidth_hz) ** 2
+    return (1.0 + u) * np.exp(-u)
 
 
-def _mirrored(x: Array) -> Array:
-    """The path continued at both ends by point reflection, so that its slope goes on."""
-    return np.concatenate((2 * x[0] - x[::-1], x, 2 * x[-1] - x[::-1]))
+def _check(bandwidth_hz: float, dt: float, duration: float) -> None:
+    low, high = 4.0 / duration, FINEST / dt
+    if not low <= bandwidth_hz <= high * (1 + 1e-9):
+        raise InputError(
+            f"bandwidth_hz = {bandwidth_hz:g} Hz is not allowed; samples {dt:g} s apart over {duration:g} s "
+            f"carry from {low:.4g} to {high:.4g} Hz"
+        )
+
+
+def _slopes_kernel(dt: float, width: float, reach: int) -> Array:
+    time = dt * np.arange(-reach, reach + 1, dtype=np.float64)
+    weights = _slope_weights(time[None, :], width)
+    return weights[0]
+
+
+def _slopes(time: Array, values: Array, at: NDArray[np.int64], width: float, reach: int) -> Array:
+    """The slopes at the samples ``at`` one window each, cut off at the ends of the record."""
+    n = len(time)
+    size = min(2 * reach + 1, n)
+    out = np.empty(len(at))
+    for start in range(0, len(at), AT_ONCE):
+        here = at[start : start + AT_ONCE]
+        window = np.clip(here - reach, 0, n - size)[:, None] + np.arange(size)[None, :]
+        weights = _slope_weights(time[window] - time[here][:, None], width)
+        out[start : start + AT_ONCE] = np.sum(weights * (values[window] - values[here][:, None]), axis=1)
+    return out
+
+
+def _slope_weights(offsets: Array, width: float) -> Array:
+    """``(k, size)`` weights whose sum with the values is the slope of the cubic at offset 0."""
+    s = offsets / width
+    gauss = np.exp(-0.5 * s**2)
+    powers = s[..., None] ** np.arange(4)
+    normal = np.einsum("ki,kip,kiq->kpq", gauss, powers, powers)
+    slope = np.linalg.solve(normal, np.broadcast_to(np.eye(4)[:, 1:2], (len(s), 4, 1)))[..., 0]
+    return gauss * np.einsum("kip,kp->ki", powers, slope) / width

@@ -155,14 +155,15 @@ def _get(known: DataSet, file: str, sha256: str, source: str, target: Path, down
         )
     except Exception as problem:  # whatever the network throws
         if "does not match" in str(problem):
-            raise FileError(target / file, f"not the published file came ({_reason(problem)}); fetch again") from problem
+            raise FileError(
+                target / file, f"not the published file came ({_reason(problem)}); fetch again"
+            ) from problem
         raise MissingData(
             f"{source}{file} cannot be fetched ({_reason(problem)}); check the network, or get it from "
             f"https://doi.org/{known.doi} and put it in {target}"
         ) from problem
     finally:
         logger.setLevel(level)
-
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -1,63 +1,12 @@
-r"""Smooth differentiation with a stated bandwidth and no phase.
-
-At every sample a cubic is fitted to the samples around it with Gaussian weights of standard deviation s, and
-its slope is the derivative. Away from the ends of an evenly sampled record this is a symmetric filter with
-
-.. math:: \frac{H(f)}{2\pi j f} = (1 + u)\,e^{-u}, \qquad u = \tfrac12 (2\pi f s)^2,
-
-exact for cubics, flat at zero to fourth order, and 3 dB down where u = 1.07796; the ends need no padding and
-uneven sampling no resampling.
-
-References: local polynomial regression, [FanGijbels1996]_ section 3.2; the filter above is its Fourier
-transform.
-"""
+"""The velocity of a record, with a bandwidth that its history states (`dampyr.models.derivative` has the filter)."""
 
 from __future__ import annotations
 
-import math
+from dampyr.models.derivative import differentiate, response
+from dampyr.records.record import Record
 
-import numpy as np
-from numpy.typing import NDArray
-
-from dampyr.errors import InputError
-from dampyr.records.record import Array, Record
-
-HALF_POWER = 1.077960450100453  # (1 + u)*exp(-u) = 1/sqrt(2)
-REACH = 6.0  # standard deviations of the window on each side
-FINEST = 0.25  # of the sampling rate: there the Gaussian is still resolved to 1e-6
 PER_TEST_FREQUENCY = 15.0
 WITHOUT_CYCLES = 0.2
-
-
-def differentiate(time: Array, values: Array, bandwidth_hz: float) -> Array:
-    """The derivative ``(n,)`` of ``values`` by ``time``, 3 dB down at ``bandwidth_hz``, without phase.
-
-    Raises
-    ------
-    InputError
-        The bandwidth is not within what the sampling carries: from 4 over the duration to a quarter of the
-        rate.
-    """
-    time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
-    steps = np.diff(time)
-    dt = float(np.median(steps))
-    _check(bandwidth_hz, dt, float(time[-1] - time[0]))
-    width = math.sqrt(2.0 * HALF_POWER) / (2.0 * math.pi * bandwidth_hz)
-    reach = max(math.ceil(REACH * width / dt), 3)
-    if len(time) < 2 * reach + 2 or np.ptp(steps) > 1e-6 * dt:
-        return _slopes(time, values, np.arange(len(time)), width, reach)
-    kernel = _slopes_kernel(dt, width, reach)
-    out = np.empty(len(time))
-    out[reach:-reach] = np.convolve(values, kernel[::-1], mode="valid")
-    ends = np.r_[0:reach, len(time) - reach : len(time)]
-    out[ends] = _slopes(time, values, ends, width, reach)
-    return out
-
-
-def response(frequency_hz: Array | float, bandwidth_hz: float) -> Array:
-    """The gain of :func:`differentiate` over the true derivative's at these frequencies, in the interior."""
-    u = HALF_POWER * (np.asarray(frequency_hz, dtype=float) / bandwidth_hz) ** 2
-    return (1.0 + u) * np.exp(-u)
 
 
 def default_bandwidth(record: Record) -> float:
@@ -88,36 +37,4 @@ def with_velocity(record: Record, bandwidth_hz: float | None = None) -> Record:
     return record.replace(note=note, velocity=velocity, provenance=provenance)
 
 
-def _check(bandwidth_hz: float, dt: float, duration: float) -> None:
-    low, high = 4.0 / duration, FINEST / dt
-    if not low <= bandwidth_hz <= high * (1 + 1e-9):
-        raise InputError(
-            f"bandwidth_hz = {bandwidth_hz:g} Hz is not allowed; samples {dt:g} s apart over {duration:g} s carry "
-            f"from {low:.4g} to {high:.4g} Hz"
-        )
-
-
-def _slopes_kernel(dt: float, width: float, reach: int) -> Array:
-    time = dt * np.arange(-reach, reach + 1, dtype=np.float64)
-    weights = _slope_weights(time[None, :], width)
-    return weights[0]
-
-
-def _slopes(time: Array, values: Array, at: NDArray[np.int64], width: float, reach: int) -> Array:
-    """The slopes at the samples ``at`` one window each, cut off at the ends of the record."""
-    n = len(time)
-    size = min(2 * reach + 1, n)
-    first = np.clip(at - reach, 0, n - size)
-    window = first[:, None] + np.arange(size)[None, :]
-    weights = _slope_weights(time[window] - time[at][:, None], width)
-    return np.sum(weights * (values[window] - values[at][:, None]), axis=1)
-
-
-def _slope_weights(offsets: Array, width: float) -> Array:
-    """``(k, size)`` weights whose sum with the values is the slope of the cubic at offset 0."""
-    s = offsets / width
-    gauss = np.exp(-0.5 * s**2)
-    powers = s[..., None] ** np.arange(4)
-    normal = np.einsum("ki,kip,kiq->kpq", gauss, powers, powers)
-    slope = np.linalg.solve(normal, np.broadcast_to(np.eye(4)[:, 1:2], (len(s), 4, 1)))[..., 0]
-    return gauss * np.einsum("kip,kp->ki", powers, slope) / width
+__all__ = ["default_bandwidth", "differentiate", "response", "with_velocity"]

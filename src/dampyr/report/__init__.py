@@ -6,7 +6,7 @@ A figure takes plain arrays in SI, shows them in the units people read (mm, N, s
 ::
 
     figure = loops(record.displacement, record.velocity, record.force, {"viscous Dahl": predicted})
-    html = page("A damper", [Section("Loops", [Text("Five cycles."), FigureBlock(figure, "measured, model")])])
+    html = page("A damper", [Section("Loops", [FigureBlock(figure, "measured, model")])])
     write_page("out/damper.html", html)
 """
 

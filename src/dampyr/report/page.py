@@ -39,21 +39,29 @@ def page(
 ) -> str:
     """The page as a string of HTML.
 
-    ``subtitle`` stands under the title; ``provenance`` (a sentence, or name -> value) at the foot says where the
-    numbers came from. All text is escaped: none of it is taken for HTML.
+    ``subtitle`` stands under the title; ``provenance`` (a sentence, or name -> value) at the foot says where
+    the numbers came from. All text is escaped: none of it is taken for HTML.
     """
     if not sections:
         raise InputError("a page needs at least one section")
     ids = _anchors([section.title for section in sections])
     counted = iter(range(1, 1 + sum(len(section.blocks) for section in sections)))
     ready = [
-        {"id": anchor, "title": section.title, "blocks": [_block(b, f"f{next(counted)}") for b in section.blocks]}
+        {
+            "id": anchor,
+            "title": section.title,
+            "blocks": [_block(b, f"f{next(counted)}") for b in section.blocks],
+        }
         for anchor, section in zip(ids, sections, strict=True)
     ]
     facts = {"": provenance} if isinstance(provenance, str) else dict(provenance)
     return str(
         _template().render(
-            title=title, subtitle=subtitle, sections=ready, provenance=facts if provenance else {}, marks=_MARKS
+            title=title,
+            subtitle=subtitle,
+            sections=ready,
+            provenance=facts if provenance else {},
+            marks=_MARKS,
         )
     )
 

@@ -1,12 +1,12 @@
 """One style for all figures: colours that colour-blind readers tell apart, units on every axis, few points.
 
-The colours are those of [OkabeIto2008]_. In a page they become CSS variables, so a figure follows the reader's
-light or dark mode; in a file of its own it is drawn for white paper.
+The colours are those of [OkabeIto2008]_. In a page they become CSS variables, so a figure follows the
+reader's light or dark mode; in a file of its own it is drawn for white paper.
 
 References
 ----------
-.. [OkabeIto2008] M. Okabe and K. Ito, "Color universal design (CUD): how to make figures and presentations that
-   are friendly to colorblind people", 2008.
+.. [OkabeIto2008] M. Okabe and K. Ito, "Color universal design (CUD): how to make figures and presentations
+   that are friendly to colorblind people", 2008.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INK, MUTED, GRID = "#1b2026", "#79828c", "#d3d8dd"
-BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"
+BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (
+    "#0072b2",
+    "#d55e00",
+    "#009e73",
+    "#cc79a7",
+    "#e69f00",
+    "#56b4e9",
+)
 SERIES = (VERMILLION, BLUE, GREEN, PURPLE, ORANGE, SKY)
 MEASURED = MUTED
 WIDTH = 5.6
@@ -123,25 +131,29 @@ def name_axes(axes: Axes, x: Axis, y: Axis) -> None:
     axes.set_ylabel(y.label)
 
 
-def legend(fig: Figure, axes: Axes) -> None:
-    """One row of names above the axes, when there is more than one name."""
-    handles, names = axes.get_legend_handles_labels()
-    if len(names) > 1:
-        fig.legend(handles, names, loc="outside upper left", ncols=min(len(names), 3))
+def legend(fig: Figure, *axes: Axes, columns: int = 3, fewest: int = 2) -> None:
+    """The names on the axes, each once, above the figure; none when there are fewer than ``fewest``."""
+    known: dict[str, Any] = {}
+    for each in axes:
+        for handle, name in zip(*each.get_legend_handles_labels(), strict=True):
+            known.setdefault(name, handle)
+    if len(known) >= fewest:
+        loc = "outside upper left"
+        fig.legend(list(known.values()), list(known), loc=loc, ncols=min(len(known), columns))
 
 
 def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """At most ``limit`` points of a line, with the extremes of x and y of each stretch kept.
 
-    A stretch gives its first point and where x and y are least and greatest, in their order; so no peak is lost,
-    whatever the number of points. A missing value (NaN) is no extreme.
+    A stretch gives the points where x and y are least and greatest, in their order, so no peak is lost. A
+    missing value (NaN) is no extreme.
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if len(x) <= limit:
         return x, y
     keep = {0, len(x) - 1}
     edges = np.linspace(0, len(x), max(limit // 4, 1) + 1).astype(int)
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in pairwise(edges):
         for values in (x[start:stop], y[start:stop]):
             if not np.all(np.isnan(values)):
                 keep.update((start + int(np.nanargmin(values)), start + int(np.nanargmax(values))))

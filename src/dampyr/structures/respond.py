@@ -1,6 +1,6 @@
 r"""The response of a building with dampers to a ground motion.
 
-The coupling (:mod:`dampyr.structures.coupling`) is one for every damper. Its step is found here: it starts from
+The coupling (:mod:`dampyr.structures.coupling`) is one for every damper. Its step is found here: the final one satisfies
 :math:`\omega_s h \le 1/2`, with :math:`\omega_s^2 = k/m` of the dampers at rest, and is halved until no peak of displacement or
 drift changes by more than the accuracy asked for.
 """
@@ -65,6 +65,8 @@ def respond(
         best = _single(run, _division(motion, step, sites))
     response = _response(building, motion, sites, best)
     _warn(response)
+    for note in response.outside:
+        warnings.warn(note, DampyrWarning, stacklevel=2)
     return response
 
 
@@ -107,15 +109,15 @@ def _division(motion: GroundMotion, step: float, sites: tuple[Site, ...]) -> int
 
 
 def _first_division(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: Any) -> int:
-    """The first guess of how many steps to take per sample, from the dampers' slopes at rest."""
-    step = min([LONGEST_STEP, motion.dt, *(s.delay for s in sites if s.delay > 0)])
+    """The first, coarse division of a sample: twice the step of the rule, so that the first halving meets the rule."""
+    step = min([2 * LONGEST_STEP, motion.dt, *(s.delay for s in sites if s.delay > 0)])
     if sites:
         slopes = run(1, samples=1).out.rest_slopes
         rows = _connections(building, sites)
         flexibility = np.einsum("si,si->s", rows, np.linalg.solve(building.M, rows.T).T)
         omega = math.sqrt(float(np.max(np.abs(slopes[:, 0]) * flexibility)))
         rate = float(np.max(np.abs(slopes[:, 1]) * flexibility))
-        step = min(step, 0.5 / omega if omega > 0 else step, 1.0 / rate if rate > 0 else step)
+        step = min(step, 1.0 / omega if omega > 0 else step, 2.0 / rate if rate > 0 else step)
     return math.ceil(motion.dt / step * (1 - 1e-9))
 
 
@@ -253,7 +255,23 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         converged=not run.reason,
         reason=run.reason,
         title=f"{building.name}, {motion.name}",
+        outside=tuple(note for d, site in enumerate(sites) for note in _outside(site, d, rows, out)),
     )
+
+
+def _outside(site: Site, d: int, rows: Array, out: Output) -> list[str]:
+    """Which calibrated limits of displacement and velocity the motion of a site leaves."""
+    n = rows.shape[1]
+    speed = float(np.max(np.abs(out.state[:, n:] @ rows[d])))
+    reached = {"displacement": (float(out.drift_peak[site.storey - 1]), "m"), "velocity": (speed, "m/s")}
+    notes = []
+    for name, (value, unit) in reached.items():
+        limit = site.damper.ranges.get(name, (0.0, math.inf))[1]
+        if value > 1.01 * limit:
+            notes.append(
+                f"the damper in storey {site.storey} reaches a {name} of {value:.4g} {unit}; it was calibrated up to {limit:.4g} {unit}"
+            )
+    return notes
 
 
 def _energy(building: Building, out: Output) -> Energy:

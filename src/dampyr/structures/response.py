@@ -68,6 +68,7 @@ class Response:
     converged: bool
     reason: str
     title: str = ""
+    outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
 
     def to_xarray(self) -> Any:
         """The histories and peaks as an ``xarray.Dataset`` with dims time, floor, storey and damper; units in ``attrs``."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,7 +31,7 @@ def building_response(
     colours = (style.MUTED, style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.ORANGE)
     t = TIME.of(time)
     with style.style():
-        for colour, (name, values) in zip(colours, cases.items(), strict=False):
+        for colour, (name, values) in zip(cycle(colours), cases.items(), strict=False):
             y = axis.of(values)
             peak = int(np.argmax(np.abs(y)))
             label = f"{name}: {abs(y[peak]):.3g} {axis.unit}"
@@ -38,6 +39,5 @@ def building_response(
             panel.plot(t[peak], y[peak], "o", ms=4, color=colour)
         panel.set_xlim(t[0], t[-1])
         style.name_axes(panel, TIME, axis)
-        handles, names = panel.get_legend_handles_labels()
-        fig.legend(handles, names, loc="outside upper left", ncols=2)
+        style.legend(fig, panel, columns=2, fewest=1)
     return fig

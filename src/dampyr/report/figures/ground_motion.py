@@ -24,9 +24,10 @@ def ground_motion(time: ArrayLike, acceleration: ArrayLike, title: str = "") -> 
     peak = int(np.argmax(np.abs(a)))
     with style.style():
         style.line(panel, t, a, color=style.BLUE, lw=0.8)
-        panel.plot(t[peak], a[peak], "o", ms=4, color=style.VERMILLION)
-        words = f"{abs(a[peak]):.3g} m/s² = {abs(a[peak]) / STANDARD_GRAVITY:.3g} g at {t[peak]:.3g} s"
-        panel.annotate(words, (t[peak], a[peak]), (8, 0), textcoords="offset points", va="center", fontsize=9)
+        in_g = abs(a[peak]) / STANDARD_GRAVITY
+        words = f"peak {abs(a[peak]):.4g} m/s² = {in_g:.4g} g at {t[peak]:.4g} s"
+        panel.plot(t[peak], a[peak], "o", ms=4, color=style.VERMILLION, ls="none", label=words)
         panel.set_xlim(t[0], t[-1])
         style.name_axes(panel, TIME, ACCELERATION)
+        style.legend(fig, panel, fewest=1)
     return fig

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,9 +22,9 @@ if TYPE_CHECKING:
 class Law:
     """One parameter over the input, for one panel.
 
-    ``axis`` names it and its unit; ``curve`` (inputs, values) is the law; ``points`` (inputs, values) are what
-    it was made from or is compared with, ``error`` their half error bars; ``others`` name -> (inputs, values)
-    are further points, such as published ones. All SI.
+    ``axis`` names it and its unit; ``curve`` (inputs, values) is the law; ``points`` (inputs, values) are
+    what it was made from or is compared with, ``error`` their half error bars; ``others`` name -> (inputs,
+    values) are further points, such as published ones. All SI.
     """
 
     axis: Axis
@@ -51,7 +52,7 @@ def parameters_against_input(
         for panel in list(axes.flat)[max(len(laws) - columns, 0) : len(laws)]:
             panel.set_xlabel(axis.label)
             panel.tick_params(labelbottom=True)
-        style.legend(fig, axes.flat[0])
+        style.legend(fig, *axes.flat, columns=4)
     return fig
 
 
@@ -65,8 +66,8 @@ def _panel(panel: Any, law: Law, calibrated: tuple[float, float] | None, axis: A
         bars = None if law.error is None else _finite(law.axis.of(law.error))
         x, y = axis.of(law.points[0]), law.axis.of(law.points[1])
         panel.errorbar(x, y, bars, fmt="o", ms=4, color=style.VERMILLION, capsize=2.5, lw=1, label="fitted")
-    for colour, (name, (x, y)) in zip(style.SERIES[2:], law.others.items(), strict=False):
-        panel.plot(axis.of(x), law.axis.of(y), "D", ms=4, mfc="none", color=colour, label=name)
+    for colour, (name, (inputs, values)) in zip(cycle(style.SERIES[2:]), law.others.items(), strict=False):
+        panel.plot(axis.of(inputs), law.axis.of(values), "D", ms=4, mfc="none", color=colour, label=name)
     panel.set_ylabel(law.axis.label)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
@@ -23,8 +24,8 @@ def loops(
 ) -> Figure:
     """Force-displacement and, with a velocity, force-velocity loops.
 
-    ``displacement`` m, ``velocity`` m/s or None, ``measured`` N or None where nothing was measured, ``models``
-    name -> N; all ``(n,)`` on one clock.
+    ``displacement`` m, ``velocity`` m/s or None, ``measured`` N or None where nothing was measured,
+    ``models`` name -> N; all ``(n,)`` on one clock.
     """
     panels = [(displacement, DISPLACEMENT)] + ([(velocity, VELOCITY)] if velocity is not None else [])
     fig, axes = style.figure(3.0, 1, len(panels), title, sharey=True)
@@ -32,8 +33,8 @@ def loops(
         for panel, (values, axis) in zip(axes[0], panels, strict=True):
             x = axis.of(values)
             if measured is not None:
-                style.line(panel, x, FORCE.of(measured), color=style.MEASURED, lw=1.6, label="measured")
-            for colour, (name, force) in zip(style.SERIES, (models or {}).items(), strict=False):
+                style.line(panel, x, FORCE.of(measured), color=style.MEASURED, lw=1.2, label="measured")
+            for colour, (name, force) in zip(cycle(style.SERIES), (models or {}).items(), strict=False):
                 style.line(panel, x, FORCE.of(force), color=colour, lw=1.1, label=name)
             style.name_axes(panel, axis, FORCE)
             panel.label_outer(remove_inner_ticks=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,11 +27,13 @@ def phase_portrait(
     fig, axes = style.figure(3.2, 1, 1, title)
     panel = axes[0, 0]
     with style.style():
-        for colour, (name, (across, up)) in zip(style.SERIES[1:], curves.items(), strict=False):
+        for colour, (name, (across, up)) in zip(cycle(style.SERIES[1:]), curves.items(), strict=False):
             style.line(panel, x.of(across), y.of(up), color=colour, label=name)
         for name, level in (limits or {}).items():
             for side, label in ((1.0, name), (-1.0, None)):
-                panel.axhline(side * float(np.asarray(y.of(level))), color=style.MUTED, ls="--", lw=1, label=label)
+                panel.axhline(
+                    side * float(np.asarray(y.of(level))), color=style.MUTED, ls="--", lw=1, label=label
+                )
         style.name_axes(panel, x, y)
         style.legend(fig, panel)
     return fig

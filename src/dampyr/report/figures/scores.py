@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +34,9 @@ def scores(
             spread = row + np.linspace(-0.16, 0.16, len(dots)) if len(dots) > 1 else [row]
             panel.plot(dots, spread, "o", ms=3.5, color=style.BLUE, label=_once("record", row))
         rows = {name: row for row, name in enumerate(groups)}
-        for colour, (name, known) in zip((style.VERMILLION, style.GREEN), (references or {}).items(), strict=False):
+        for colour, (name, known) in zip(
+            cycle((style.VERMILLION, style.GREEN, style.PURPLE)), (references or {}).items(), strict=False
+        ):
             at = [(float(axis.of(value)), rows[group]) for group, value in known.items()]
             panel.plot(*zip(*at, strict=True), "D", ms=6, mfc="none", mew=1.4, color=colour, label=name)
         panel.set_yticks(range(len(groups)), list(groups))

@@ -3,6 +3,7 @@ r"""The function theta of the limit-cycle method, :math:`\theta(x) = k_w \bar w 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
@@ -34,8 +35,8 @@ def theta(
             x, y = DISPLACEMENT.of(exact[0]), FORCE.of(exact[1])
             style.line(panel, x, y, color=style.MUTED, ls="--", label="closed form")
         colours = (style.VERMILLION, style.GREEN, style.PURPLE, style.ORANGE)
-        for colour, (name, (x, y)) in zip(colours, (marks or {}).items(), strict=False):
-            panel.plot(DISPLACEMENT.of(x), FORCE.of(y), "o", ms=6, color=colour, label=name)
+        for colour, (name, (place, force)) in zip(cycle(colours), (marks or {}).items(), strict=False):
+            panel.plot(DISPLACEMENT.of(place), FORCE.of(force), "o", ms=6, color=colour, label=name)
         panel.set_xlabel(DISPLACEMENT.label)
         panel.set_ylabel("θ [N]")
         style.legend(fig, panel)

@@ -1,0 +1,128 @@
+"""The frame around all commands: finding them, and ending them in one line when something is wrong."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterator, MutableMapping, Sequence
+from contextlib import contextmanager
+from difflib import get_close_matches
+from typing import Any, NoReturn, TextIO
+
+import click
+
+import dampyr
+from dampyr import catalogue
+from dampyr.errors import DampyrError, DampyrWarning
+
+SHELF = "dampyr.cli"
+WRONG, INTERRUPTED = 2, 130
+SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
+
+
+class Shelf(click.Group):
+    """A group whose commands are the files of this folder, each loaded when it is needed."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names of the commands, as they are typed."""
+        return [name.replace("_", "-") for name in catalogue.names(SHELF)]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command called ``cmd_name``, or None."""
+        if cmd_name not in self.list_commands(ctx):
+            return None
+        command: click.Command = catalogue.member(SHELF, cmd_name.replace("-", "_")).command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that ``args`` start with, or an error that names the nearest one."""
+        known = self.list_commands(ctx)
+        if args and args[0] not in known and not args[0].startswith("-"):
+            close = get_close_matches(args[0], known, n=1)
+            hint = f"did you mean {close[0]!r}? " if close else ""
+            raise click.UsageError(
+                f"there is no command {args[0]!r}; {hint}choose from {', '.join(known)}", ctx
+            )
+        return super().resolve_command(ctx, args)
+
+    def main(self, args: Sequence[str] | None = None, *rest: Any, **extra: Any) -> NoReturn:
+        """Run a command and leave the process with its exit code."""
+        extra |= {"standalone_mode": False, "prog_name": "dampyr"}
+        sys.exit(_guarded(lambda: super(Shelf, self).main(args, **extra)))
+
+
+@click.group(cls=Shelf, invoke_without_command=True, context_settings=SETTINGS)
+@click.version_option(dampyr.__version__, message="dampyr %(version)s")
+@click.pass_context
+def cli(ctx: click.Context) -> None:
+    """Test, identify and simulate magnetorheological dampers: from the shaking table to the building."""
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+def main() -> NoReturn:
+    """The ``dampyr`` command."""
+    cli.main()
+
+
+def _guarded(run: Callable[[], Any]) -> int:
+    """The exit code of ``run``; what is wrong for a known reason is said in one line."""
+    try:
+        with _warnings_in_one_line():
+            code = run()
+        return code if isinstance(code, int) else 0
+    except click.exceptions.NoArgsIsHelpError as problem:
+        problem.show()
+        return WRONG
+    except click.ClickException as problem:
+        return _say(_usage(problem))
+    except DampyrError as problem:
+        return _say(str(problem))
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader left: nothing to flush to
+        return 1
+    except OSError as problem:
+        return _say(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem))
+    except (click.Abort, KeyboardInterrupt):
+        _say("interrupted")
+        return INTERRUPTED
+
+
+def _usage(problem: click.ClickException) -> str:
+    context = getattr(problem, "ctx", None)
+    where = f"; see `{context.command_path} --help`" if context else ""
+    return problem.format_message().rstrip(".?") + where
+
+
+def _say(message: str) -> int:
+    click.echo(f"dampyr: {' '.join(message.split())}", err=True)
+    return WRONG
+
+
+@contextmanager
+def _warnings_in_one_line() -> Iterator[None]:
+    """Print each warning of dampyr's own once, in one line; leave the others as they are."""
+    seen: MutableMapping[str, None] = {}
+
+    def show(
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        if not issubclass(category, DampyrWarning):
+            others(message, category, filename, lineno, file, line)
+        elif str(message) not in seen:
+            seen[str(message)] = None
+            _say(f"warning: {message}")
+
+    with warnings.catch_warnings():
+        others = warnings.showwarning
+        warnings.filterwarnings("always", category=DampyrWarning)
+        warnings.showwarning = show
+        yield

@@ -1,0 +1,102 @@
+"""What commands print: a table for people, JSON for machines."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import json
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+as_json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for machines, in SI units.")
+"""The option that every command takes; it comes as ``as_json``."""
+
+DASH = "–"
+WIDTH_OF_A_FILE = 240
+
+
+def print_json(data: Any) -> None:
+    """Print data as JSON on stdout.
+
+    Dataclasses become objects, arrays become lists, paths become text. JSON knows no NaN and no infinity: NaN
+    becomes null, and infinity the text "inf" or "-inf".
+    """
+    click.echo(json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def plain(value: Any) -> Any:
+    """Data as JSON has them: see :func:`print_json`."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): plain(each) for key, each in value.items()}
+    if hasattr(value, "tolist"):  # numpy's arrays and numbers
+        return plain(value.tolist())
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(each) for each in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    if value is None or isinstance(value, str | int | float | bool):
+        return value
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"{type(value).__name__} has no place in JSON")
+
+
+def print_table(
+    title: str,
+    columns: Sequence[str],
+    rows: Sequence[Sequence[Any]],
+    units: Sequence[str] | None = None,
+    digits: int = 4,
+    notes: Sequence[str] = (),
+) -> None:
+    """Print a table on stdout: numbers to the right with ``digits`` significant digits, None as a dash.
+
+    ``units`` stand under the names of the columns; ``notes`` are sentences below the table.
+    """
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(title=escape(title), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    for k, name in enumerate(columns):
+        unit = f"\n[dim]{escape(units[k])}[/dim]" if units and any(units) else ""
+        filled = [row[k] for row in rows if row[k] is not None]
+        numeric = bool(filled) and all(map(_is_number, filled))
+        side = "right" if numeric else "left"
+        table.add_column(escape(name) + unit, justify=side, no_wrap=numeric, overflow="fold")  # type: ignore[arg-type]
+    for row in rows:
+        table.add_row(*(escape(_text(cell, digits)) for cell in row))
+    _print(table, *(escape(note) for note in notes))
+
+
+def _print(*parts: Any) -> None:
+    """Print on stdout: as wide as the terminal, or, into a file or a pipe, as wide as it needs to be."""
+    from rich.console import Console
+
+    if sys.stdout.isatty():
+        Console().print(*parts, sep="\n", highlight=False)
+        return
+    page = io.StringIO()
+    Console(file=page, width=WIDTH_OF_A_FILE).print(*parts, sep="\n", highlight=False)
+    click.echo("\n".join(line.rstrip() for line in page.getvalue().rstrip().splitlines()))
+
+
+def _is_number(cell: Any) -> bool:
+    return hasattr(cell, "__float__") and not isinstance(cell, bool)
+
+
+def _text(cell: Any, digits: int) -> str:
+    if cell is None:
+        return DASH
+    if isinstance(cell, bool):
+        return "yes" if cell else "no"
+    if isinstance(cell, int):
+        return str(cell)
+    return f"{float(cell):.{digits}g}" if _is_number(cell) else str(cell)

@@ -1,0 +1,76 @@
+"""Doctor: what this machine has of what dampyr uses."""
+
+from __future__ import annotations
+
+import os
+import platform
+import shutil
+import sys
+from importlib import metadata
+from typing import Any
+
+import click
+
+import dampyr
+from dampyr.cli._output import as_json_option, print_json, print_table
+
+LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
+
+
+@click.command()
+@as_json_option
+def command(as_json: bool) -> None:
+    """Tell what this machine has: versions, caches, compiler, data sets."""
+    findings = [*_machine(), *(_library(name) for name in LIBRARIES), _kernels(), _compiler(), *_data()]
+    if as_json:
+        print_json([dict(zip(("what", "found", "repair"), each, strict=True)) for each in findings])
+        return
+    print_table(f"dampyr {dampyr.__version__}", ["what", "found", "to repair it"], findings)
+
+
+def _machine() -> list[list[Any]]:
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return [
+        ["Python", platform.python_version(), None],
+        ["interpreter", sys.executable, None],
+        ["machine", f"{platform.system()} {platform.machine()}", None],
+        ["processor cores", str(cores), None],
+    ]
+
+
+def _library(name: str) -> list[Any]:
+    try:
+        return [name, metadata.version(name), None]
+    except metadata.PackageNotFoundError:
+        return [name, "missing", f"pip install {name}"]
+
+
+def _kernels() -> list[Any]:
+    from dampyr.models.kernels import cache_folder
+
+    return ["compiled kernels", str(cache_folder()), None]
+
+
+def _compiler() -> list[Any]:
+    found = next((path for path in map(shutil.which, ("gcc", "clang", "cc")) if path), None)
+    repair = None if found else "install gcc or clang; only exported C code needs it"
+    return ["C compiler", found or "none", repair]
+
+
+def _data() -> list[list[Any]]:
+    from dampyr import records
+    from dampyr.errors import MissingData
+    from dampyr.records.datasets import DATA_SETS, missing_files
+
+    findings: list[list[Any]] = []
+    for known in DATA_SETS:
+        fetch = f"dampyr datasets fetch {known.name}"
+        try:
+            folder = records.locate(known.name)
+        except MissingData:
+            findings.append([f"data set {known.name}", "absent", fetch])
+            continue
+        missing = missing_files(folder)
+        state = f"{folder}, {len(missing)} files missing" if missing else str(folder)
+        findings.append([f"data set {known.name}", state, fetch if missing else None])
+    return findings

@@ -1,0 +1,138 @@
+"""Records: what was measured, how well, and where a label disagrees."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.errors import InputError
+
+if TYPE_CHECKING:
+    from dampyr.records import Measured, Record
+
+COLUMNS = ["record", "role", "input", "duration", "frequency", "peak to peak", "mean force", "to look at"]
+UNITS = ["", "", "", "s", "Hz", "mm", "N", ""]
+
+
+@click.command()
+@click.argument("paths", nargs=-1, type=click.Path(path_type=Path))
+@click.option("--role", type=click.Choice(["fit", "validation", "all"]), default="all", help="Of a campaign.")
+@click.option("--voltage", type=float, help="V at the coil, for files that do not hold it.")
+@click.option("--current", type=float, help="A, for files that do not hold it.")
+@click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm.")
+@click.option("--column", "columns", multiple=True, metavar="CHANNEL=NAME", help="Such as force='Load cell'.")
+@as_json_option
+def command(
+    paths: tuple[Path, ...],
+    role: str,
+    voltage: float | None,
+    current: float | None,
+    units: tuple[str, ...],
+    columns: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """List records, measured and checked.
+
+    PATHS are files or campaign folders; without them, the labcontrol campaign. One record alone is shown in
+    full. Frequency and displacement are measured over whole cycles; where a label says something else, that
+    is told.
+    """
+    from dampyr import records
+
+    found, absent = [], []
+    options = {"voltage": voltage, "current": current, "units": _pairs(units), "columns": _pairs(columns)}
+    for path in paths or (records.locate("labcontrol"),):
+        if path.is_dir():
+            found += records.read_campaign(path, role=None if role == "all" else role)  # type: ignore[arg-type]
+            absent += _without_file(path)
+        else:
+            found.append(records.read(path, **options))  # type: ignore[arg-type]
+    told = [_told(record) for record in found]
+    if as_json:
+        print_json({"records": told, "rows_without_file": absent})
+    elif len(told) == 1 and not absent:
+        _print_one(told[0])
+    else:
+        notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent]
+        print_table(f"{len(told)} records", COLUMNS, [_row(each) for each in told], UNITS, notes=notes)
+
+
+def _pairs(given: tuple[str, ...]) -> dict[str, str] | None:
+    """``CHANNEL=VALUE`` options as a dictionary."""
+    for pair in given:
+        if "=" not in pair:
+            raise InputError(f"{pair!r} names no channel; write it as in displacement=mm")
+    return dict(pair.split("=", 1) for pair in given) or None
+
+
+def _without_file(folder: Path) -> list[dict[str, Any]]:
+    """The rows of a campaign's table that have no file."""
+    from dampyr import records
+    from dampyr.records.campaign import TABLE
+
+    rows = records.campaign_rows(folder) if (folder / TABLE).is_file() else []
+    return [{"table": row.table, "row": row.row} for row in rows if row.file is None]
+
+
+def _told(record: Record) -> dict[str, Any]:
+    """All that is known of a record, without its samples."""
+    from dampyr import records
+
+    measured: Measured | None = None
+    try:
+        measured, notes = records.measure(record), records.disagreements(record)
+    except InputError as problem:  # no whole cycle: there is a record, but nothing to measure in it
+        notes = [str(problem)]
+    quality = records.quality(record)
+    return {
+        "name": record.name,
+        "role": record.role,
+        "input": record.input,
+        "input_value": record.input_value,
+        "duration_s": record.duration,
+        "label": record.label,
+        "measured": measured,
+        "quality": quality,
+        "notes": [*(note.removeprefix(f"{record.name}: ") for note in notes), *quality.notes],
+        "history": record.history,
+        "provenance": record.provenance,
+    }
+
+
+def _input(told: dict[str, Any]) -> str | None:
+    return None if told["input"] is None else f"{told['input_value']:.5g} {told['input']}"
+
+
+def _row(told: dict[str, Any]) -> list[Any]:
+    m = told["measured"]
+    motion = [m.frequency_hz, 1e3 * m.peak_to_peak_m, m.mean_force] if m else [None, None, None]
+    notes = "; ".join(told["notes"])
+    return [told["name"], told["role"], _input(told), told["duration_s"], *motion, notes]
+
+
+def _print_one(told: dict[str, Any]) -> None:
+    """A record in full, one line for each thing known of it."""
+    from dampyr.records.record import CHANNELS
+
+    m, q = told["measured"], told["quality"]
+    lines: list[tuple[str, Any]] = [("role", told["role"]), ("input", _input(told))]
+    lines += [("duration", f"{told['duration_s']:.6g} s"), ("samples", f"{q.samples}, every {q.dt:.6g} s")]
+    if m:
+        lines += [
+            ("motion starts at", f"{m.motion_start:.4g} s"),
+            ("whole cycles", str(m.cycles)),
+            ("frequency", f"{m.frequency_hz:.5g} Hz"),
+            ("peak to peak", f"{1e3 * m.peak_to_peak_m:.5g} mm"),
+            ("peak speed", f"{1e3 * m.peak_speed:.4g} mm/s"),
+            ("drift", f"{1e3 * m.drift_m_per_s:.3g} mm/s"),
+            ("mean force", f"{m.mean_force:.4g} N"),
+            ("energy per cycle", f"{m.energy_per_cycle:.4g} J"),
+            ("third harmonic", f"{100 * m.harmonics[3]:.2g} %"),
+        ]
+    lines += [(f"{channel} step", f"{step:.4g} {CHANNELS[channel]}") for channel, step in q.quantum.items()]
+    lines += [("to look at", note) for note in told["notes"]]
+    lines += list(told["provenance"].items()) + [("done", step) for step in told["history"]]
+    print_table(told["name"], ["", ""], lines)

@@ -1,0 +1,55 @@
+"""Tables for people, JSON for machines."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from dampyr.cli._output import plain, print_json, print_table
+
+
+@dataclass(frozen=True)
+class Thing:
+    """Something to print."""
+
+    values: np.ndarray
+    where: Path
+    more: MappingProxyType
+
+
+def test_json_holds_what_our_data_hold(capsys: pytest.CaptureFixture[str]) -> None:
+    thing = Thing(
+        np.array([[1.5, np.nan], [np.inf, -np.inf]]), Path("a/b"), MappingProxyType({3: (True, None)})
+    )
+    print_json({"thing": thing, "number": np.float64(0.1), "count": np.int64(3), "ρ": "µ"})
+    printed = capsys.readouterr().out
+    assert json.loads(printed) == {
+        "thing": {"values": [[1.5, None], ["inf", "-inf"]], "where": "a/b", "more": {"3": [True, None]}},
+        "number": 0.1,
+        "count": 3,
+        "ρ": "µ",
+    }
+    assert "ρ" in printed
+    assert "NaN" not in printed
+
+
+def test_json_refuses_what_it_cannot_hold() -> None:
+    with pytest.raises(TypeError, match="object has no place in JSON"):
+        plain({"a": object()})
+
+
+def test_a_table_keeps_every_word_and_number(capsys: pytest.CaptureFixture[str]) -> None:
+    long = "a sentence that is " + "very " * 60 + "long"
+    rows = [["kw", 380.6114, None, long], ["[bold]kx[/bold]", np.float64(2.5762), True, 7]]
+    print_table(
+        "Parameters [1]", ["name", "value", "set", "note"], rows, ["", "N", "", ""], notes=["see [2]"]
+    )
+    printed = capsys.readouterr().out
+    for words in ("Parameters [1]", "380.6", "2.576", "–", "yes", "[bold]kx[/bold]", "see [2]"):
+        assert words in printed
+    assert printed.count("very") == 60
+    assert "\x1b" not in printed
+    assert all(line == line.rstrip() for line in printed.splitlines())

@@ -1,0 +1,119 @@
+"""``dampyr records``: what was measured, and where a label disagrees."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from dampyr.cli import cli
+
+
+def run(*args: str | Path) -> Result:
+    return CliRunner().invoke(cli, ["records", *map(str, args)], catch_exceptions=False)
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    """Ten seconds of a 0.8 Hz, 20 mm peak-to-peak test, after two seconds of rest."""
+    t = np.arange(0.0, 12.0, 0.01)
+    x = np.where(t > 2.0, 10.0 * np.sin(2 * np.pi * 0.8 * (t - 2.0)), 0.0)
+    f = 100.0 + 200.0 * np.sign(np.gradient(x)) * (t > 2.0)
+    path = tmp_path / "sine.csv"
+    rows = "\n".join(f"{a:.2f},{b:.6f},{c:.4f}" for a, b, c in zip(t, x, f, strict=True))
+    path.write_text(f"time [s],displacement [mm],force [N]\n{rows}\n")
+    return path
+
+
+def test_a_file_is_measured(table: Path) -> None:
+    result = run(table, "--voltage", "1.98", "--json")
+    assert result.exit_code == 0, result.stderr
+    (told,) = json.loads(result.stdout)["records"]
+    assert told["name"] == "sine"
+    assert (told["input"], told["input_value"]) == ("V", 1.98)
+    assert told["measured"]["frequency_hz"] == pytest.approx(0.8, rel=1e-3)
+    assert told["measured"]["peak_to_peak_m"] == pytest.approx(0.020, rel=5e-3)
+    assert told["duration_s"] == pytest.approx(11.99)
+
+
+def test_one_record_is_shown_in_full(table: Path) -> None:
+    shown = run(table).stdout
+    for words in ("frequency", "0.8", "peak to peak", "20", "mm", "samples", "1200, every 0.01 s"):
+        assert words in shown
+
+
+def test_units_may_be_declared(tmp_path: Path, table: Path) -> None:
+    bare = tmp_path / "bare.csv"
+    bare.write_text(
+        table.read_text().replace("displacement [mm]", "stroke").replace(" [N]", "").replace(" [s]", "")
+    )
+    options = [
+        "--unit",
+        "displacement=cm",
+        "--unit",
+        "force=N",
+        "--unit",
+        "time=s",
+        "--column",
+        "displacement=stroke",
+    ]
+    result = run(bare, *options, "--json")
+    assert result.exit_code == 0, result.stderr
+    (told,) = json.loads(result.stdout)["records"]
+    assert told["measured"]["peak_to_peak_m"] == pytest.approx(0.200, rel=5e-3)
+
+
+def test_a_record_without_a_cycle_is_still_listed(tmp_path: Path, table: Path) -> None:
+    rest = tmp_path / "rest.csv"
+    rest.write_text("\n".join(table.read_text().splitlines()[:150]) + "\n")
+    result = run(rest, "--json")
+    assert result.exit_code == 0, result.stderr
+    (told,) = json.loads(result.stdout)["records"]
+    assert told["measured"] is None
+    assert "cycle" in told["notes"][0]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("0.5", "nan"), "finite"),
+        (("force [N]", "force [furlong]"), "furlong"),
+        (("time [s]", "moment [s]"), "time"),
+    ],
+)
+def test_a_bad_file_is_one_line_that_names_it(table: Path, change: tuple[str, str], words: str) -> None:
+    header, *rows = table.read_text().splitlines()
+    if change[1] == "nan":
+        rows[50] = "0.50,nan,100.0"
+    table.write_text("\n".join([header.replace(*change), *rows]))
+    result = run(table)
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"dampyr: {table}")
+    assert words in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+def test_a_channel_must_be_named(table: Path) -> None:
+    result = run(table, "--unit", "mm")
+    assert result.exit_code == 2
+    assert "'mm' names no channel; write it as in displacement=mm" in result.stderr
+
+
+def test_the_campaign_is_listed_with_its_disagreement_and_its_missing_rows(campaign_folder: Path) -> None:
+    result = run(campaign_folder, "--json")
+    assert result.exit_code == 0, result.stderr
+    told = json.loads(result.stdout)
+    assert len(told["records"]) == 39
+    assert [each["name"] for each in told["records"] if each["role"] == "validation"] == ["ensaio.vali.1"]
+    noted = {each["name"]: each["notes"] for each in told["records"] if each["notes"]}
+    assert list(noted) == ["ensaio10.2.2"]
+    assert "labelled 0.8474 Hz" in noted["ensaio10.2.2"][0]
+    assert told["rows_without_file"] == [{"table": "4.4", "row": 2}, {"table": "4.4", "row": 4}]
+
+
+def test_a_role_can_be_chosen(campaign_folder: Path) -> None:
+    shown = run(campaign_folder, "--role", "fit").stdout
+    assert shown.startswith("38 records")
+    assert "vali" not in shown
+    assert "table 4.4, row 2: no file" in shown

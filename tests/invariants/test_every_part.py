@@ -1,0 +1,122 @@
+"""True of every part of the catalogue."""
+
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from dampyr.errors import InputError
+from dampyr.export import export
+from dampyr.models import Damper, compose, names, part
+from dampyr.models.march import along, along_with_columns
+from dampyr.models.part import Scale
+
+FORCEFUL = [name for name in names() if part(name).force is not None]
+TYPICAL = {"N": 100.0, "N s/m": 700.0, "N/m": 900.0, "1/m": 1500.0, "m/s": 0.01, "1/s": 0.4, "s": 0.006, "": 1.4}
+
+
+def typical(name: str) -> dict[str, float]:
+    """A value inside the limits for each parameter, by flat name."""
+    return {f"{name}.{key}": TYPICAL[q.unit] for key, q in part(name).parameters.items()}
+
+
+def path(n: int = 400) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    t = np.linspace(0.0, 1.0, n)
+    x = 0.008 * np.sin(9.0 * t) + 0.002 * np.sin(31.0 * t)
+    return t, x, 0.072 * np.cos(9.0 * t) + 0.062 * np.cos(31.0 * t)
+
+
+@pytest.mark.parametrize("name", FORCEFUL)
+def test_the_derived_gradient_is_the_gradient(name: str) -> None:
+    composition = compose(name)
+    t, x, v = path()
+    p = np.array(list(typical(name).values()))
+    s = np.full(composition.n_states, 0.2)
+    _, J = along_with_columns(composition, t, x, v, p, s)
+    for k, value in enumerate(p):
+        h = 1e-5 * max(abs(value), 1e-3)
+        up, down = p.copy(), p.copy()
+        up[k] += h
+        down[k] -= h
+        numeric = (along(composition, t, x, v, up, s) - along(composition, t, x, v, down, s)) / (2 * h)
+        np.testing.assert_allclose(J[:, k], numeric, atol=1e-6 * max(np.abs(numeric).max(), 1e-9))
+    for j in range(composition.n_states):
+        up, down = s.copy(), s.copy()
+        up[j] += 1e-6
+        down[j] -= 1e-6
+        numeric = (along(composition, t, x, v, p, up) - along(composition, t, x, v, p, down)) / 2e-6
+        np.testing.assert_allclose(J[:, len(p) + j], numeric, atol=1e-6 * max(np.abs(numeric).max(), 1e-9))
+
+
+@pytest.mark.parametrize("name", FORCEFUL)
+def test_linear_parameters_are_linear(name: str) -> None:
+    composition = compose(name)
+    t, x, v = path()
+    p = np.array(list(typical(name).values()))
+    force = along(composition, t, x, v, p)
+    doubled = p.copy()
+    doubled[list(composition.linear)] *= 2.0
+    np.testing.assert_allclose(along(composition, t, x, v, doubled), 2.0 * force, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", names())
+def test_limits_hold_when_a_part_is_made(name: str) -> None:
+    values = {key.partition(".")[2]: value for key, value in typical(name).items()}
+    part(name).cls(**values)
+    for key, quantity in part(name).parameters.items():
+        for bad in (np.nan, *([quantity.low - 1.0] if np.isfinite(quantity.low) else [])):
+            with pytest.raises(InputError, match=key):
+                part(name).cls(**(values | {key: bad}))
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_part_says_where_it_comes_from(name: str) -> None:
+    text = part(name).module.__doc__ or ""
+    assert ".. math::" in text
+    assert part(name).cls.__doc__
+
+
+@pytest.mark.parametrize("name", names())
+def test_proposals_cover_what_is_not_linear(name: str) -> None:
+    needed = {key for key, q in part(name).parameters.items() if not q.linear}
+    for proposal in part(name).starts(Scale(stroke=0.02, speed=0.06, dt=0.01)):
+        assert set(proposal) == needed
+        for key, value in proposal.items():
+            part(name).parameters[key].check(key, value)
+
+
+@pytest.mark.parametrize("name", names())
+def test_the_c_export_walks_the_same_path(name: str, tmp_path: pytest.TempPathFactory) -> None:
+    if shutil.which("gcc") is None:
+        pytest.skip("gcc is missing: the C export cannot be compiled")
+    parts = name if part(name).force else f"{name} + dahl"
+    laws = typical(name) | ({} if part(name).force else typical("dahl"))
+    damper = Damper(parts, laws)
+    t, x, v = path()
+    np.testing.assert_allclose(run_c(damper, tmp_path, t, x, v), damper.force(t, x, voltage=0.0, velocity=v), rtol=1e-9)
+
+
+MAIN = r"""
+#include "damper.h"
+#include <stdio.h>
+int main(void)
+{
+    damper_state d; double t, x, v, u; int n = 0;
+    while (scanf("%lf %lf %lf %lf", &t, &x, &v, &u) == 4)
+        printf("%.17g\n", n++ ? damper_step(&d, t, x, v, u) : damper_start(&d, t, x, v, u));
+    return 0;
+}
+"""
+
+
+def run_c(damper: Damper, folder, t, x, v, u=0.0, **options):  # type: ignore[no-untyped-def]
+    """The force that the exported C gives, compiled without a warning."""
+    export(damper, "c", folder, **options)
+    (folder / "main.c").write_text(MAIN)
+    command = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O2", "damper.c", "main.c", "-o", "main", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    rows = np.column_stack((t, x, v, np.broadcast_to(u, t.shape)))
+    text = "\n".join(" ".join(repr(float(c)) for c in row) for row in rows)
+    done = subprocess.run([str(folder / "main")], input=text, capture_output=True, text=True, check=True)
+    return np.array(done.stdout.split(), dtype=float)

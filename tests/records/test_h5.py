@@ -1,0 +1,151 @@
+"""dampyr's own file: an exact round trip, readable by others, whole or not there."""
+
+from dataclasses import fields
+
+import h5py
+import numpy as np
+import pytest
+
+from dampyr.errors import FileError
+from dampyr.records import Label, Record, read, write
+from dampyr.records.formats import h5
+
+
+def same(a: Record, b: Record) -> bool:
+    def equal(x, y):
+        return np.array_equal(x, y) if isinstance(x, np.ndarray) else x == y
+
+    return all(equal(getattr(a, f.name), getattr(b, f.name)) for f in fields(Record))
+
+
+@pytest.fixture
+def full(make_sine):
+    record = make_sine(
+        duration=3.0,
+        rest=0.5,
+        name="ação 1",
+        role="validation",
+        label=Label(0.02, 0.9, "4.2", 3),
+        provenance={"file": "a.mat", "test": "sine 3", "try": "2"},
+        history=("read", "offset of −3 N removed"),
+    )
+    n = record.n
+    more = {
+        "velocity": np.gradient(record.displacement),
+        "current": np.linspace(0, 1, n) / 3,
+        "temperature": np.full(n, 21.3),
+    }
+    return record.replace(note="more", **more)
+
+
+def test_round_trip_is_exact(tmp_path, full, make_sine):
+    bare = make_sine(voltage=1 / 3)
+    for record in (full, bare):
+        assert same(record, read(write(record, tmp_path / "r.h5")))
+    assert bare.history == ()
+    assert isinstance(read(tmp_path / "r.h5").voltage, float)
+
+
+def test_the_layout_is_the_documented_one(tmp_path, full):
+    with h5py.File(write(full, tmp_path / "r.h5"), "r") as file:
+        assert (file.attrs["format"], file.attrs["schema"], file.attrs["complete"]) == ("dampyr record", 1, 1)
+        force = file["calibrated/force"]
+        assert (force.attrs["unit"], force.dtype, force.shape) == ("N", np.float64, (full.n,))
+        assert file["calibrated/displacement"].attrs["unit"] == "m"
+        assert list(file["raw"]) == []
+        assert file["label"].attrs["row"] == 3
+    assert h5.state(tmp_path / "r.h5") == h5.State(True, "sine 3", 2)
+
+
+def test_raw_readings_stay_beside_what_was_made_of_them(tmp_path, full):
+    volts = h5.Raw(full.force / 445.0, "V", 445.0, 0.0, "N")
+    path = write(full, tmp_path / "r.h5", raw={"load_cell": volts})
+    found = h5.read_raw(path)["load_cell"]
+    assert np.array_equal(found.values, volts.values)
+    assert found.gain * found.values + found.offset == pytest.approx(full.force)
+    assert (found.unit, found.calibrated_unit) == ("V", "N")
+
+
+def test_a_truncated_file(tmp_path, full):
+    path = write(full, tmp_path / "r.h5")
+    content = path.read_bytes()
+    for size in (len(content) // 2, len(content) - 200, 100):
+        path.write_bytes(content[:size])
+        with pytest.raises(
+            FileError, match=r"r\.h5: is a truncated or broken HDF5 file \(.*\); record or copy"
+        ) as caught:
+            read(path)
+        assert "\n" not in str(caught.value)
+
+
+def changed(path, change):
+    with h5py.File(path, "r+") as file:
+        change(file)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda f: f.attrs.update({"schema": 2}),
+            r"has the schema 2, this dampyr knows schema 1; upgrade dampyr",
+        ),
+        (
+            lambda f: f.attrs.update({"format": "other"}),
+            r"is HDF5 but no dampyr record: its format is 'other'",
+        ),
+        (lambda f: f.__delitem__("calibrated/force"), r"/calibrated/force is missing"),
+        (
+            lambda f: f["calibrated/force"].attrs.update({"unit": "stone"}),
+            r"the unit 'stone' does not measure",
+        ),
+        (lambda f: f["calibrated/force"].attrs.update({"unit": "blorp"}), r"unknown unit 'blorp'"),
+        (
+            lambda f: f["calibrated/force"].attrs.__delitem__("unit"),
+            r"/calibrated/force has no unit; declare units=",
+        ),
+        (lambda f: f["calibrated/force"].__setitem__(4, np.nan), r"force\[4\] = nan N is not finite"),
+        (lambda f: f["calibrated/time"].__setitem__(4, 0.0), r"time\[4\] = 0 s does not come after"),
+        (lambda f: f.attrs.update({"role": "spare"}), r"role = 'spare' is not known"),
+        (lambda f: f.attrs.__delitem__("name"), r"broken HDF5 file"),
+    ],
+)
+def test_a_file_that_lies(tmp_path, full, change, message):
+    path = changed(write(full, tmp_path / "r.h5"), change)
+    with pytest.raises(FileError, match=r"r\.h5: .*" + message) as caught:
+        read(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_other_units_are_converted(tmp_path, full):
+    def in_mm(file):
+        file["calibrated/displacement"][:] = 1e3 * full.displacement
+        file["calibrated/displacement"].attrs["unit"] = "mm"
+
+    record = read(changed(write(full, tmp_path / "r.h5"), in_mm))
+    assert record.displacement == pytest.approx(full.displacement, abs=1e-15)
+
+
+def test_an_incomplete_file_says_so_and_stays_so(tmp_path, full):
+    path = changed(write(full, tmp_path / "r.h5"), lambda f: f.attrs.update({"complete": np.uint8(0)}))
+    record = read(path)
+    assert record.provenance["complete"] == "no"
+    assert "not completed" in record.history[-1]
+    assert not h5.state(write(record, tmp_path / "again.h5")).complete
+    assert same(record, read(tmp_path / "again.h5"))
+
+
+def test_writing_is_all_or_nothing(tmp_path, full, monkeypatch):
+    path = write(full, tmp_path / "r.h5")
+    before = path.read_bytes()
+    monkeypatch.setattr(h5, "_fill_raw", lambda file, raw: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        write(full.replace(note="next", force=2 * full.force), path)
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["r.h5"]
+
+
+def test_a_folder_that_is_not_there(tmp_path, full):
+    with pytest.raises(FileError, match=r"cannot be written \(No such file or directory\); choose a folder"):
+        write(full, tmp_path / "no" / "r.h5")

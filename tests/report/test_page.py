@@ -1,0 +1,157 @@
+"""Pages: self-contained, escaped, whole or not there."""
+
+import math
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dampyr.errors import InputError
+from dampyr.report import FigureBlock, Section, Table, Text, Verdict, loops, page, write_page
+from dampyr.report.page import number
+
+VOID = {"meta", "br", "use", "path"}
+NASTY = "<script>alert('x')</script> & \"quoted\""
+
+
+class Reader(HTMLParser):
+    """What a browser would find: tags well nested, ids, links, texts."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: list[tuple[str, str]] = []
+        self.feed(html)
+        self.close()
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append((self.open[-1] if self.open else "", data))
+
+    def values(self, attribute: str) -> list[str]:
+        return [attrs[attribute] or "" for _, attrs in self.tags if attribute in attrs]
+
+    def inside(self, tag: str) -> list[str]:
+        return [text for parent, text in self.texts if parent == tag]
+
+
+def full_page() -> str:
+    x, v, f = [0.0, 0.01, 0.0, -0.01], [0.1, 0.0, -0.1, 0.0], [5.0, 1.0, -5.0, -1.0]
+    figures = [FigureBlock(loops(x, v, f, {"Dahl": f}), "Loops & more", f"alt {NASTY}") for _ in range(2)]
+    table = Table(
+        ["name", "value", "verdict"],
+        [["kw", 380.611, Verdict("agrees", "to 1 %")], [NASTY, None, Verdict("differs", NASTY)]],
+        units=["", "N", ""],
+        caption="Parameters",
+    )
+    sections = [
+        Section("Loops", figures),
+        Section(f"Loops {NASTY}", [Text(f"One.\n\nTwo {NASTY}"), table]),
+        Section("Loops", [Verdict("cannot be checked", "no data")]),
+    ]
+    return page(NASTY, sections, NASTY, {"seed": NASTY})
+
+
+def test_a_page_is_well_formed_and_fetches_nothing() -> None:
+    html = full_page()
+    reader = Reader(html)
+    assert reader.open == []
+    assert not {"link", "img", "iframe", "object", "embed", "base"} & {tag for tag, _ in reader.tags}
+    targets = reader.values("href") + reader.values("xlink:href") + reader.values("src")
+    assert targets
+    assert all(target.startswith("#") for target in targets)
+    assert not re.search(r"@import|url\((?!#)", html)
+
+
+def test_nothing_that_is_given_is_taken_for_html() -> None:
+    reader = Reader(full_page())
+    assert [tag for tag, _ in reader.tags].count("script") == 1
+    assert "alert" not in "".join(reader.inside("script"))
+    for place in ("title", "h1", "h2", "p", "td", "dd", "a"):
+        assert any(NASTY in text for text in reader.inside(place)), place
+    assert f"alt {NASTY}" in reader.values("aria-label")
+
+
+def test_every_id_is_there_once_and_every_link_leads_somewhere() -> None:
+    reader = Reader(full_page())
+    ids = reader.values("id")
+    assert len(ids) == len(set(ids))
+    links = [target[1:] for target in reader.values("href") + reader.values("xlink:href")]
+    links += re.findall(r"url\(#([^)]*)\)", full_page())
+    assert set(links) <= set(ids)
+    assert {"loops", "loops-2"} <= set(links)
+
+
+def test_a_page_is_the_same_each_time() -> None:
+    assert full_page() == full_page()
+
+
+def test_a_table_shows_numbers_for_people_and_keeps_them_whole_for_sorting() -> None:
+    rows = [[380.6114567, "a"], [math.inf, "b"], [math.nan, "c"], [None, "d"], [-1.5e-9, True]]
+    reader = Reader(page("t", [Section("s", [Table(["x", "y"], rows, digits=4)])]))
+    assert reader.inside("td")[::2] == ["380.6", "∞", "–", "–", "−1.5·10⁻⁹"]
+    assert [attrs["data-key"] for tag, attrs in reader.tags if tag == "td"][::2] == [
+        "380.6114567",
+        "inf",
+        "nan",
+        "",
+        "-1.5e-09",
+    ]
+    assert [attrs["class"] for tag, attrs in reader.tags if tag == "th"] == ["right", "left"]
+
+
+def test_light_dark_paper_and_phone_are_provided_for() -> None:
+    html = full_page()
+    for rule in ("prefers-color-scheme: dark", "@media print", "max-width: 34rem", 'name="viewport"'):
+        assert rule in html
+    used = set(re.findall(r"var\((--[\w-]+)\)", html))
+    light, dark = (
+        set(re.findall(r"(--[\w-]+):", part)) for part in html.split("prefers-color-scheme: dark")[:2]
+    )
+    assert used <= light
+    assert used - {"--font"} <= dark
+
+
+@given(value=st.floats(allow_nan=False, allow_infinity=False), digits=st.integers(1, 12))
+def test_a_number_reads_back(value: float, digits: int) -> None:
+    plain = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
+    read = float(number(value, digits).replace("·10", "e").translate(plain))
+    assert read == float(f"{value:.{digits}g}")
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: page("t", []), "at least one section"),
+        (lambda: Verdict("aggrees"), "choose from agrees"),  # type: ignore[arg-type]
+        (lambda: Table(["a", "b"], [[1.0, 2.0], [1.0]]), "row 2 of a table has 1 cells; its columns are 2"),
+        (lambda: Table(["a"], [], units=["N", "m"]), "1 columns has 2 units"),
+        (lambda: page("t", [Section("s", ["text"])]), "str is no block"),  # type: ignore[list-item]
+    ],
+)
+def test_what_cannot_be_shown_is_refused(make: object, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        make()  # type: ignore[operator]
+
+
+def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    path = write_page(tmp_path / "new" / "page.html", "<p>ρ</p>")
+    assert path.read_text("utf-8") == "<p>ρ</p>"
+    with pytest.raises(UnicodeEncodeError):
+        write_page(path, "\ud800")
+    assert path.read_text("utf-8") == "<p>ρ</p>"
+    assert [p.name for p in path.parent.iterdir()] == ["page.html"]
