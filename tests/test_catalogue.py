@@ -52,8 +52,7 @@ def test_a_slip_of_the_pen_is_answered_with_the_nearest_name(shelf: Path) -> Non
     with pytest.raises(InputError) as caught:
         catalogue.member(SHELF, "bouc_when")
     assert str(caught.value) == (
-        "'bouc_when' is not among the planted shelf; "
-        "did you mean 'bouc_wen'? choose from bouc_wen, viscous_dahl"
+        "'bouc_when' is not among the planted shelf; did you mean 'bouc_wen'? choose from bouc_wen, viscous_dahl"
     )
 
 

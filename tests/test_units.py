@@ -104,9 +104,7 @@ def test_what_is_no_quantity_is_refused(text: str) -> None:
         (units.Quantity("s"), [-1e300, 0.0], [math.nan, -math.inf], "finite"),
     ],
 )
-def test_a_quantity_checks_its_range(
-    quantity: units.Quantity, good: list[float], bad: list[float], words: str
-) -> None:
+def test_a_quantity_checks_its_range(quantity: units.Quantity, good: list[float], bad: list[float], words: str) -> None:
     for value in good:
         quantity.check("p", value)
     for value in bad:

@@ -7,6 +7,7 @@ Everything between is SI: m, m/s, N, s, V, A, 1/m.
 from __future__ import annotations
 
 import math
+import tokenize
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -64,14 +65,26 @@ def _scale(unit: str, si: str) -> tuple[float, float]:
     if spelled.strip().lower() in ("g", "gal") and si == "m/s^2":
         spelled = {"g": "standard_gravity", "gal": "cm/s**2"}[spelled.strip().lower()]
     try:
-        source, target = registry.parse_units(spelled.replace("^", "**")), registry.parse_units(si.replace("^", "**"))
-    except (pint.errors.PintError, ValueError, TypeError, AttributeError, AssertionError) as problem:
+        source, target = (
+            registry.parse_units(spelled.replace("^", "**")),
+            registry.parse_units(si.replace("^", "**")),
+        )
+    except (
+        pint.errors.PintError,
+        ValueError,
+        TypeError,
+        AttributeError,
+        AssertionError,
+        tokenize.TokenError,
+    ) as problem:
         raise InputError(f"unknown unit {unit!r}; write a unit such as mm, m/s, N, V, s, g") from problem
     try:
         zero = registry.Quantity(0.0, source).to(target).magnitude
         one = registry.Quantity(1.0, source).to(target).magnitude
     except pint.errors.PintError as problem:
-        raise InputError(f"the unit {unit!r} does not measure what {si!r} measures; write a unit such as {si}") from problem
+        raise InputError(
+            f"the unit {unit!r} does not measure what {si!r} measures; write a unit such as {si}"
+        ) from problem
     return float(one - zero), float(zero)
 
 
@@ -89,6 +102,25 @@ def from_si(values: Any, unit: str, si: str) -> Any:
     if np.isscalar(values):
         return (float(values) - shift) / factor  # type: ignore[arg-type]
     return (np.asarray(values, dtype=float) - shift) / factor
+
+
+_FOR_PEOPLE = {
+    "N s/m": ("N s/mm", 1e-3),
+    "N/m": ("N/mm", 1e-3),
+    "1/m": ("1/mm", 1e-3),
+    "m": ("mm", 1e3),
+    "m/s": ("mm/s", 1e3),
+    "s": ("ms", 1e3),
+}
+
+
+def for_people(unit: str) -> tuple[str, float]:
+    """The unit in which people read a parameter held in the SI ``unit``, and the factor to it.
+
+    >>> for_people("N s/m")
+    ('N s/mm', 0.001)
+    """
+    return _FOR_PEOPLE.get(unit, (unit, 1.0))
 
 
 def parse(text: str | float, si: str) -> float:

@@ -21,9 +21,7 @@ class Thing:
 
 
 def test_json_holds_what_our_data_hold(capsys: pytest.CaptureFixture[str]) -> None:
-    thing = Thing(
-        np.array([[1.5, np.nan], [np.inf, -np.inf]]), Path("a/b"), MappingProxyType({3: (True, None)})
-    )
+    thing = Thing(np.array([[1.5, np.nan], [np.inf, -np.inf]]), Path("a/b"), MappingProxyType({3: (True, None)}))
     print_json({"thing": thing, "number": np.float64(0.1), "count": np.int64(3), "ρ": "µ"})
     printed = capsys.readouterr().out
     assert json.loads(printed) == {
@@ -44,9 +42,7 @@ def test_json_refuses_what_it_cannot_hold() -> None:
 def test_a_table_keeps_every_word_and_number(capsys: pytest.CaptureFixture[str]) -> None:
     long = "a sentence that is " + "very " * 60 + "long"
     rows = [["kw", 380.6114, None, long], ["[bold]kx[/bold]", np.float64(2.5762), True, 7]]
-    print_table(
-        "Parameters [1]", ["name", "value", "set", "note"], rows, ["", "N", "", ""], notes=["see [2]"]
-    )
+    print_table("Parameters [1]", ["name", "value", "set", "note"], rows, ["", "N", "", ""], notes=["see [2]"])
     printed = capsys.readouterr().out
     for words in ("Parameters [1]", "380.6", "2.576", "–", "yes", "[bold]kx[/bold]", "see [2]"):
         assert words in printed

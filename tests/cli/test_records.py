@@ -38,16 +38,28 @@ def test_a_file_is_measured(table: Path) -> None:
 
 
 def test_one_record_is_shown_in_full(table: Path) -> None:
-    shown = run(table).stdout
-    for words in ("frequency", "0.8", "peak to peak", "20", "mm", "samples", "1200, every 0.01 s"):
-        assert words in shown
+    shown = dict(line.strip().split("   ", 1) for line in run(table).stdout.splitlines() if "   " in line.strip())
+    told = {name: words.split() for name, words in shown.items()}
+    assert float(told["frequency"][0]) == pytest.approx(0.8, rel=1e-3)
+    assert float(told["peak to peak"][0]) == pytest.approx(20.0, rel=5e-3)
+    assert float(told["peak speed"][0]) == pytest.approx(2 * np.pi * 0.8 * 10.0, rel=0.02)
+    assert float(told["mean force"][0]) == pytest.approx(100.0, abs=2.0)
+    assert shown["samples"].strip() == "1200, every 0.01 s"
+    assert [told[name][1] for name in ("frequency", "peak to peak", "peak speed")] == ["Hz", "mm", "mm/s"]
+
+
+def test_several_records_are_a_table_in_mm(table: Path) -> None:
+    shown = run(table, table, "--voltage", "1.98").stdout.splitlines()
+    assert shown[0] == "2 records"
+    assert [line.split() for line in shown if "Hz" in line] == [["s", "Hz", "mm", "N"]]
+    row = next(line for line in shown if line.strip().startswith("sine")).split()
+    assert row[1:4] == ["fit", "1.98", "V"]
+    assert [float(cell) for cell in row[4:7]] == pytest.approx([11.99, 0.8, 20.0], rel=5e-3)
 
 
 def test_units_may_be_declared(tmp_path: Path, table: Path) -> None:
     bare = tmp_path / "bare.csv"
-    bare.write_text(
-        table.read_text().replace("displacement [mm]", "stroke").replace(" [N]", "").replace(" [s]", "")
-    )
+    bare.write_text(table.read_text().replace("displacement [mm]", "stroke").replace(" [N]", "").replace(" [s]", ""))
     options = [
         "--unit",
         "displacement=cm",

@@ -5,11 +5,11 @@ import subprocess
 
 import numpy as np
 import pytest
+from tests.invariants.test_every_part import run_c
 
 from dampyr.errors import InputError
 from dampyr.export import export
 from dampyr.models import Damper, Interpolation, Polynomial
-from tests.invariants.test_every_part import run_c
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is missing: the C export cannot be compiled")
 
@@ -79,6 +79,12 @@ def test_unknown_kinds_are_named(tmp_path) -> None:  # type: ignore[no-untyped-d
 def test_two_dampers_fit_in_one_c_program(tmp_path) -> None:  # type: ignore[no-untyped-def]
     export(everything(), "c", tmp_path, name="front")
     export(Damper("dahl", {"dahl.kx": 1.0, "dahl.kw": 9.0, "dahl.rho": 100.0}), "c", tmp_path, name="rear")
-    (tmp_path / "both.c").write_text('#include "front.h"\n#include "rear.h"\nint main(void) { return rear_in_range(9.0); }\n')
-    subprocess.run(["gcc", "-std=c99", "-Werror", "front.c", "rear.c", "both.c", "-o", "both", "-lm"], cwd=tmp_path, check=True)
+    (tmp_path / "both.c").write_text(
+        '#include "front.h"\n#include "rear.h"\nint main(void) { return rear_in_range(9.0); }\n'
+    )
+    subprocess.run(
+        ["gcc", "-std=c99", "-Werror", "front.c", "rear.c", "both.c", "-o", "both", "-lm"],
+        cwd=tmp_path,
+        check=True,
+    )
     assert subprocess.run([tmp_path / "both"], check=False).returncode == 0

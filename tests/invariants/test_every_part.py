@@ -13,7 +13,16 @@ from dampyr.models.march import along, along_with_columns
 from dampyr.models.part import Scale
 
 FORCEFUL = [name for name in names() if part(name).force is not None]
-TYPICAL = {"N": 100.0, "N s/m": 700.0, "N/m": 900.0, "1/m": 1500.0, "m/s": 0.01, "1/s": 0.4, "s": 0.006, "": 1.4}
+TYPICAL = {
+    "N": 100.0,
+    "N s/m": 700.0,
+    "N/m": 900.0,
+    "1/m": 1500.0,
+    "m/s": 0.01,
+    "1/s": 0.4,
+    "s": 0.006,
+    "": 1.4,
+}
 
 
 def typical(name: str) -> dict[str, float]:
@@ -114,7 +123,20 @@ def run_c(damper: Damper, folder, t, x, v, u=0.0, **options):  # type: ignore[no
     """The force that the exported C gives, compiled without a warning."""
     export(damper, "c", folder, **options)
     (folder / "main.c").write_text(MAIN)
-    command = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O2", "damper.c", "main.c", "-o", "main", "-lm"]
+    command = [
+        "gcc",
+        "-std=c99",
+        "-Wall",
+        "-Wextra",
+        "-Wpedantic",
+        "-Werror",
+        "-O2",
+        "damper.c",
+        "main.c",
+        "-o",
+        "main",
+        "-lm",
+    ]
     subprocess.run(command, cwd=folder, check=True)
     rows = np.column_stack((t, x, v, np.broadcast_to(u, t.shape)))
     text = "\n".join(" ".join(repr(float(c)) for c in row) for row in rows)

@@ -56,9 +56,7 @@ def test_rows_without_a_file_are_reported(small):
 
 def test_another_file_than_the_table_says(small):
     shutil.copy(small / "t0.mat", small / "t1.mat")
-    with pytest.raises(
-        FileError, match=r"t1\.mat: its sha256 is .{12}\.\.\., the table says .{12}\.\.\.; fetch"
-    ):
+    with pytest.raises(FileError, match=r"t1\.mat: its sha256 is .{12}\.\.\., the table says .{12}\.\.\.; fetch"):
         read_campaign(small)
 
 
@@ -82,9 +80,7 @@ def test_a_broken_table(small, old, new, message):
 
 
 def test_no_folder_and_an_empty_folder(tmp_path):
-    with pytest.raises(
-        MissingData, match=r"there is no such folder; fetch the campaign with `dampyr datasets fetch"
-    ):
+    with pytest.raises(MissingData, match=r"there is no such folder; fetch the campaign with `dampyr datasets fetch"):
         read_campaign(tmp_path / "no")
     with pytest.raises(MissingData, match=r"neither campaign.csv nor .h5 files are there"):
         read_campaign(tmp_path)

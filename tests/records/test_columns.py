@@ -19,8 +19,7 @@ def lines(delimiter, decimal="."):
         ("a.csv", "time [s],displacement [mm],force [N]\n" + lines(",")),
         (
             "a.csv",
-            "t (ms)\tdist (cm)\tload (kN)\n"
-            + "\n".join(f"{1e3 * t}\t{x / 10}\t{f / 1e3}" for t, x, f in ROWS),
+            "t (ms)\tdist (cm)\tload (kN)\n" + "\n".join(f"{1e3 * t}\t{x / 10}\t{f / 1e3}" for t, x, f in ROWS),
         ),
         ("a.csv", '"time [s]";"x [mm]";"force [N]"\n' + lines(";", ",")),
         ("a.txt", "# a bench test\n% Time [s]  Displacement [mm]  Force [N]\n" + lines("   ")),

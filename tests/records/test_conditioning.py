@@ -30,9 +30,7 @@ def test_the_offset_is_the_mean_over_whole_cycles_not_over_the_record(make_sine)
 
 def test_uneven_sampling_does_not_bias_the_offset(make_sine):
     record = make_sine(duration=30.0, dt=0.002)
-    kept = np.flatnonzero(
-        (record.force > 120.0) | (np.arange(record.n) % 5 == 0)
-    )  # the upper half sampled more often
+    kept = np.flatnonzero((record.force > 120.0) | (np.arange(record.n) % 5 == 0))  # the upper half sampled more often
     thinned = Record(record.time[kept], record.displacement[kept], record.force[kept])
     assert mean_force(thinned) == pytest.approx(120.0, abs=1.0)
     assert abs(np.mean(thinned.force) - 120.0) > 20

@@ -46,9 +46,7 @@ def server(source):
 
 def test_the_address_is_the_published_commit():
     known = datasets.LABCONTROL
-    assert known.base_url.endswith(
-        "/labcontrol-data/mr-damper/e42439f08b227bb08e9923ee2736bedf2f4fe59a/data/"
-    )
+    assert known.base_url.endswith("/labcontrol-data/mr-damper/e42439f08b227bb08e9923ee2736bedf2f4fe59a/data/")
     assert "doi.org/10.5281/zenodo.4445334" in known.citation
 
 
@@ -88,9 +86,7 @@ def test_no_network_is_one_line_with_the_way_out(server, source, tmp_path):
     def downloader(url, output_file, pooch):
         raise ConnectionError("no route\nto host")
 
-    with pytest.raises(
-        MissingData, match=r"one\.mat cannot be fetched \(no route to host\); .*10\.5281"
-    ) as caught:
+    with pytest.raises(MissingData, match=r"one\.mat cannot be fetched \(no route to host\); .*10\.5281") as caught:
         fetch("labcontrol", tmp_path / "here", downloader=downloader)
     assert "\n" not in str(caught.value)
     (source / "two.mat").unlink()
@@ -110,9 +106,7 @@ def test_the_wrong_file_is_not_kept(source, tmp_path):
 
 def test_locate(tmp_path, monkeypatch):
     monkeypatch.setenv("DAMPYR_DATA", str(tmp_path))
-    with pytest.raises(
-        MissingData, match=r"get it with `dampyr datasets fetch labcontrol` .* or set DAMPYR_DATA"
-    ):
+    with pytest.raises(MissingData, match=r"get it with `dampyr datasets fetch labcontrol` .* or set DAMPYR_DATA"):
         locate("labcontrol")
     folder = tmp_path / "labcontrol-mr-damper"
     folder.mkdir()

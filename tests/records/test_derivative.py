@@ -45,9 +45,7 @@ def test_even_and_uneven_sampling_agree():
     x = np.sin(7 * T)
     nudged = T.copy()
     nudged[0] -= 1e-4
-    assert differentiate(nudged, x, 10.0)[100:-100] == pytest.approx(
-        differentiate(T, x, 10.0)[100:-100], abs=1e-9
-    )
+    assert differentiate(nudged, x, 10.0)[100:-100] == pytest.approx(differentiate(T, x, 10.0)[100:-100], abs=1e-9)
 
 
 @pytest.mark.parametrize("bandwidth", [0.5, 60.0, np.nan, 0.0, -3.0])

@@ -16,9 +16,7 @@ def test_the_shelf_is_found_by_file_name():
 @pytest.mark.parametrize("name", ["test.tdms", "test.xlsx", "test"])
 def test_an_unknown_suffix_lists_the_known(tmp_path, name):
     (tmp_path / name).write_text("x")
-    with pytest.raises(
-        FileError, match=r"the suffix .* is not known; choose from \.csv, \.h5, \.mat, \.txt"
-    ) as caught:
+    with pytest.raises(FileError, match=r"the suffix .* is not known; choose from \.csv, \.h5, \.mat, \.txt") as caught:
         read(tmp_path / name)
     assert str(tmp_path / name) in str(caught.value)
 
@@ -36,18 +34,14 @@ def test_a_file_that_is_not_there(tmp_path):
 @pytest.mark.parametrize("argument", ["units", "columns"])
 def test_a_word_that_is_no_channel(tmp_path, argument):
     (tmp_path / "a.csv").write_text("t [s],x [m],f [N]\n0,0,0\n")
-    with pytest.raises(
-        FileError, match=rf"{argument} names 'stroke', which is no channel; choose from time, "
-    ):
+    with pytest.raises(FileError, match=rf"{argument} names 'stroke', which is no channel; choose from time, "):
         read(tmp_path / "a.csv", **{argument: {"stroke": "mm"}})
 
 
 def test_input_in_the_file_and_in_the_call(tmp_path, make_sine):
     path = write(make_sine(voltage=1.98), tmp_path / "a.h5")
     assert read(path, voltage=1.98).voltage == 1.98
-    with pytest.raises(
-        FileError, match=r"voltage = 2 V was given, but the file says 1.98 V; leave voltage out"
-    ):
+    with pytest.raises(FileError, match=r"voltage = 2 V was given, but the file says 1.98 V; leave voltage out"):
         read(path, voltage=2.0)
     with pytest.raises(InputError, match="voltage and current are both given"):
         read(path, current=0.4)

@@ -43,9 +43,7 @@ def test_an_inverted_force_is_flagged(make_sine):
     assert said[0].endswith("force sign inverted?")
 
 
-@pytest.mark.parametrize(
-    ("off", "words"), [((1.1, 1.0), "Hz"), ((1.0, 0.9), "mm peak to peak"), ((1.02, 0.98), None)]
-)
+@pytest.mark.parametrize(("off", "words"), [((1.1, 1.0), "Hz"), ((1.0, 0.9), "mm peak to peak"), ((1.02, 0.98), None)])
 def test_a_label_that_disagrees_is_reported(make_sine, off, words):
     said = disagreements(make_sine(label=Label(0.02 * off[1], 0.9 * off[0])))
     assert len(said) == (0 if words is None else 1)

@@ -91,9 +91,7 @@ def test_replace_extends_the_history():
 
 
 def test_records_travel_to_other_processes():
-    record = Record(
-        T, X, F, voltage=1.0, label=Label(0.02, 1.0, "4.2", 1), provenance={"file": "a"}, history=("b",)
-    )
+    record = Record(T, X, F, voltage=1.0, label=Label(0.02, 1.0, "4.2", 1), provenance={"file": "a"}, history=("b",))
     twin = pickle.loads(pickle.dumps(record))
     assert np.array_equal(twin.force, record.force)
     assert not twin.force.flags.writeable

@@ -35,7 +35,7 @@ def test_the_example_comes_back_to_a_millionth() -> None:
 
 
 def test_the_velocities_of_step_2() -> None:
-    x, force, v = branch(0.0)
+    _x, force, v = branch(0.0)
     assert f"{100 * v[0]:.4e}" == "7.8957e-05"
     assert round(float(force[0]), 3) == pytest.approx(-6.320)
 
@@ -50,7 +50,9 @@ def test_the_published_slope_depends_on_where_a_sample_falls(phase: float, a: fl
 
 def test_the_published_rho() -> None:
     x, force, v = branch(0.14)
-    assert limit_cycle(x, force, v, kx=KX, nearest=True, x_star1=-0.002092).rho / 100 == pytest.approx(706.687, abs=0.01)
+    assert limit_cycle(x, force, v, kx=KX, nearest=True, x_star1=-0.002092).rho / 100 == pytest.approx(
+        706.687, abs=0.01
+    )
 
 
 def test_turning_points_without_velocity_are_refused() -> None:

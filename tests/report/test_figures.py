@@ -41,9 +41,7 @@ MAKERS: dict[str, Callable[[], Figure]] = {
 
 def lines(fig: Figure) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Label -> (x, y) of every named line."""
-    return {
-        str(line.get_label()): (line.get_xdata(), line.get_ydata()) for ax in fig.axes for line in ax.lines
-    }
+    return {str(line.get_label()): (line.get_xdata(), line.get_ydata()) for ax in fig.axes for line in ax.lines}
 
 
 @pytest.mark.parametrize("name", MAKERS)

@@ -119,11 +119,10 @@ def test_light_dark_paper_and_phone_are_provided_for() -> None:
     for rule in ("prefers-color-scheme: dark", "@media print", "max-width: 34rem", 'name="viewport"'):
         assert rule in html
     used = set(re.findall(r"var\((--[\w-]+)\)", html))
-    light, dark = (
-        set(re.findall(r"(--[\w-]+):", part)) for part in html.split("prefers-color-scheme: dark")[:2]
-    )
+    blocks = re.findall(r":root \{([^}]*)\}", html)
+    light, dark, paper = (set(re.findall(r"(--[\w-]+):", block)) for block in blocks)
     assert used <= light
-    assert used - {"--font"} <= dark
+    assert light - {"--font"} == dark == paper
 
 
 @given(value=st.floats(allow_nan=False, allow_infinity=False), digits=st.integers(1, 12))

@@ -40,11 +40,13 @@ def late() -> Damper:
     return Damper("dahl + delay", {"dahl.kx": 2500.0, "dahl.kw": 380.0, "dahl.rho": 13000.0, "delay.tau": 0.0073})
 
 
-def _stiff(building: Building, motion: SimpleNamespace, sites: list[tuple[int, Callable, Callable]], until: float) -> np.ndarray:
+def _stiff(
+    building: Building, motion: SimpleNamespace, sites: list[tuple[int, Callable, Callable]], until: float
+) -> np.ndarray:
     """Peak displacements (n,) of the plain equations, by scipy's Radau between samples of the motion.
 
-    ``sites``: (storey, rate(w, v), force(w, x, v)) of each damper, one state each. Peaks at 41 points of the dense
-    output of every sample interval.
+    ``sites``: (storey, rate(w, v), force(w, x, v)) of each damper, one state each. Peaks at 401 points of
+    the dense output of every sample interval.
     """
     from scipy.integrate import solve_ivp
 
@@ -65,9 +67,18 @@ def _stiff(building: Building, motion: SimpleNamespace, sites: list[tuple[int, C
                 dw[d] = rate(w[d], rows[d] @ v)
             return np.concatenate([v, minv @ pull - (a0 + (a1 - a0) * t / motion.dt), dw])
 
-        done = solve_ivp(rhs, (0.0, motion.dt), y, "Radau", rtol=1e-8, atol=1e-11, max_step=motion.dt / 4, dense_output=True)
+        done = solve_ivp(
+            rhs,
+            (0.0, motion.dt),
+            y,
+            "Radau",
+            rtol=1e-8,
+            atol=1e-11,
+            max_step=motion.dt / 4,
+            dense_output=True,
+        )
         assert done.success
-        inside = done.sol(np.linspace(0, motion.dt, 41))
+        inside = done.sol(np.linspace(0, motion.dt, 401))
         peak = np.maximum(peak, np.abs(inside[:n]).max(axis=1))
         y = done.y[:, -1]
     return peak

@@ -43,9 +43,7 @@ class Shelf(click.Group):
         if args and args[0] not in known and not args[0].startswith("-"):
             close = get_close_matches(args[0], known, n=1)
             hint = f"did you mean {close[0]!r}? " if close else ""
-            raise click.UsageError(
-                f"there is no command {args[0]!r}; {hint}choose from {', '.join(known)}", ctx
-            )
+            raise click.UsageError(f"there is no command {args[0]!r}; {hint}choose from {', '.join(known)}", ctx)
         return super().resolve_command(ctx, args)
 
     def main(self, args: Sequence[str] | None = None, *rest: Any, **extra: Any) -> NoReturn:

@@ -25,17 +25,13 @@ def list_(as_json: bool) -> None:
     if as_json:
         print_json(found)
         return
-    rows = [
-        [each["name"], each["state"], each["folder"], each["licence"], each["citation"]] for each in found
-    ]
+    rows = [[each["name"], each["state"], each["folder"], each["licence"], each["citation"]] for each in found]
     print_table("Data sets", ["name", "state", "folder", "licence", "cite as"], rows)
 
 
 @command.command()
 @click.argument("name")
-@click.option(
-    "--to", "folder", type=click.Path(path_type=Path), help="Where to; by default below DAMPYR_DATA."
-)
+@click.option("--to", "folder", type=click.Path(path_type=Path), help="Where to; by default below DAMPYR_DATA.")
 @click.option("--from", "source", help="Another address, or a local folder, with the same files.")
 @as_json_option
 def fetch(name: str, folder: Path | None, source: str | None, as_json: bool) -> None:
@@ -53,9 +49,7 @@ def fetch(name: str, folder: Path | None, source: str | None, as_json: bool) -> 
         target = records.fetch(name, folder, source, progress=lambda file: status.update(f"{name}: {file}"))
     files = sorted(path.name for path in target.iterdir() if path.is_file())
     if as_json:
-        print_json(
-            {"name": name, "folder": target, "files": files, "doi": known.doi, "citation": known.citation}
-        )
+        print_json({"name": name, "folder": target, "files": files, "doi": known.doi, "citation": known.citation})
     else:
         click.echo(f"{name}: {len(files)} files in {target}\nplease cite: {known.citation}")
 

@@ -21,7 +21,9 @@ def names() -> list[str]:
     return _names(SHELF)
 
 
-def export(damper: Damper, to: str, out: str | Path, name: str = "damper", allow_extrapolation: bool = False) -> list[Path]:
+def export(
+    damper: Damper, to: str, out: str | Path, name: str = "damper", allow_extrapolation: bool = False
+) -> list[Path]:
     """Write ``damper`` as ``to`` (one of `names`) into the folder ``out``; the files written.
 
     ``name`` is what it is called there. Inputs outside the calibrated range are refused by what is written, unless

@@ -78,6 +78,7 @@ class _Writer:
     def of(self, node: ast.expr) -> str:
         """An expression."""
         if isinstance(node, ast.Constant):
+            assert isinstance(node.value, int | float)
             return str(node.value) if isinstance(node.value, int) else number(node.value)
         if isinstance(node, ast.Name):
             return node.id

@@ -1,7 +1,7 @@
 """Ground motions: El Centro 1940 built in, others read from PEER's .AT2, plain columns and MATLAB files.
 
-``el_centro()``, ``read(path, units=..., dt=...)``, ``GroundMotion(acceleration, dt)`` and ``motion.scaled(1.5)``. A format is one file in
-``formats/``.
+``el_centro()``, ``read(path, units=..., dt=...)``, ``GroundMotion(acceleration, dt)`` and
+``motion.scaled(1.5)``. A format is one file in ``formats/``.
 """
 
 from dampyr.ground_motions.builtin import el_centro

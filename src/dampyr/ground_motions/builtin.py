@@ -14,7 +14,8 @@ STANDARD_GRAVITY = 9.80665
 
 @lru_cache(maxsize=1)
 def el_centro() -> GroundMotion:
-    """El Centro 1940, north-south: a zero at t = 0 and the 1559 values of the Peknold/Chopra record, 0.02 s, 0.31882 g.
+    """El Centro 1940, north-south: a zero at t = 0 and the 1559 values of the Peknold/Chopra record,
+    0.02 s, 0.31882 g.
 
     g = 9.80665 m/s2. ``el_centro_1940_ns.csv`` beside this file says where the numbers are from.
     """
@@ -25,5 +26,6 @@ def el_centro() -> GroundMotion:
         acceleration=values * STANDARD_GRAVITY,
         dt=0.02,
         name="El Centro 1940 NS",
-        source="Imperial Valley earthquake, 18 May 1940, El Centro, north-south, Peknold version (Chopra, Dynamics of Structures)",
+        source="Imperial Valley earthquake, 18 May 1940, El Centro, north-south, "
+        "Peknold version (Chopra, Dynamics of Structures)",
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 
@@ -16,11 +16,11 @@ Array = NDArray[np.float64]
 class GroundMotion:
     """Ground acceleration (n,) [m/s2] every ``dt`` seconds from t = 0, linear between samples.
 
-    Checked when made: at least two finite samples, dt > 0; an :class:`~dampyr.errors.InputError` says what is wrong.
-    ``source`` says where the numbers are from. The array is a copy and read-only.
+    Checked when made: at least two finite samples, dt > 0; an :class:`~dampyr.errors.InputError` says what
+    is wrong. ``source`` says where the numbers are from. The array is a copy and read-only.
     """
 
-    acceleration: ArrayLike
+    acceleration: Array
     dt: float
     name: str = "ground motion"
     source: str = ""
@@ -28,11 +28,14 @@ class GroundMotion:
     def __post_init__(self) -> None:
         values = np.array(self.acceleration, dtype=float)
         if values.ndim != 1 or len(values) < 2:
-            raise InputError(f"{self.name}: acceleration has shape {values.shape}; it must be one row of at least 2 samples")
+            raise InputError(
+                f"{self.name}: acceleration has shape {values.shape}; it must be one row of at least 2 samples"
+            )
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
             raise InputError(
-                f"{self.name}: {len(bad)} of {len(values)} samples are not finite, the first is number {bad[0] + 1}; "
+                f"{self.name}: {len(bad)} of {len(values)} samples are not "
+                f"finite, the first is number {bad[0] + 1}; "
                 "repair or cut the record"
             )
         if not np.isfinite(self.dt) or self.dt <= 0:
@@ -44,12 +47,12 @@ class GroundMotion:
     @property
     def n(self) -> int:
         """The number of samples."""
-        return len(self.acceleration)  # type: ignore[arg-type]
+        return len(self.acceleration)
 
     @property
     def time(self) -> Array:
         """Sample times (n,) [s], the first is 0."""
-        return np.arange(self.n) * self.dt
+        return np.arange(self.n, dtype=np.float64) * self.dt
 
     @property
     def duration(self) -> float:

@@ -24,8 +24,9 @@ def read(path: str | Path, units: str | None = None, dt: float | None = None) ->
     units : unit of the acceleration, such as "g" or "m/s^2"; needed where the file does not name it.
     dt : seconds between samples; needed where the file holds accelerations only.
 
-    Raises :class:`~dampyr.errors.MissingData` where there is no such file and :class:`~dampyr.errors.FileError` where the
-    file contradicts itself or the arguments, or holds values that are no numbers.
+    Raises :class:`~dampyr.errors.MissingData` where there is no such file and
+    :class:`~dampyr.errors.FileError` where the file contradicts itself or the arguments, or holds values
+    that are no numbers.
     """
     file = Path(path)
     if not file.is_file():

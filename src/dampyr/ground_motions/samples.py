@@ -15,7 +15,8 @@ Array = NDArray[np.float64]
 
 
 def motion_of(path: Path, values: Array, dt: float, units: str, source: str) -> GroundMotion:
-    """The ground motion of ``values`` in ``units``; what is wrong with them is said with the path in front."""
+    """The ground motion of ``values`` in ``units``; what is wrong with them is said with the path in
+    front."""
     try:
         return GroundMotion(to_si(values, units, "m/s^2"), dt, name=path.stem, source=source)
     except InputError as problem:
@@ -33,11 +34,15 @@ def step_of(path: Path, time: Array, dt: float | None) -> float:
     mean = float((time[-1] - time[0]) / (len(time) - 1))
     if np.any(steps <= 0):
         k = int(np.argmax(steps <= 0))
-        raise FileError(path, f"time does not increase from sample {k + 1} ({time[k]:g} s) to {k + 2} ({time[k + 1]:g} s); sort the rows")
+        raise FileError(
+            path,
+            f"time does not increase from sample {k + 1} ({time[k]:g} s) to {k + 2} ({time[k + 1]:g} s); sort the rows",
+        )
     if np.max(np.abs(steps - mean)) > 0.01 * mean:
         k = int(np.argmax(np.abs(steps - mean)))
         raise FileError(
-            path, f"the step is {steps[k]:g} s after sample {k + 1} but {mean:g} s on average; resample to an even step"
+            path,
+            f"the step is {steps[k]:g} s after sample {k + 1} but {mean:g} s on average; resample to an even step",
         )
     if dt is not None and abs(dt - mean) > 1e-3 * mean:
         raise FileError(path, f"dt = {dt:g} s contradicts its time column, {mean:g} s; leave dt out")

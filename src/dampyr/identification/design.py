@@ -48,7 +48,9 @@ class Column:
             return np.ones_like(at)
         if self.kind == "interpolation":
             return np.asarray(np.isclose(at, knots, rtol=1e-9, atol=1e-12), dtype=float)
-        rows = [np.prod((at - np.delete(knots, k)) / (knots[k] - np.delete(knots, k)), axis=-1) for k in range(knots.size)]
+        rows = [
+            np.prod((at - np.delete(knots, k)) / (knots[k] - np.delete(knots, k)), axis=-1) for k in range(knots.size)
+        ]
         return np.stack(rows, axis=-1)
 
     def value(self, theta: Array, u: Array | float) -> Array:

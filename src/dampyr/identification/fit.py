@@ -39,8 +39,9 @@ class Fit:
 
     ``damper`` carries the laws, their covariance and the calibrated ranges, or is None where ``reason`` says why the numbers
     make no damper. ``parameters``, ``stderr`` and ``naive_stderr`` are in SI units, by labels such as ``dahl.kx @ 1.98 V``;
-    an infinite error means that the records do not determine the number, NaN that it stands at its limit. ``correlation`` (m, m) follows the same
-    order. ``converged`` and ``reason`` say how the search ended; ``notes`` what a reader should know besides.
+    an infinite error means that the records do not determine the number, NaN that it stands at its limit.
+    ``correlation`` (m, m) follows the same order. ``converged`` and ``reason`` say how the search ended;
+    ``notes`` what a reader should know besides.
     """
 
     damper: Damper | None
@@ -168,7 +169,9 @@ def begin(problem: Problem) -> Point:
 
 
 def _neutral(problem: Problem) -> Point:
-    theta = np.concatenate([np.full(c.size, max(c.quantity.low, 0.0) + 1e-9 * c.quantity.open_low) for c in problem.columns])
+    theta = np.concatenate(
+        [np.full(c.size, max(c.quantity.low, 0.0) + 1e-9 * c.quantity.open_low) for c in problem.columns]
+    )
     states = np.zeros(problem.composition.n_states)
     starts = tuple(Start(float(np.mean(p.force)) if problem.offset else 0.0, states) for p in problem.pieces)
     return Point(theta, starts)
@@ -197,9 +200,7 @@ def _best_start(problem: Problem, neutral: Point, members: list[int]) -> dict[st
 def _shortened(one: Piece) -> Piece:
     n = min(one.t.size, SCANNED_SAMPLES)
     u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
-    return Piece(
-        one.name, one.t[:n], one.x[:n], one.v[:n], one.force[:n], u, one.weight, one.cycle[:n], one.unit
-    )
+    return Piece(one.name, one.t[:n], one.x[:n], one.v[:n], one.force[:n], u, one.weight, one.cycle[:n], one.unit)
 
 
 def _proposals(problem: Problem, pieces: list[Piece]) -> list[dict[str, float]]:
@@ -248,6 +249,10 @@ def _errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> 
     return dict(zip(labels, map(float, errors), strict=True))
 
 
+def _limit(problem: Problem, k: int) -> str:
+    return [c.quantity.range_in_words() for c in problem.columns for _ in range(c.size)][k]
+
+
 def _correlation(covariance: Array) -> Array:
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -257,11 +262,13 @@ def _correlation(covariance: Array) -> Array:
 
 
 def _notes(problem: Problem, outcome: Outcome, known: Uncertainty, labels: list[str]) -> list[str]:
-    notes = [f"{labels[k]} stands at its limit {outcome.point.theta[k]:.3g}; its error is not known" for k in outcome.at_limit]
+    notes = [
+        f"{labels[k]} stands at its limit ({_limit(problem, k)}); its error is not known" for k in outcome.at_limit
+    ]
     blind = [labels[k] for k in known.blind]
     if blind:
         notes.append(f"the records do not determine {', '.join(blind)} (infinite error)")
-    few = int(np.min(known.counts, initial=10**6))
+    few = int(np.min(np.delete(known.counts, list(outcome.at_limit)), initial=10**6))
     if known.clusters == "cycle" and few < 10:
         notes.append(f"errors rest on {few} cycles only; they are rough")
     for record in problem.pieces:
@@ -271,7 +278,11 @@ def _notes(problem: Problem, outcome: Outcome, known: Uncertainty, labels: list[
 
 
 def _damper(
-    problem: Problem, outcome: Outcome, known: Uncertainty, records: tuple[Record, ...], bandwidth: float | None
+    problem: Problem,
+    outcome: Outcome,
+    known: Uncertainty,
+    records: tuple[Record, ...],
+    bandwidth: float | None,
 ) -> tuple[Damper | None, str]:
     """The damper that the coefficients make, or None and why they make none."""
     inputs = np.concatenate([np.ravel(p.u) for p in problem.pieces])
@@ -330,7 +341,8 @@ def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
 
     names = [r.name for r in records]
     shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
-    return {"method": "least squares over whole records (dampyr.identification.fit)", "records": shown, "dampyr": __version__}
-
-
-
+    return {
+        "method": "least squares over whole records (dampyr.identification.fit)",
+        "records": shown,
+        "dampyr": __version__,
+    }

@@ -85,7 +85,9 @@ def _branch(x: ArrayLike, force: ArrayLike, velocity: ArrayLike) -> tuple[Array,
     columns = [np.asarray(c, dtype=float) for c in (x, force, velocity)]
     if len({c.shape for c in columns}) > 1 or columns[0].ndim != 1 or columns[0].size < 2 * ORDER:
         shapes = ", ".join(str(c.shape) for c in columns)
-        raise InputError(f"x, force and velocity have shapes {shapes}; give three vectors of the same length, 8 or more")
+        raise InputError(
+            f"x, force and velocity have shapes {shapes}; give three vectors of the same length, 8 or more"
+        )
     if np.any(np.diff(columns[0]) <= 0):
         k = int(np.argmax(np.diff(columns[0]) <= 0))
         raise InputError(f"x must rise along the loading branch; x[{k + 1}] = {columns[0][k + 1]:g} does not")

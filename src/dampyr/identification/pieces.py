@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.identification.design import Column
 from dampyr.models import Composition
-from dampyr.models.march import along_with_columns, delayed
+from dampyr.models.march import along_with_columns, delayed, delayed_by_tau
 from dampyr.records import Record, cycles, motion_start
 
 Array = NDArray[np.float64]
@@ -50,6 +50,7 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
         raise InputError(f"{record.name}: the force is constant at {force[0]:g} N; check the load cell's channel")
     u = record.voltage if record.input == "V" else record.current
     assert u is not None
+    assert record.input is not None
     varies = np.ndim(u) > 0 and float(np.ptp(u)) > 1e-9
     given: Array | float = np.asarray(u)[kept] if varies else float(np.mean(u))
     return Piece(
@@ -96,7 +97,12 @@ def parameters_at(columns: list[Column], theta: list[Array], u: Array | float) -
 
 
 def linearise(
-    composition: Composition, columns: list[Column], theta: list[Array], one: Piece, start: Start, offset: bool
+    composition: Composition,
+    columns: list[Column],
+    theta: list[Array],
+    one: Piece,
+    start: Start,
+    offset: bool,
 ) -> Linearised:
     """The residual (measured less model) of one record, and its exact derivatives."""
     values = parameters_at(columns, theta, one.u)
@@ -114,9 +120,6 @@ def linearise(
 
 def _delay(t: Array, model: Array, J: Array, tau: Array, k: int) -> tuple[Array, Array]:
     """The force and its columns as they were tau earlier, with the derivative by tau in its place."""
-    half = 0.5 * float(np.median(np.diff(t)))
-    late = delayed(t, model, tau)
-    by_tau = (delayed(t, model, tau + half) - delayed(t, model, tau - half)) / (2.0 * half)
-    J = delayed(t, J, tau)
-    J[:, k] = by_tau
-    return late, J
+    late = delayed(t, J, tau).copy()
+    late[:, k] = delayed_by_tau(t, model, tau)
+    return delayed(t, model, tau), late

@@ -5,13 +5,14 @@ Far from the turning points the hysteresis is saturated (the plastic region), so
 .. math:: F = f_0 + k_x v + k_w\,\mathrm{sgn}(v), \qquad \rho = a / k_w ,
 
 with a the slope of :math:`\theta = F - f_0 - k_x v` over x where it crosses zero after a turning point. The plastic region is
-found without a hand-picked window: samples further than ``DEPTH``/rho along the path from the last turning point, and faster than half
-of the peak speed (the real damper's force rolls off at low speed, which the model cannot follow); rho and the region are
-found together.
+found without a hand-picked window: samples further than ``DEPTH``/rho along the path from the last turning point, and
+faster than half of the peak speed (the real damper's force rolls off at low speed, which the model cannot follow); rho
+and the region are found together.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +73,9 @@ def plastic_region(record: Record, bandwidth: float | None = None) -> PlasticReg
         offset, kx, kw = _line(record, force[plastic], speed[plastic])
         slopes = _crossing_slopes(record, points, offset, kx, kw)
         a = float(np.median(slopes))
-        result = PlasticRegion(kx, kw, a / kw, a, offset, float(np.std(slopes / kw)), float(plastic.mean()), slopes.size)
+        result = PlasticRegion(
+            kx, kw, a / kw, a, offset, float(np.std(slopes / kw)), float(plastic.mean()), slopes.size
+        )
         if abs(result.rho / rho - 1.0) < 1e-6:
             break
         rho = result.rho
@@ -102,7 +105,7 @@ def _crossing_slopes(record: Record, points: NDArray[np.int64], offset: float, k
     assert record.velocity is not None
     theta = record.force - offset - kx * record.velocity
     slopes = []
-    for first, last in zip(points[:-1], points[1:], strict=True):
+    for first, last in itertools.pairwise(points):
         direction = np.sign(record.displacement[last] - record.displacement[first])
         side = direction * theta[first : last + 1]
         up = np.flatnonzero((side[:-1] < 0) & (side[1:] >= 0))
@@ -112,7 +115,9 @@ def _crossing_slopes(record: Record, points: NDArray[np.int64], offset: float, k
         if slope > 0:
             slopes.append(slope)
     if not slopes:
-        raise InputError(f"{record.name}: the force never crosses zero between turning points; remove its offset and drift")
+        raise InputError(
+            f"{record.name}: the force never crosses zero between turning points; remove its offset and drift"
+        )
     return np.array(slopes)
 
 

@@ -117,7 +117,9 @@ def compare(
     seen = np.abs(centred) > SMALL * np.abs(centred).max()
     spread = float(np.sqrt(np.mean((measured - measured.mean()) ** 2)))
     if spread == 0.0:
-        raise InputError(f"{record.name}: the force is constant at {measured[0]:g} N in the window; nothing to compare with")
+        raise InputError(
+            f"{record.name}: the force is constant at {measured[0]:g} N in the window; nothing to compare with"
+        )
     nrmse = float(np.sqrt(np.mean(error**2))) / spread
     return Score(
         l1=float(np.sum(np.abs(error)) / np.sum(np.abs(centred))),

@@ -1,13 +1,14 @@
 r"""Separable least squares: the linear parameters solved inside, Levenberg-Marquardt on the few that are not.
 
-The problem is :math:`\min \sum_r \|W_r (F_r - \hat F_r(\theta, \nu_r))\|^2` over the coefficients :math:`\theta` of all laws and
-the nuisances :math:`\nu_r` of each record. Each record is compressed by a QR factorisation to a triangle of a dozen rows, so the
-joint problem never holds more than that. The force is affine in the linear parameters, so they are at their optimum after one
-solve; the step of the others is Kaufman's (1975) variant of the variable projection of Golub and Pereyra (1973).
+The problem is :math:`\min \sum_r \|W_r (F_r - \hat F_r(\theta, \nu_r))\|^2` over the coefficients :math:`\theta` of all laws
+and the nuisances :math:`\nu_r` of each record. Each record is compressed by a QR factorisation to a triangle of a dozen rows,
+so the joint problem never holds more than that. The force is affine in the linear parameters, so they are at their
+optimum after one solve; the step of the others is Kaufman's (1975) variant of the variable projection of Golub and Pereyra (1973).
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -36,7 +37,7 @@ class Problem:
     def slices(self) -> list[slice]:
         """Where each parameter's values stand among all coefficients."""
         ends = np.cumsum([0, *(c.size for c in self.columns)])
-        return [slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        return [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
 
     @property
     def size(self) -> int:
@@ -92,11 +93,7 @@ class Outcome:
 
 def expand(problem: Problem, by_parameter: Array, u: Array | float) -> Array:
     """Derivatives by parameter (n, P) as derivatives by coefficient (n, size)."""
-    blocks = [
-        by_parameter[:, k : k + 1] * column.basis(u)
-        for k, column in enumerate(problem.columns)
-        if column.size
-    ]
+    blocks = [by_parameter[:, k : k + 1] * column.basis(u) for k, column in enumerate(problem.columns) if column.size]
     return np.concatenate(blocks, axis=1) if blocks else np.zeros((by_parameter.shape[0], 0))
 
 
@@ -109,12 +106,16 @@ def triangles(problem: Problem, point: Point) -> list[Triangle]:
         L = local.by_nuisance.shape[1]
         if np.ndim(one.u):
             full = np.column_stack((local.by_nuisance, expand(problem, local.by_parameter, one.u), local.residual))
-            rows = np.linalg.qr(full, mode="r")
+            rows = _triangle(full)
         else:
-            small = np.linalg.qr(np.column_stack((local.by_nuisance, local.by_parameter, local.residual)), mode="r")
+            small = _triangle(np.column_stack((local.by_nuisance, local.by_parameter, local.residual)))
             rows = np.column_stack((small[:, :L], expand(problem, small[:, L:-1], one.u), small[:, -1]))
         found.append(Triangle(rows, L))
     return found
+
+
+def _triangle(columns: Array) -> Array:
+    return np.asarray(np.linalg.qr(columns, mode="r"))
 
 
 @dataclass(frozen=True)
@@ -249,10 +250,11 @@ def search(problem: Problem, point: Point, progress: Callable[[int, float], None
             damping *= 10.0
             if damping > 1e8:
                 converged = promised <= 1e-6 * cost
-                reason = f"stopped: no step lowers the sum of squares any more (the last promised {promised / cost:.1g} of it)"
+                left = f"the last promised {promised / cost:.1g} of it"
+                reason = f"stopped where no step lowers the sum of squares any more ({left})"
                 break
     else:
-        reason = f"not converged: {MOST_ITERATIONS} steps were not enough"
+        reason = f"did not converge: {MOST_ITERATIONS} steps were not enough"
     return Outcome(point, cost, converged, reason, iteration, _at_limit(problem, point))
 
 

@@ -59,7 +59,7 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
         clusters = "cycle"
         by_record, counts = _scores_by_cycle(reduced, information)
     covariance = _sandwich(bread, by_record, counts)
-    blind = tuple(sorted({*blind, *(k for k in np.flatnonzero(counts < FEWEST_CYCLES) if k not in held)}))
+    blind = tuple(sorted({*blind, *(k for k in map(int, np.flatnonzero(counts < FEWEST_CYCLES)) if k not in held)}))
     return Uncertainty(_blinded(covariance, blind), _blinded(naive, blind), clusters, counts, blind)
 
 

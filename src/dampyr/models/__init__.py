@@ -10,7 +10,17 @@ from dampyr.models.damper import Damper
 from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
 from dampyr.models.part import SHELF, part
 
-__all__ = ["Composition", "Constant", "Damper", "Interpolation", "Law", "Polynomial", "compose", "names", "part"]
+__all__ = [
+    "Composition",
+    "Constant",
+    "Damper",
+    "Interpolation",
+    "Law",
+    "Polynomial",
+    "compose",
+    "names",
+    "part",
+]
 
 
 def names() -> list[str]:

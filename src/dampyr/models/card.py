@@ -27,7 +27,9 @@ def write(damper: Damper, path: Path) -> Path:
     descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            file.write("# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n" + text)
+            file.write(
+                "# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n" + text
+            )
             file.flush()
             os.fsync(file.fileno())
         Path(temporary).replace(path)
@@ -61,7 +63,9 @@ def read(path: Path) -> Damper:
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise MissingData(f"{path}: there is no such card; `dampyr identify ... --save {path.name}` writes one") from None
+        raise MissingData(
+            f"{path}: there is no such card; `dampyr identify ... --save {path.name}` writes one"
+        ) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise FileError(path, f"this is not a TOML file: {problem}") from None
     if tables.get("schema") != SCHEMA:

@@ -140,7 +140,7 @@ def _call(formula: Formula, place: Argument, tangents: str = "", suffix: str = "
 
 def _tangents(p: Part) -> dict[str, str]:
     """Derivatives of a part's two formulas: along its states, and along one more argument at a time."""
-    texts = {}
+    texts: dict[str, str] = {}
     for formula in (p.advance, p.force):
         if formula is None:
             continue
@@ -165,9 +165,7 @@ def _targets(states: list[int], array: str = "s") -> str:
 
 def _advance(composition: Composition, site: int) -> str:
     lines = [
-        f"{_targets(states)} = {_call(p.advance, place)}"
-        for p, place, states, _ in _slots(composition)
-        if p.advance
+        f"{_targets(states)} = {_call(p.advance, place)}" for p, place, states, _ in _slots(composition) if p.advance
     ]
     return _define("advance", site, "s, x0, x1, v0, v1, dt, p", [*lines, "return"])
 

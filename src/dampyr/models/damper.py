@@ -123,6 +123,21 @@ class Damper:
             start = stop
         return replace(self, laws=laws)
 
+    def without(self, *names: str) -> Damper:
+        """The damper less some of its parts, such as ``"delay"`` where the delay belongs to the rig and not to the damper."""
+        unknown = [name for name in names if name not in self.composition.names]
+        if unknown:
+            raise InputError(f"{unknown[0]!r} is no part of {self.composition}")
+        laws = {key: law for key, law in self.all_laws.items() if key.partition(".")[0] not in names}
+        sizes = [len(law.coefficients) for law in self.all_laws.values()]
+        kept = np.repeat([key in laws for key in self.all_laws], sizes)
+        return replace(
+            self,
+            parts=tuple(name for name in self.composition.names if name not in names),
+            laws=laws,
+            covariance=None if self.covariance is None else self.covariance[np.ix_(kept, kept)],
+        )
+
     def check_input(self, u: ArrayLike, allow_extrapolation: bool = False) -> Array:
         """``u`` as an array; :class:`~dampyr.errors.RangeError` outside the calibrated range unless allowed by name."""
         values = np.asarray(u, dtype=float)
@@ -212,7 +227,9 @@ class Damper:
     def _input_along(self, u: ArrayLike, t: Array) -> Array:
         values = np.asarray(u, dtype=float)
         if values.ndim and values.shape != t.shape:
-            raise InputError(f"{INPUTS[self.input]} has shape {values.shape}, the path {t.shape}; give one number or as many")
+            raise InputError(
+                f"{INPUTS[self.input]} has shape {values.shape}, the path {t.shape}; give one number or as many"
+            )
         return values
 
     def _velocity(self, t: Array, x: Array, velocity: ArrayLike | None) -> Array:

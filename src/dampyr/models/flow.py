@@ -9,8 +9,9 @@ Both sides separate, so a step of any length is :math:`\theta(y_1) = \theta(y_0)
 .. math:: \theta = \int_0^y \frac{du}{1-u^n} = y\,{}_2F_1(1, b; 1+b; y^n), \qquad
           \theta_- = \int_0^u \frac{du}{1+c u^n} = u\,{}_2F_1(1, b; 1+b; -c u^n), \qquad b = 1/n.
 
-They are summed from their series (near saturation from the one in 1 - y^n: Abramowitz and Stegun 15.3.10; for
-c > 0 after Pfaff's transformation, 15.3.4; for c u^n > 2 in 1/(c u^n)) and inverted by Newton's method to rounding. n = 1 and n = 2 are elementary.
+They are summed from their series (near saturation from the one in 1 - y^n: Abramowitz and Stegun 15.3.10;
+for c > 0 after Pfaff's transformation, 15.3.4; for c u^n > 2 in 1/(c u^n)) and inverted by Newton's method to
+rounding. n = 1 and n = 2 are elementary.
 """
 
 from math import atan, exp, expm1, log, log1p, sqrt, tan, tanh
@@ -254,5 +255,3 @@ def flow(y: float, xi: float, n: float, c: float) -> float:
     if n == 2.0 and c >= 0.0:
         return flow_two(y, xi, c)
     return flow_any(y, xi, n, c)
-
-

@@ -227,7 +227,7 @@ class _Tangent:
 def _sum(a: str | None, b: str | None) -> str | None:
     if a and b:
         return f"({a} + {b})"
-    return a and f"({a})" or b and f"({b})"
+    return (a and f"({a})") or (b and f"({b})")
 
 
 def partials_of(formula: Formula) -> dict[str, Callable[..., float]]:

@@ -1,8 +1,8 @@
 """Compiling a driver for a composition of parts, and keeping what was compiled.
 
-A *driver* is a plain function in a real file (``march`` below, the coupling in ``dampyr.structures``) that walks along a path
-or through an earthquake. It calls ``advance``, ``force``, ``slopes``, ``columns`` and ``spread`` by name, and `bind` gives these names the
-functions of one or several compositions and compiles the whole with numba.
+A *driver* is a plain function in a real file (`dampyr.models.march`, the coupling in ``dampyr.structures``) that walks along
+a path or through an earthquake. It calls ``advance``, ``force``, ``slopes``, ``columns`` and ``spread`` by name, and `bind`
+gives these names the functions of one or several compositions and compiles the whole with numba.
 
 Compiled code is kept on disk in a folder whose name holds a hash of dampyr's own sources, so that an edited model
 can never be served stale. The folder lies in the user's cache, or where ``DAMPYR_CACHE`` says.
@@ -67,7 +67,7 @@ def jit(function: Callable[..., Any], keep: bool = False) -> Any:
 def _cache_class() -> Any:
     from numba.core import caching
 
-    class Locator(caching._CacheLocator):  # type: ignore[misc]
+    class Locator(caching._CacheLocator):
         """Our folder; the folder's name carries the sources' hash, so the stamp need not."""
 
         def __init__(self, function: Any) -> None:
@@ -86,10 +86,10 @@ def _cache_class() -> Any:
         def from_function(cls, function: Any, file: str) -> Any:
             return cls(function)
 
-    class Implementation(caching.CompileResultCacheImpl):  # type: ignore[misc]
+    class Implementation(caching.CompileResultCacheImpl):
         _locator_classes = [Locator]  # noqa: RUF012
 
-    class Cache(caching.FunctionCache):  # type: ignore[misc]
+    class Cache(caching.FunctionCache):
         _impl_class = Implementation
 
     return Cache
@@ -112,9 +112,7 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...]) -> A
     return _rebound(driver, {name: names[name] for name in BOUND}, key, {}, keep=True)
 
 
-def _rebound(
-    function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any], keep: bool = False
-) -> Any:
+def _rebound(function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any], keep: bool = False) -> Any:
     if function in done:
         return done[function]
     names = {**function.__globals__, **bound}

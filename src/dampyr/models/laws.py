@@ -21,9 +21,20 @@ Array = NDArray[np.float64]
 class Law(Protocol):
     """What every law can do."""
 
-    kind: str
-    low: float
-    high: float
+    @property
+    def kind(self) -> str:
+        """What the card calls it."""
+        ...
+
+    @property
+    def low(self) -> float:
+        """The smallest input it was calibrated on."""
+        ...
+
+    @property
+    def high(self) -> float:
+        """The largest input it was calibrated on."""
+        ...
 
     @property
     def coefficients(self) -> tuple[float, ...]:
@@ -142,12 +153,12 @@ class Interpolation:
             raise InputError(f"the knots {list(self.knots)} of a law must rise strictly")
 
     @property
-    def low(self) -> float:  # type: ignore[override]
+    def low(self) -> float:
         """The first knot."""
         return self.knots[0]
 
     @property
-    def high(self) -> float:  # type: ignore[override]
+    def high(self) -> float:
         """The last knot."""
         return self.knots[-1]
 

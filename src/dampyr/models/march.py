@@ -47,9 +47,7 @@ def march_columns(t, x, v, a, p, s, D, out, J):  # type: ignore[no-untyped-def]
         columns(0, s, D, x[i], v[i], a[i], q, J[i])
 
 
-def along(
-    composition: Composition, t: Array, x: Array, v: Array, values: Array, state0: Array | None = None
-) -> Array:
+def along(composition: Composition, t: Array, x: Array, v: Array, values: Array, state0: Array | None = None) -> Array:
     """The force in N along a path: t [s], x [m], v [m/s] of shape (n,), ``values`` (P,) or (n, P); not delayed."""
     out = np.empty(t.size)
     s = _start(composition, state0)
@@ -88,9 +86,21 @@ def delayed(t: Array, values: Array, tau: float | Array) -> Array:
     """``values`` (n,) or (n, k) as they were ``tau`` earlier, interpolated linearly; before the start, the first value."""
     if np.ndim(tau) == 0 and tau == 0.0:
         return values
-    at = t - tau
-    k = np.clip(np.searchsorted(t, at, side="right") - 1, 0, t.size - 2)
-    part = np.clip((at - t[k]) / (t[k + 1] - t[k]), 0.0, 1.0)
+    k, part, _ = _places(t, tau)
     if values.ndim == 2:
         part = part[:, None]
     return np.asarray(values[k] * (1.0 - part) + values[k + 1] * part)
+
+
+def delayed_by_tau(t: Array, values: Array, tau: float | Array) -> Array:
+    """The derivative of `delayed` (n,) by ``tau``; at a sample, where it has two, that of the longer delay."""
+    k, _, inside = _places(t, tau)
+    return np.asarray(np.where(inside, -(values[k + 1] - values[k]) / (t[k + 1] - t[k]), 0.0))
+
+
+def _places(t: Array, tau: float | Array) -> tuple[NDArray[np.int64], Array, NDArray[np.bool_]]:
+    """For each t - tau: the sample before it, how far towards the next it lies, and whether it lies after the start."""
+    at = t - tau
+    k = np.clip(np.searchsorted(t, at, side="left") - 1, 0, t.size - 2)
+    part = np.clip((at - t[k]) / (t[k + 1] - t[k]), 0.0, 1.0)
+    return k, part, at > t[0]

@@ -104,9 +104,7 @@ def read_row(row: CampaignRow) -> Record:
     """The record of one row: its file checked by sha256, with the row's voltage, label and role."""
     if row.file is None:
         where = f"row {row.row} of table {row.table}" if row.row else f"the test of {row.table}"
-        raise MissingData(
-            f"{where} has no file{f' {row.file_name}' if row.file_name else ''}; choose another row"
-        )
+        raise MissingData(f"{where} has no file{f' {row.file_name}' if row.file_name else ''}; choose another row")
     check_sha256(row.file, row.sha256)
     record = read(row.file, voltage=row.voltage)
     provenance = dict(record.provenance) | {"campaign": TABLE, "sha256": row.sha256}
@@ -118,9 +116,7 @@ def check_sha256(path: Path, expected: str) -> None:
     """Raise :class:`FileError` unless the file has this sha256; an empty one is not checked."""
     found = hashlib.sha256(path.read_bytes()).hexdigest()
     if expected and found != expected.lower():
-        raise FileError(
-            path, f"its sha256 is {found[:12]}..., the table says {expected[:12]}...; fetch the file again"
-        )
+        raise FileError(path, f"its sha256 is {found[:12]}..., the table says {expected[:12]}...; fetch the file again")
 
 
 def _folder(folder: str | Path) -> Path:
@@ -136,9 +132,7 @@ def _rows(path: Path, text: str, folder: Path | None) -> list[CampaignRow]:
     reader = csv.DictReader(io.StringIO(text, newline=""))
     missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
     if missing:
-        raise FileError(
-            path, f"the column {missing[0]} is missing; a campaign's table has {', '.join(COLUMNS)}"
-        )
+        raise FileError(path, f"the column {missing[0]} is missing; a campaign's table has {', '.join(COLUMNS)}")
     return [_row(path, line, cells, folder) for line, cells in enumerate(reader, start=2)]
 
 

@@ -52,9 +52,7 @@ def read(path: Path, request: Request, kind: str) -> Record:
     for channel in ("time", "displacement", "force"):
         if channel not in found:
             there = ", ".join(table.names) or f"{table.values.shape[1]} columns without names"
-            raise FileError(
-                path, f"no column is the {channel} (there: {there}); declare columns={{{channel!r}: ...}}"
-            )
+            raise FileError(path, f"no column is the {channel} (there: {there}); declare columns={{{channel!r}: ...}}")
     found |= request.input_channels(*(_constant(found.pop(name, None)) for name in ("voltage", "current")))
     units = ", ".join(f"{name} [{unit}]" for name, unit in zip(table.names, table.units))
     return Record(
@@ -114,18 +112,14 @@ def _starts_with_number(line: str) -> bool:
 def _delimiter(rows: list[tuple[int, str]]) -> str | None:
     """The first delimiter that stands in the first row; None is white space."""
     line = rows[0][1].strip()
-    return next(
-        (d for d in DELIMITERS if d is not None and d in line and not _is_decimal_comma(d, line)), None
-    )
+    return next((d for d in DELIMITERS if d is not None and d in line and not _is_decimal_comma(d, line)), None)
 
 
 def _is_decimal_comma(delimiter: str, line: str) -> bool:
     """A comma inside white-space columns, such as ``0,01  1,5``, is a decimal mark."""
     parts = line.split()
     return (
-        delimiter == ","
-        and len(parts) > 1
-        and all(re.fullmatch(r"[+-]?\d+(,\d+)?([eE][+-]?\d+)?", p) for p in parts)
+        delimiter == "," and len(parts) > 1 and all(re.fullmatch(r"[+-]?\d+(,\d+)?([eE][+-]?\d+)?", p) for p in parts)
     )
 
 
@@ -152,9 +146,7 @@ def _numbers(path: Path, rows: list[tuple[int, str]], first: int, delimiter: str
             try:
                 values[k, j] = float(text if delimiter == "," else text.replace(",", "."))
             except ValueError:
-                raise FileError(
-                    path, f"line {number}: {text!r} is not a number; repair or cut out the line"
-                ) from None
+                raise FileError(path, f"line {number}: {text!r} is not a number; repair or cut out the line") from None
     return values
 
 
@@ -170,9 +162,7 @@ def _column(path: Path, table: Table, channel: str, request: Request) -> int | N
     if isinstance(said, int):
         if not 0 <= said < table.values.shape[1]:
             last = table.values.shape[1] - 1
-            raise FileError(
-                path, f"columns[{channel!r}] = {said} is no column; choose a number from 0 to {last}"
-            )
+            raise FileError(path, f"columns[{channel!r}] = {said} is no column; choose a number from 0 to {last}")
         return said
     if said is not None:
         if said.lower() not in lower:
@@ -181,9 +171,7 @@ def _column(path: Path, table: Table, channel: str, request: Request) -> int | N
     fits = [k for word in WORDS[channel] for k, name in enumerate(lower) if name == word]
     if len(fits) > 1:
         names = " and ".join(table.names[k] for k in fits)
-        raise FileError(
-            path, f"the columns {names} could all be the {channel}; declare columns={{{channel!r}: ...}}"
-        )
+        raise FileError(path, f"the columns {names} could all be the {channel}; declare columns={{{channel!r}: ...}}")
     return fits[0] if fits else None
 
 
@@ -201,8 +189,7 @@ def _in_si(path: Path, table: Table, channel: str, column: int, request: Request
     if stated and declared and stated != declared:
         raise FileError(
             path,
-            f"the header says {channel} is in {stated!r}, but units declares {declared!r}; "
-            "leave it out of units",
+            f"the header says {channel} is in {stated!r}, but units declares {declared!r}; leave it out of units",
         )
     unit = unit.replace("°C", "degC") if channel == "temperature" else unit
     values = table.values[:, column]

@@ -105,9 +105,7 @@ def _like_the_others(record: Record, points: NDArray[np.int64]) -> list[tuple[in
     lasting = np.diff(record.time[edges])
     alike = np.all(span > LIKE_THE_OTHERS * np.median(span), axis=1)
     alike &= np.all(span * LIKE_THE_OTHERS < np.median(span), axis=1)
-    alike &= (lasting > LIKE_THE_OTHERS * np.median(lasting)) & (
-        lasting * LIKE_THE_OTHERS < np.median(lasting)
-    )
+    alike &= (lasting > LIKE_THE_OTHERS * np.median(lasting)) & (lasting * LIKE_THE_OTHERS < np.median(lasting))
     kept = np.flatnonzero(alike)
     if len(kept) == 0:
         return []

@@ -141,18 +141,14 @@ def _get(known: DataSet, file: str, sha256: str, source: str, target: Path, down
         _copy(local, target / file)
         return
     if "://" not in source:
-        raise MissingData(
-            f"{local}: there is no such file; give a folder that holds the data set {known.name}"
-        )
+        raise MissingData(f"{local}: there is no such file; give a folder that holds the data set {known.name}")
     import pooch
 
     logger = pooch.get_logger()
     level = logger.level
     logger.setLevel("WARNING")
     try:
-        pooch.retrieve(
-            url=source + file, known_hash=f"sha256:{sha256}", fname=file, path=target, downloader=downloader
-        )
+        pooch.retrieve(url=source + file, known_hash=f"sha256:{sha256}", fname=file, path=target, downloader=downloader)
     except Exception as problem:  # whatever the network throws
         if "does not match" in str(problem):
             raise FileError(

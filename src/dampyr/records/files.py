@@ -88,9 +88,7 @@ def read(
     except InputError as problem:
         raise FileError(path, str(problem)) from problem
     except OSError as problem:
-        raise FileError(
-            path, f"cannot be read ({_one_line(problem)}); check the file and its permissions"
-        ) from problem
+        raise FileError(path, f"cannot be read ({_one_line(problem)}); check the file and its permissions") from problem
 
 
 def write(record: Record, path: str | Path, **details: Any) -> Path:
@@ -102,9 +100,7 @@ def write(record: Record, path: str | Path, **details: Any) -> Path:
     writable = [name for name, module in catalogue.members(SHELF) if hasattr(module, "write")]
     kind = path.suffix.lower().removeprefix(".")
     if kind not in writable:
-        raise FileError(
-            path, f"records are not written as {path.suffix!r}; choose from {_suffixes(writable)}"
-        )
+        raise FileError(path, f"records are not written as {path.suffix!r}; choose from {_suffixes(writable)}")
     catalogue.member(SHELF, kind).write(record, path, **details)
     return path
 

@@ -50,9 +50,7 @@ class Label:
         for name in ("peak_to_peak_m", "frequency_hz"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
-                raise InputError(
-                    f"label {name} = {value:g} is not allowed; it must be finite and greater than 0"
-                )
+                raise InputError(f"label {name} = {value:g} is not allowed; it must be finite and greater than 0")
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,9 +102,7 @@ class Record:
         _check_shapes(self)
         _check_values(self)
         if self.voltage is not None and self.current is not None:
-            raise InputError(
-                "voltage and current are both given; a record has one input, so leave one of them out"
-            )
+            raise InputError("voltage and current are both given; a record has one input, so leave one of them out")
         if self.role not in ("fit", "validation"):
             raise InputError(f"role = {self.role!r} is not known; choose 'fit' or 'validation'")
 

@@ -60,9 +60,7 @@ class Table:
         width = len(self.columns)
         for name, given in (("units", self.units), ("align", self.align)):
             if given and len(given) != width:
-                raise InputError(
-                    f"a table of {width} columns has {len(given)} {name}; give one for each column"
-                )
+                raise InputError(f"a table of {width} columns has {len(given)} {name}; give one for each column")
         for number, row in enumerate(self.rows, 1):
             if len(row) != width:
                 raise InputError(f"row {number} of a table has {len(row)} cells; its columns are {width}")

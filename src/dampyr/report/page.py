@@ -136,9 +136,7 @@ def _table(table: Table) -> dict[str, Any]:
     return {
         "kind": "table",
         "caption": table.caption,
-        "columns": [
-            {"name": n, "unit": u, "side": s} for n, u, s in zip(table.columns, units, sides, strict=True)
-        ],
+        "columns": [{"name": n, "unit": u, "side": s} for n, u, s in zip(table.columns, units, sides, strict=True)],
         "rows": [[_shown(cell, table.digits) for cell in row] for row in table.rows],
     }
 

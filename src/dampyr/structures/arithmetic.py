@@ -1,4 +1,5 @@
-"""The small sums of the coupling kernel, for numba: turning points, peaks, past forces, dense matrices of a few rows."""
+"""The small sums of the coupling kernel, for numba: turning points, peaks, past forces, dense matrices
+of a few rows."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from numba.extending import register_jitable
 
 @register_jitable
 def turning(x0: float, x1: float, v0: float, v1: float, dt: float) -> tuple[float, float]:
-    """Where the cubic through both ends turns, for velocities of opposite sign: (fraction of dt, displacement)."""
+    """Where the cubic through both ends turns, for velocities of opposite sign: (fraction of dt,
+    displacement)."""
     u0, u1 = v0 * dt, v1 * dt
     a = 3.0 * (u0 + u1) - 6.0 * (x1 - x0)
     b = 6.0 * (x1 - x0) - 4.0 * u0 - 2.0 * u1
@@ -65,10 +67,11 @@ def solve(a: Any, b: Any) -> None:
 
 @register_jitable
 def past(ring: Any, site: int, steps: float, rest: float) -> float:
-    """The force at a time in the past, counted in steps from the start: the quadratic of its step, or the force at rest."""
+    """The force at a time in the past, counted in steps from the start: the quadratic of its step, or
+    the force at rest."""
     if steps <= 0.0:
         return rest
-    k = int(math.floor(steps))
+    k = math.floor(steps)
     s = steps - k
     n = ring.shape[1]
     f0, fh, f1 = ring[site, (2 * k) % n], ring[site, (2 * k + 1) % n], ring[site, (2 * k + 2) % n]

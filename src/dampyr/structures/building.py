@@ -2,9 +2,10 @@ r"""A building: masses, dashpots and springs that move with the ground.
 
 .. math:: M \ddot q + C \dot q + K q = -M \iota\, a_g - \sum_d \lambda_d f_d
 
-q are the displacements relative to the ground, one degree of freedom per storey from the ground up, :math:`\iota`
-the influence of the ground motion (ones), :math:`f_d` the force of damper d (positive against positive stroke rate) and
-:math:`\lambda_d` its connection: storey i joins the floors i-1 and i, floor 0 is the ground.
+q are the displacements relative to the ground, one degree of freedom per storey from the ground up,
+:math:`\iota` the influence of the ground motion (ones), :math:`f_d` the force of damper d (positive against
+positive stroke rate) and :math:`\lambda_d` its connection: storey i joins the floors i-1 and i, floor 0 is
+the ground.
 """
 
 from __future__ import annotations
@@ -23,25 +24,27 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Building:
-    """Mass ``M`` [kg], damping ``C`` [N s/m] and stiffness ``K`` [N/m], each (n, n), floors from the ground up.
+    """Mass ``M`` [kg], damping ``C`` [N s/m] and stiffness ``K`` [N/m], each (n, n), floors from the
+    ground up.
 
-    ``floors`` are the labels of the degrees of freedom (default 1 to n), ``influence`` (n,) how each floor follows a
-    rigid motion of the ground (default ones). Checked when made: equal square shapes, symmetry, M positive definite,
-    K positive definite, C positive semi-definite; an :class:`~dampyr.errors.InputError` says which is not.
+    ``floors`` are the labels of the degrees of freedom (default 1 to n), ``influence`` (n,) how each floor
+    follows a rigid motion of the ground (default ones). Checked when made: equal square shapes, symmetry, M
+    positive definite, K and C positive semi-definite; an :class:`~dampyr.errors.InputError` says which is
+    not.
     """
 
-    M: ArrayLike
-    C: ArrayLike
-    K: ArrayLike
+    M: Array
+    C: Array
+    K: Array
     name: str = "building"
     floors: Sequence[str] = ()
-    influence: ArrayLike | None = None
+    influence: Array = None  # type: ignore[assignment]
     n: int = field(init=False)
 
     def __post_init__(self) -> None:
         for letter in "MCK":
             self._set(letter, _matrix(letter, getattr(self, letter)))
-        self._set("n", len(self.M))  # type: ignore[arg-type]
+        self._set("n", len(self.M))
         _check_sizes(self)
         _check_definite(self)
         self._set("floors", _labels(self))
@@ -54,7 +57,8 @@ class Building:
         """The row (n,) that turns floor displacements into the drift of ``storey``, counted from 1."""
         if isinstance(storey, bool) or not isinstance(storey, int | np.integer) or not 1 <= storey <= self.n:
             raise InputError(
-                f"storey {storey!r} is not in {self.name}; storeys are whole numbers from 1 (ground to first floor) to {self.n}"
+                f"storey {storey!r} is not in {self.name}; storeys are whole numbers "
+                f"from 1 (ground to first floor) to {self.n}"
             )
         row = np.zeros(self.n)
         row[storey - 1] = 1.0
@@ -65,17 +69,20 @@ class Building:
     @property
     def frequencies(self) -> Array:
         """Undamped natural frequencies (n,) [Hz], rising."""
-        return np.sqrt(self._modes()[0]) / (2 * np.pi)
+        return np.sqrt(np.maximum(self._modes()[0], 0.0)) / (2 * np.pi)
 
     @property
     def damping_ratios(self) -> Array:
-        r"""Modal damping ratios (n,), :math:`\phi^T C \phi / (2\omega)` for mass-normalised modes, by rising frequency.
+        r"""Modal damping ratios (n,), :math:`\phi^T C \phi / (2\omega)` for mass-normalised modes, by
+        rising frequency.
 
-        Off-diagonal modal damping, which a C that is not classical has, is left out of this figure (never out of a
-        response).
+        Off-diagonal modal damping, which a C that is not classical has, is left out of this figure (never
+        out of a response). A mode without stiffness has none: nan.
         """
         square, modes = self._modes()
-        return np.einsum("ij,ik,kj->j", modes, np.asarray(self.C), modes) / (2 * np.sqrt(square))
+        modal = np.einsum("ij,ik,kj->j", modes, np.asarray(self.C), modes)
+        free = square <= 1e-12 * square[-1]
+        return np.where(free, np.nan, modal / (2 * np.sqrt(np.where(free, 1.0, square))))
 
     def _modes(self) -> tuple[Array, Array]:
         from scipy.linalg import eigh
@@ -85,10 +92,11 @@ class Building:
 
 
 def two_storey() -> Building:
-    """The two-storey building (5.2), in SI: 145.8 kg floors, 2.0856 and 5.4603 Hz, 3.0 % damping in both modes.
+    """The two-storey building (5.2), in SI: 145.8 kg floors, 2.0856 and 5.4603 Hz, 3.0 % damping in
+    both modes.
 
-    The dissertation prints N s2/mm, N/mm and N s/mm; one of each is 1000 of the SI unit. Source: Raminelli 2020,
-    eq. (5.2), after Aguirre et al. 2010.
+    The dissertation prints N s2/mm, N/mm and N s/mm; one of each is 1000 of the SI unit. Source: Raminelli
+    2020, eq. (5.2), after Aguirre et al. 2010.
     """
     per_mm = 1000.0
     return Building(
@@ -112,8 +120,8 @@ def shear_building(
     Parameters
     ----------
     masses, stiffnesses : (n,) [kg], [N/m]
-    damping_ratio : of the first two modes (``method="rayleigh"``, :math:`C = \alpha M + \beta K`) or of every mode
-        (``method="modal"``)
+    damping_ratio : of the first two modes (``method="rayleigh"``, :math:`C = \alpha M + \beta K`) or of
+        every mode (``method="modal"``)
     dashpots : (n,) [N s/m], one per storey, instead of a ratio. Give one of the two.
     """
     mass, spring = _positive("masses", masses), _positive("stiffnesses", stiffnesses)
@@ -125,7 +133,9 @@ def shear_building(
     if dashpots is not None:
         each = np.asarray(dashpots, dtype=float)
         if each.shape != mass.shape or not np.all(np.isfinite(each)) or each.min() < 0:
-            raise InputError(f"dashpots = {each.tolist()} must be {len(mass)} finite numbers of at least 0 N s/m, one per storey")
+            raise InputError(
+                f"dashpots = {each.tolist()} must be {len(mass)} finite numbers of at least 0 N s/m, one per storey"
+            )
         return Building(M, _storeys(each), K, name)
     return Building(M, _damping(M, K, float(damping_ratio), method), K, name)  # type: ignore[arg-type]
 
@@ -168,7 +178,10 @@ def _matrix(letter: str, values: ArrayLike) -> Array:
         raise InputError(f"{letter} holds values that are not finite; every entry must be a number")
     uneven = float(np.max(np.abs(array - array.T)))
     if uneven > 1e-9 * float(np.max(np.abs(array))):
-        raise InputError(f"{letter} is not symmetric: two mirrored entries differ by {uneven:g}; make {letter}[i][j] = {letter}[j][i]")
+        raise InputError(
+            f"{letter} is not symmetric: two mirrored entries differ by {uneven:g}; "
+            f"make {letter}[i][j] = {letter}[j][i]"
+        )
     array.flags.writeable = False
     return array
 
@@ -180,21 +193,27 @@ def _check_sizes(building: Building) -> None:
         raise InputError(f"the matrices differ in size ({found}); M, C and K must have one row per floor each")
 
 
+_SIGNS = (("M", "greater than", "masses"), ("K", "at least", "stiffnesses"), ("C", "at least", "dashpots"))
+
+
 def _check_definite(building: Building) -> None:
-    for letter, low, word in (("M", "greater than", "masses"), ("K", "greater than", "stiffnesses"), ("C", "at least", "dashpots")):
+    for letter, low, word in _SIGNS:
         values = np.linalg.eigvalsh(getattr(building, letter))
         floor = 1e-12 * float(np.max(np.abs(values)))
-        bad = values[0] < -floor if letter == "C" else values[0] <= floor
+        bad = values[0] <= floor if letter == "M" else values[0] < -floor
         if bad:
             raise InputError(
-                f"{letter} has the eigenvalue {values[0]:g}; every one must be {low} 0, so check the signs and sizes of the {word}"
+                f"{letter} has the eigenvalue {values[0]:g}; every one must be {low} "
+                f"0, so check the signs and sizes of the {word}"
             )
 
 
 def _labels(building: Building) -> tuple[str, ...]:
     labels = tuple(str(label) for label in building.floors) or tuple(str(i + 1) for i in range(building.n))
     if len(labels) != building.n or len(set(labels)) != building.n:
-        raise InputError(f"floors = {list(labels)} does not label {building.n} floors; give {building.n} different names")
+        raise InputError(
+            f"floors = {list(labels)} does not label {building.n} floors; give {building.n} different names"
+        )
     return labels
 
 

@@ -1,53 +1,38 @@
 r"""The kernel: a linear building and its dampers, step by step through a ground motion.
 
-Over one step the building follows its exact propagator (:mod:`dampyr.structures.propagator`); every damper force is the
-quadratic through its values at 0, h/2 and h. Those values are the dampers' own laws, followed along the path
-of the step, so they are found by Newton's method with the dampers' own slopes. Where the stroke turns round
-inside a half step, the path is split at the turning point of the cubic through the displacements and velocities
-at both ends, because hysteresis is integrated along monotone pieces.
+Over one step the building follows its exact propagator (:mod:`dampyr.structures.propagator`); every damper
+force is the quadratic through its values at 0, h/2 and h. Those values are the dampers' own laws, followed
+along the path of the step, so they are found by Newton's method with the dampers' own slopes. Where the
+stroke turns round inside a half step, the path is split at the turning point of the cubic through the
+displacements and velocities at both ends, because hysteresis is integrated along monotone pieces.
 
-A delayed damper pushes with the force that it would have given some time ago, read off the quadratics of the past steps; it needs
-no Newton, but the step may not be longer than the delay.
+A delayed damper pushes with the force that it would have given some time ago, read off the quadratics of
+the past steps; it needs no Newton, but the step may not be longer than the delay.
 
-``march`` is plain Python for numba: ``advance``, ``force`` and ``slopes`` below stand for the bare building and are
-rebound to the dampers by :func:`dampyr.models.kernels.bind`.
+``march`` is plain Python for numba: ``advance``, ``force`` and ``slopes`` below are names that
+:func:`dampyr.models.kernels.bind` gives the functions of the dampers.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from numba.extending import register_jitable
-
 from dampyr.structures.arithmetic import past, peak, put, solve, times, turning
 
 
-@register_jitable
-def advance(site: int, s: Any, x0: float, x1: float, v0: float, v1: float, dt: float, p: Any) -> None:
-    """No damper: no states."""
+def _unbound(*_: Any) -> Any:
+    raise NotImplementedError("bound to the dampers by dampyr.models.kernels.bind")
 
 
-@register_jitable
-def force(site: int, s: Any, x: float, v: float, a: float, p: Any) -> float:
-    """No damper: no force."""
-    return 0.0
-
-
-@register_jitable
-def slopes(site: int, s: Any, x0: float, x1: float, v0: float, v1: float, dt: float, p: Any) -> tuple[float, float]:
-    """No damper: no slopes."""
-    return 0.0, 0.0
-
+advance = force = slopes = _unbound
 
 MOST_ITERATIONS = 40
 SMALL = 1e-4  # forces far below the largest so far need not be found to many digits
 
 
-@register_jitable
-def along(
-    site: int, s: Any, x0: float, x1: float, v0: float, v1: float, dt: float, p: Any, k: Any
-) -> None:
-    """Take the states of a site along half a step, in two pieces where it turns; k becomes (dF/dx1, dF/dv1)."""
+def along(site: int, s: Any, x0: float, x1: float, v0: float, v1: float, dt: float, p: Any, k: Any) -> None:
+    """Take the states of a site along half a step, in two pieces where it turns; k becomes (dF/dx1,
+    dF/dv1)."""
     if v0 * v1 < 0.0:
         part, middle = turning(x0, x1, v0, v1, dt)
         advance(site, s, x0, middle, v0, 0.0, part * dt, p)
@@ -56,11 +41,9 @@ def along(
     advance(site, s, x0, x1, v0, v1, dt, p)
 
 
-@register_jitable
-def evaluate(
-    states: Any, work: Any, start: Any, y: Any, h: float, params: Any, raw: Any, k: Any
-) -> None:
-    """The damper laws over a step whose motion is y: forces ``raw`` (fh, f1), slopes ``k`` (2N, 2), states in ``work``."""
+def evaluate(states: Any, work: Any, start: Any, y: Any, h: float, params: Any, raw: Any, k: Any) -> None:
+    """The damper laws over a step whose motion is y: forces ``raw`` (fh, f1), slopes ``k`` (2N, 2),
+    states in ``work``."""
     n = states.shape[0]
     for d in range(n):
         s, p = work[d], params[d]
@@ -72,7 +55,6 @@ def evaluate(
         raw[n + d] = force(d, s, x1, v1, y[5 * n + d], p)
 
 
-@register_jitable
 def correct(unknown: Any, raw: Any, k: Any, inertance: Any, delays: Any, g: Any, jacobian: Any, residual: Any) -> None:
     """One Newton correction of the forces g (fh, f1), the forces of delayed dampers being known."""
     n = inertance.shape[0]
@@ -89,9 +71,9 @@ def correct(unknown: Any, raw: Any, k: Any, inertance: Any, delays: Any, g: Any,
         g[r] += residual[r]
 
 
-@register_jitable
 def off_by(raw: Any, g: Any, delays: Any, scale: float) -> float:
-    """The largest misfit of the forces, relative to the largest of them (or to ``scale`` when that is larger)."""
+    """The largest misfit of the forces, relative to the largest of them (or to ``scale`` when that is
+    larger)."""
     n = delays.shape[0]
     misfit, size = 0.0, scale
     for r in range(2 * n):
@@ -103,7 +85,6 @@ def off_by(raw: Any, g: Any, delays: Any, scale: float) -> float:
     return misfit / size if misfit != 0.0 else 0.0
 
 
-@register_jitable
 def observe(at: Any, ag: float, lin: Any, out: Any) -> None:
     """Absolute accelerations, drifts and powers at a node, and the peaks that are taken at nodes."""
     n, sites = lin.pull.shape[0], at.f.shape[0]
@@ -129,7 +110,6 @@ def observe(at: Any, ag: float, lin: Any, out: Any) -> None:
         out.force_peak[d] = max(out.force_peak[d], abs(at.f[d]))
 
 
-@register_jitable
 def keep(a: Any, b: Any, dt: float, out: Any) -> None:
     """The peaks of displacement and drift over half a step."""
     n = out.displacement_peak.shape[0]
@@ -138,7 +118,6 @@ def keep(a: Any, b: Any, dt: float, out: Any) -> None:
         peak(out.drift_peak, i, a.q[i], b.q[i], a.q[n + i], b.q[n + i], dt)
 
 
-@register_jitable
 def store(i: int, at: Any, work: Any, out: Any) -> None:
     """One sample of the output."""
     put(at.z, out.state[i], 0)
@@ -147,7 +126,6 @@ def store(i: int, at: Any, work: Any, out: Any) -> None:
     put(work, out.work[i], 0)
 
 
-@register_jitable
 def prepare(sites: Any, w: Any, first: Any, h: float, out: Any) -> None:
     """Forces and slopes at rest, and the mass that each damper adds between its ends."""
     for d in range(sites.delays.shape[0]):
@@ -159,7 +137,6 @@ def prepare(sites: Any, w: Any, first: Any, h: float, out: Any) -> None:
         sites.ring[d, 0] = w.rest[d]
 
 
-@register_jitable
 def forecast(lin: Any, sites: Any, w: Any, now: Any, ag0: float, ag1: float, steps: int) -> None:
     """All of a step that is known before its forces are; delayed forces are read off the past."""
     n, count = lin.pull.shape[0], sites.delays.shape[0]
@@ -178,7 +155,6 @@ def forecast(lin: Any, sites: Any, w: Any, now: Any, ag0: float, ag1: float, ste
     times(lin.known, w.u, w.base)
 
 
-@register_jitable
 def move(unknown: Any, base: Any, g: Any, y: Any) -> None:
     """The motion of the sites under the forces g."""
     times(unknown, g, y)
@@ -186,7 +162,6 @@ def move(unknown: Any, base: Any, g: Any, y: Any) -> None:
         y[i] += base[i]
 
 
-@register_jitable
 def settle(lin: Any, sites: Any, w: Any, h: float, tol: float, out: Any) -> None:
     """Find the forces of a step; what is not found to the tolerance is counted, never passed over."""
     misfit, scale = 0.0, 0.0
@@ -208,7 +183,6 @@ def settle(lin: Any, sites: Any, w: Any, h: float, tol: float, out: Any) -> None
             sites.states[d, i] = w.states[d, i]
 
 
-@register_jitable
 def finish(lin: Any, sites: Any, w: Any, half: Any, whole: Any, steps: int) -> None:
     """The building at h/2 and h, and the undelayed forces into the ring."""
     n, count = lin.pull.shape[0], sites.delays.shape[0]
@@ -223,7 +197,8 @@ def finish(lin: Any, sites: Any, w: Any, half: Any, whole: Any, steps: int) -> N
 
 
 def march(ag: Any, m: int, h: float, tolerance: float, lin: Any, sites: Any, w: Any, out: Any) -> None:
-    """March through the ground motion ``ag`` with m steps of h seconds per sample; ``out`` is written in place."""
+    """March through the ground motion ``ag`` with m steps of h seconds per sample; ``out`` is written
+    in place."""
     now, half, whole, work = w.now, w.half, w.whole, w.work
     count = work.shape[0]
     prepare(sites, w, now, h, out)

@@ -35,17 +35,23 @@ class Site:
 
 
 def place(
-    building: Building, dampers: Mapping[int, Any] | None, voltage: Any, current: Any, allow_extrapolation: bool
+    building: Building,
+    dampers: Mapping[int, Any] | None,
+    voltage: Any,
+    current: Any,
+    allow_extrapolation: bool,
 ) -> tuple[Site, ...]:
     """The sites of ``dampers``, a mapping from storey to a damper or a list of them, at a constant input.
 
-    ``voltage`` [V] or ``current`` [A] is one number for all or a mapping from storey to number. The static force of a
-    damper is left out: a building is at rest in its equilibrium with it.
+    ``voltage`` [V] or ``current`` [A] is one number for all or a mapping from storey to number. The static
+    force of a damper is left out: a building is at rest in its equilibrium with it.
     """
     if voltage is not None and current is not None:
         raise InputError("both voltage= and current= are given; a damper takes one of the two")
     if dampers is not None and not isinstance(dampers, Mapping):
-        raise InputError(f"dampers is a {type(dampers).__name__}; write a mapping from storey to damper, such as {{1: damper}}")
+        raise InputError(
+            f"dampers is a {type(dampers).__name__}; write a mapping from storey to damper, such as {{1: damper}}"
+        )
     sites = []
     for storey, entry in (dampers or {}).items():
         building.connection(storey)
@@ -65,7 +71,8 @@ def _site(storey: int, damper: Any, voltage: Any, current: Any, allow_extrapolat
     delay = 0.0 if where is None else float(values[where])
     if 0 < delay < SHORTEST_DELAY:
         raise InputError(
-            f"the damper in storey {storey} has a delay of {delay:g} s, below the {SHORTEST_DELAY:g} s that can be resolved; set it to 0"
+            f"the damper in storey {storey} has a delay of {delay:g} s, below the "
+            f"{SHORTEST_DELAY:g} s that can be resolved; set it to 0"
         )
     return Site(storey, damper, u, np.array(values, dtype=float), delay)
 
@@ -78,14 +85,22 @@ def _input(storey: int, damper: Any, voltage: Any, current: Any) -> float:
         value = value.get(storey)
     if value is None and other is not None:
         wrong = _WORDS["A" if kind == "V" else "V"]
-        raise InputError(f"{wrong}= is given, but the damper in storey {storey} takes a {_WORDS[kind]}; write {_WORDS[kind]}=")
+        raise InputError(
+            f"{wrong}= is given, but the damper in storey {storey} takes a {_WORDS[kind]}; write {_WORDS[kind]}="
+        )
     if value is None:
-        raise InputError(f"the damper in storey {storey} has no {_WORDS[kind]}; write {_WORDS[kind]}=, a number in {kind} (0 is one)")
+        raise InputError(
+            f"the damper in storey {storey} has no {_WORDS[kind]}; write {_WORDS[kind]}=, a number in {kind} (0 is one)"
+        )
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
-        raise InputError(f"{_WORDS[kind]} = {value!r} in storey {storey} is not a finite number; write a constant in {kind}")
+        raise InputError(
+            f"{_WORDS[kind]} = {value!r} in storey {storey} is not a finite number; write a constant in {kind}"
+        )
     return float(value)
 
 
 def _check_storeys(value: Any, dampers: Mapping[int, Any]) -> None:
     if isinstance(value, Mapping) and (stray := sorted(set(value) - set(dampers))):
-        raise InputError(f"an input is given for storey {stray[0]}, which holds no damper; dampers stand in {sorted(dampers)}")
+        raise InputError(
+            f"an input is given for storey {stray[0]}, which holds no damper; dampers stand in {sorted(dampers)}"
+        )

@@ -2,11 +2,13 @@ r"""The exact propagator of a linear building over half a step and a whole step.
 
 .. math:: \dot z = A z + E\,a_g + \sum_d B_d f_d, \qquad z = (q, \dot q)
 
-The ground acceleration is linear over the step, each damper force is the quadratic through its values at 0, h/2
-and h. Under such inputs the solution is exact, whatever the step: the matrix exponential of the system augmented by
-the derivatives of its input (Van Loan 1978). Time is counted in steps inside, so that the exponentials are well scaled.
+The ground acceleration is linear over the step, each damper force is the quadratic through its values at 0,
+h/2 and h. Under such inputs the solution is exact, whatever the step: the matrix exponential of the system
+augmented by the derivatives of its input (Van Loan 1978). Time is counted in steps inside, so that the
+exponentials are well scaled.
 
-Reference: C. F. Van Loan, Computing integrals involving the matrix exponential, IEEE Trans. Autom. Control 23 (1978).
+Reference: C. F. Van Loan, Computing integrals involving the matrix exponential, IEEE Trans. Autom. Control
+23 (1978).
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from dampyr.structures.building import Building
 
 Array = NDArray[np.float64]
 
-# value, slope and curvature at the start of the step of the polynomials through the nodes, in units of the step
+# the polynomials through the nodes: value, slope and curvature at the start, in units of the step
 _QUADRATIC = np.array([[1.0, 0.0, 0.0], [-3.0, 4.0, -1.0], [4.0, -8.0, 4.0]])
 _LINEAR = np.array([[1.0, 0.0], [-1.0, 1.0], [0.0, 0.0]])
 
@@ -29,9 +31,10 @@ _LINEAR = np.array([[1.0, 0.0], [-1.0, 1.0], [0.0, 0.0]])
 class Propagator:
     """One step of a building with N damper sites and n degrees of freedom.
 
-    ``half`` and ``whole`` map ``(z0, ag0, ag1, f0, fh, f1)``, length ``2n + 2 + 3N``, to the state at h/2 and h.
-    ``known`` maps ``(z0, ag0, ag1, f0)`` and ``unknown`` maps ``(fh, f1)`` to the motion of the sites,
-    ``(xh, vh, ah, x1, v1, a1)``, N values each: displacement, velocity, relative acceleration at h/2 and h.
+    ``half`` and ``whole`` map ``(z0, ag0, ag1, f0, fh, f1)``, length ``2n + 2 + 3N``, to the state at h/2
+    and h. ``known`` maps ``(z0, ag0, ag1, f0)`` and ``unknown`` maps ``(fh, f1)`` to the motion of the
+    sites, ``(xh, vh, ah, x1, v1, a1)``, N values each: displacement, velocity, relative acceleration at h/2
+    and h.
     """
 
     half: Array
@@ -41,9 +44,10 @@ class Propagator:
 
 
 def propagator(building: Building, connections: Array, step: float) -> Propagator:
-    """The propagator of ``building`` for dampers with the rows of ``connections`` (N, n), over ``step`` seconds."""
+    """The propagator of ``building`` for dampers with the rows of ``connections`` (N, n), over
+    ``step`` seconds."""
     n, sites = building.n, len(connections)
-    half, whole = (_transition(building, connections, step, part) for part in (0.5, 1.0))
+    half, whole = (transition(building, connections, step, part) for part in (0.5, 1.0))
     rows = _site_motion(building, connections, half, 0.5), _site_motion(building, connections, whole, 1.0)
     motion = np.vstack(rows)
     split = 2 * n + 2 + sites
@@ -51,7 +55,8 @@ def propagator(building: Building, connections: Array, step: float) -> Propagato
 
 
 def system(building: Building, connections: Array) -> tuple[Array, Array, Array]:
-    """``A`` (2n, 2n), ``E`` (2n,) and ``B`` (2n, N) of the equation above; a damper force opposes its own stroke."""
+    """``A`` (2n, 2n), ``E`` (2n,) and ``B`` (2n, N) of the equation above; a damper force opposes its
+    own stroke."""
     n = building.n
     a = np.zeros((2 * n, 2 * n))
     a[:n, n:] = np.eye(n)
@@ -62,7 +67,8 @@ def system(building: Building, connections: Array) -> tuple[Array, Array, Array]
     return a, e, b
 
 
-def _transition(building: Building, connections: Array, step: float, part: float) -> Array:
+def transition(building: Building, connections: Array, step: float, part: float) -> Array:
+    """The state at ``part`` of a step from ``(z0, ag0, ag1, f0, fh, f1)``: (2n, 2n + 2 + 3N)."""
     from scipy.linalg import expm
 
     a, e, b = system(building, connections)

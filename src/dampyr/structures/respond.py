@@ -1,8 +1,8 @@
 r"""The response of a building with dampers to a ground motion.
 
-The coupling (:mod:`dampyr.structures.coupling`) is one for every damper. Its step is found here: the final one satisfies
-:math:`\omega_s h \le 1/2`, with :math:`\omega_s^2 = k/m` of the dampers at rest, and is halved until no peak of displacement or
-drift changes by more than the accuracy asked for.
+The coupling (:mod:`dampyr.structures.coupling`) is one for every damper. Its step is found here: the final
+one satisfies :math:`\omega_s h \le 1/2`, with :math:`\omega_s^2 = k/m` of the dampers at rest, and is
+halved until no peak of displacement or drift changes by more than the accuracy asked for.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,17 +18,16 @@ from numpy.typing import NDArray
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
+from dampyr.structures.marching import Run, connections, drifts, runner
 from dampyr.structures.placement import Site, place
-from dampyr.structures.propagator import propagator, system
 from dampyr.structures.response import Energy, Response
-from dampyr.structures.workspace import Linear, Output, Sites, output, scratch
+from dampyr.structures.workspace import Output
 
 Array = NDArray[np.float64]
 
 ACCURACIES = {"strict": 2e-4, "fast": 1e-3}
 LONGEST_STEP = 0.005
 MOST_STEPS = 20_000_000
-FORCES_TO = 1e-10  # relative; the forces of a step are Newton's to about this
 
 
 def respond(
@@ -46,19 +44,22 @@ def respond(
 
     Parameters
     ----------
-    dampers : storey -> damper, or a list of dampers that stand side by side; storey i joins floors i-1 and i (0 is the
-        ground). None for the bare building. The static force of a damper is left out, springs stay.
+    dampers : storey -> damper, or a list of dampers that stand side by side; storey i joins floors i-1 and
+        i (0 is the ground). None for the bare building. The static force of a damper is left out, springs
+        stay.
     voltage, current : constant input, one number for all dampers or a mapping from storey to number.
-    accuracy : "strict" (2e-4), "fast" (1e-3) or a number: the largest relative change of a peak displacement or drift when
-        the step is halved. The scheme is of fourth order, so the error of the finer one is well below.
+    accuracy : "strict" (2e-4), "fast" (1e-3) or a number: the largest relative change of a peak
+        displacement or drift when the step is halved. The scheme is of fourth order, so the error of the
+        finer one is well below.
     step : s; run once with this step, which must divide the motion's.
     allow_extrapolation : take an input outside the range that a damper was calibrated on, with a warning.
 
-    Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns (:class:`~dampyr.errors.DampyrWarning`)
-    where the accuracy was not reached or where a damper, on the whole, fed the building.
+    Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns
+    (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached or where a damper, on the
+    whole, fed the building.
     """
     sites = place(building, dampers, voltage, current, allow_extrapolation)
-    run = _runner(building, motion, sites)
+    run = runner(building, motion, sites)
     if step is None:
         best = _refined(run, motion, _tolerance(accuracy), _first_division(building, motion, sites, run))
     else:
@@ -68,17 +69,6 @@ def respond(
     for note in response.outside:
         warnings.warn(note, DampyrWarning, stacklevel=2)
     return response
-
-
-@dataclass(frozen=True, eq=False)
-class _Run:
-    """One march and how it was judged."""
-
-    out: Output
-    step: float
-    tolerance: float | None = None
-    error: float | None = None
-    reason: str = ""
 
 
 def _tolerance(accuracy: str | float) -> float:
@@ -98,22 +88,26 @@ def _division(motion: GroundMotion, step: float, sites: tuple[Site, ...]) -> int
     if abs(m * step / motion.dt - 1) > 1e-6:
         low = max(math.floor(motion.dt / step), 1)
         near = f"{motion.dt / low:.6g} s or {motion.dt / (low + 1):.6g} s"
-        raise InputError(f"step = {step:g} s does not divide the motion's {motion.dt:g} s; the nearest that do are {near}")
+        raise InputError(
+            f"step = {step:g} s does not divide the motion's {motion.dt:g} s; the nearest that do are {near}"
+        )
     for site in sites:
         if 0 < site.delay < motion.dt / m * (1 - 1e-9):
             raise InputError(
-                f"step = {step:g} s is longer than the delay of {site.delay:g} s of the damper in storey {site.storey}; "
+                f"step = {step:g} s is longer than the delay of {site.delay:g} s "
+                f"of the damper in storey {site.storey}; "
                 "take a step of at most the delay"
             )
     return m
 
 
 def _first_division(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: Any) -> int:
-    """The first, coarse division of a sample: twice the step of the rule, so that the first halving meets the rule."""
+    """The first, coarse division of a sample: twice the step of the rule, so that the first halving
+    meets the rule."""
     step = min([2 * LONGEST_STEP, motion.dt, *(s.delay for s in sites if s.delay > 0)])
     if sites:
         slopes = run(1, samples=1).out.rest_slopes
-        rows = _connections(building, sites)
+        rows = connections(building, sites)
         flexibility = np.einsum("si,si->s", rows, np.linalg.solve(building.M, rows.T).T)
         omega = math.sqrt(float(np.max(np.abs(slopes[:, 0]) * flexibility)))
         rate = float(np.max(np.abs(slopes[:, 1]) * flexibility))
@@ -121,26 +115,26 @@ def _first_division(building: Building, motion: GroundMotion, sites: tuple[Site,
     return math.ceil(motion.dt / step * (1 - 1e-9))
 
 
-def _refined(run: Any, motion: GroundMotion, tolerance: float, m: int) -> _Run:
+def _refined(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Run:
     """Halve the step until the peaks stand still."""
     coarse = run(m)
     while True:
         m *= 2
         if m * len(motion.acceleration) > MOST_STEPS:
             reason = f"{m} steps per sample would pass {MOST_STEPS} steps"
-            return _Run(coarse.out, coarse.step, tolerance, coarse.error, reason)
+            return Run(coarse.out, coarse.step, tolerance, coarse.error, reason)
         fine = run(m)
         error = _change(coarse.out, fine.out)
         if error <= tolerance and fine.out.misfit[0] == 0:
-            return _Run(fine.out, fine.step, tolerance, error)
-        coarse = _Run(fine.out, fine.step, tolerance, error)
+            return Run(fine.out, fine.step, tolerance, error)
+        coarse = Run(fine.out, fine.step, tolerance, error)
 
 
-def _single(run: Any, m: int) -> _Run:
-    done: _Run = run(m)
+def _single(run: Any, m: int) -> Run:
+    done: Run = run(m)
     missed, gap, _ = done.out.misfit
     reason = f"the forces of {missed:.0f} steps were found to {gap:.1g} only" if missed else ""
-    return _Run(done.out, done.step, None, None, reason)
+    return Run(done.out, done.step, None, None, reason)
 
 
 def _change(coarse: Output, fine: Output) -> float:
@@ -152,82 +146,11 @@ def _change(coarse: Output, fine: Output) -> float:
     return worst
 
 
-def _connections(building: Building, sites: tuple[Site, ...]) -> Array:
-    return np.array([building.connection(site.storey) for site in sites]).reshape(len(sites), building.n)
-
-
-def _drifts(building: Building) -> Array:
-    return np.array([building.connection(storey) for storey in range(1, building.n + 1)])
-
-
-def _runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
-    """A function of the steps per sample that marches once."""
-    from dampyr.models.kernels import bind, jit
-    from dampyr.structures.coupling import march
-
-    kernel = bind(march, tuple(site.composition for site in sites)) if sites else _bare(jit, march)
-
-    def run(m: int, samples: int | None = None) -> _Run:
-        ag = motion.acceleration[:samples]
-        step = motion.dt / m
-        out = output(len(ag), building.n, len(sites))
-        memory = _memory(sites, step)
-        kernel(ag, m, step, FORCES_TO, _linear(building, sites, step), memory, scratch(building.n, memory.states), out)
-        _check_bounded(out, motion)
-        return _Run(out, step)
-
-    return run
-
-
-_BARE: list[Any] = []
-
-
-def _bare(jit: Any, march: Any) -> Any:
-    """The kernel without dampers, compiled once."""
-    if not _BARE:
-        _BARE.append(jit(march, keep=True))
-    return _BARE[0]
-
-
-def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
-    rows, n = _connections(building, sites), building.n
-    exact = propagator(building, rows, step)
-    a, _, b = system(building, rows)
-    drifts = np.kron(np.eye(2), _drifts(building))
-    pull = np.ascontiguousarray(building.influence @ building.M)
-    acceleration = np.ascontiguousarray(np.hstack([a[n:], b[n:]]))
-    damping = np.array(building.C)
-    return Linear(exact.half, exact.whole, exact.known, exact.unknown, acceleration, damping, pull, drifts, rows)
-
-
-def _memory(sites: tuple[Site, ...], step: float) -> Sites:
-    """Parameters, states and past of the dampers at the start."""
-    width = max([1, *(len(site.values) for site in sites)])
-    depth = max([1, *(site.composition.n_states for site in sites)])
-    params, states = np.zeros((len(sites), width)), np.zeros((len(sites), depth))
-    for d, site in enumerate(sites):
-        params[d, : len(site.values)] = site.values
-        states[d, : site.composition.n_states] = site.composition.state0
-    delays = np.array([site.delay / step for site in sites], dtype=float)
-    nodes = 2 * math.ceil(max([0.0, *delays])) + 6
-    return Sites(params, states, delays, np.zeros(len(sites)), np.zeros((len(sites), nodes)))
-
-
-def _check_bounded(out: Output, motion: GroundMotion) -> None:
-    bad = ~np.isfinite(out.state).all(axis=1)
-    if bad.any():
-        when = float(np.argmax(bad)) * motion.dt
-        raise InputError(
-            f"the response grows without bound by {when:.2f} s: a damper feeds the building; check its delay, "
-            "the signs of its parameters and the range of its input"
-        )
-
-
-def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: _Run) -> Response:
+def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: Run) -> Response:
     out, n = run.out, building.n
-    rows, pull = _connections(building, sites), building.influence @ building.M
+    rows, pull = connections(building, sites), building.influence @ building.M
     q = np.ascontiguousarray(out.state[:, :n].T)
-    drift = _drifts(building) @ q
+    drift = drifts(building) @ q
     general = any(not site.composition.path_only or site.delay > 0 for site in sites)
     return Response(
         time=motion.time,
@@ -269,7 +192,8 @@ def _outside(site: Site, d: int, rows: Array, out: Output) -> list[str]:
         limit = site.damper.ranges.get(name, (0.0, math.inf))[1]
         if value > 1.01 * limit:
             notes.append(
-                f"the damper in storey {site.storey} reaches a {name} of {value:.4g} {unit}; it was calibrated up to {limit:.4g} {unit}"
+                f"the damper in storey {site.storey} reaches a {name} of {value:.4g} {unit}; "
+                f"it was calibrated up to {limit:.4g} {unit}"
             )
     return notes
 
@@ -289,7 +213,8 @@ def _warn(response: Response) -> None:
     for storey, work in zip(response.storeys, response.energy.dampers, strict=True):
         if work[-1] < -scale:
             warnings.warn(
-                f"the damper in storey {storey} fed {-work[-1]:.3g} J into the building over the whole motion; "
+                f"the damper in storey {storey} fed {-work[-1]:.3g} J into "
+                "the building over the whole motion; "
                 "check its delay and the sign of its force",
                 DampyrWarning,
                 stacklevel=3,

@@ -11,11 +11,29 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+_UNITS = {
+    "ground_acceleration": ("time", "m/s^2"),
+    "displacement": ("floor time", "m"),
+    "velocity": ("floor time", "m/s"),
+    "acceleration": ("floor time", "m/s^2"),
+    "drift": ("storey time", "m"),
+    "base_shear": ("time", "N"),
+    "force": ("damper time", "N"),
+    "stroke": ("damper time", "m"),
+    "peak_displacement": ("floor", "m"),
+    "peak_drift": ("storey", "m"),
+    "peak_acceleration": ("floor", "m/s^2"),
+    "peak_base_shear": ("", "N"),
+    "peak_force": ("damper", "N"),
+}  # name -> dims, unit
+
+
 @dataclass(frozen=True, eq=False)
 class Energy:
     """Energies [J] in coordinates relative to the ground, (samples,) each; ``dampers`` is (sites, samples).
 
-    ``residual`` = input - kinetic - strain - viscous - dampers; it is the error of the balance and falls with the step.
+    ``residual`` = input - kinetic - strain - viscous - dampers; it is the error of the balance and falls
+    with the step.
     """
 
     input: Array
@@ -39,8 +57,9 @@ class Energy:
 class Response:
     """The response of a building with n floors and N damper sites, T samples.
 
-    Histories stand at the samples of the ground motion. Peaks of displacement and drift are those of the motion
-    itself, between samples too; peaks of acceleration, base shear and force are the largest at the half steps.
+    Histories stand at the samples of the ground motion. Peaks of displacement and drift are those of the
+    motion itself, between samples too; peaks of acceleration, base shear and force are the largest at the
+    half steps.
     """
 
     time: Array  # (T,) s
@@ -49,7 +68,7 @@ class Response:
     velocity: Array  # (n, T) m/s, relative to the ground
     acceleration: Array  # (n, T) m/s2, absolute
     drift: Array  # (n, T) m, storey 1 first
-    base_shear: Array  # (T,) N: what springs, dashpots and dampers hand to the ground, with the sign of the displacement
+    base_shear: Array  # (T,) N that springs, dashpots and dampers hand to the ground, signed as displacement
     force: Array  # (N, T) N, as applied; positive opposes positive velocity
     stroke: Array  # (N, T) m, the drift of each site's storey
     peak_displacement: Array  # (n,) m
@@ -64,24 +83,20 @@ class Response:
     scheme: str  # "linear" (no damper), "exact path" or "general"
     step: float  # s
     accuracy: float | None  # the change of a peak on halving the step that was asked for; None where the step was given
-    error_estimate: float | None  # the largest relative change of a peak in the last halving; None where the step was given
+    error_estimate: (
+        float | None
+    )  # the largest relative change of a peak in the last halving; None where the step was given
     converged: bool
     reason: str
     title: str = ""
     outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
 
     def to_xarray(self) -> Any:
-        """The histories and peaks as an ``xarray.Dataset`` with dims time, floor, storey and damper; units in ``attrs``."""
+        """The histories and peaks as an ``xarray.Dataset`` with dims time, floor, storey and damper;
+        units in ``attrs``."""
         import xarray
 
-        names = {
-            "ground_acceleration": ("time", "m/s^2"), "displacement": ("floor time", "m"), "velocity": ("floor time", "m/s"),
-            "acceleration": ("floor time", "m/s^2"), "drift": ("storey time", "m"), "base_shear": ("time", "N"),
-            "force": ("damper time", "N"), "stroke": ("damper time", "m"), "peak_displacement": ("floor", "m"),
-            "peak_drift": ("storey", "m"), "peak_acceleration": ("floor", "m/s^2"), "peak_base_shear": ("", "N"),
-            "peak_force": ("damper", "N"),
-        }  # fmt: skip
-        data = {k: (dims.split(), np.asarray(getattr(self, k)), {"units": unit}) for k, (dims, unit) in names.items()}
+        data = {k: (dims.split(), np.asarray(getattr(self, k)), {"units": unit}) for k, (dims, unit) in _UNITS.items()}
         for part in ("input", "kinetic", "strain", "viscous", "damper", "residual"):
             data[f"energy_{part}"] = (["time"], getattr(self.energy, part), {"units": "J"})
         count = len(self.storeys)
@@ -95,7 +110,12 @@ class Response:
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
     def _attributes(self) -> dict[str, Any]:
-        known = {"scheme": self.scheme, "step_s": self.step, "converged": int(self.converged), "title": self.title}
+        known = {
+            "scheme": self.scheme,
+            "step_s": self.step,
+            "converged": int(self.converged),
+            "title": self.title,
+        }
         if self.error_estimate is not None:
             known["error_estimate"] = self.error_estimate
         return known

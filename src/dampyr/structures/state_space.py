@@ -2,9 +2,9 @@ r"""The state space of chapter 5.
 
 .. math:: \dot X = A_s X + B_s f + E_s \ddot x_g, \qquad y = C_y X + D_y f
 
-X = (q, dq/dt), f the damper forces and y the absolute accelerations of the floors. Equations (5.3) to (5.6) of
-Raminelli (2020), with :math:`D_y = +M^{-1}\Lambda`: the minus sign that (5.6) prints contradicts (5.1) and its own
-:math:`B_s`, since :math:`y = \ddot q + T \ddot x_g = M^{-1}(-K q - C \dot q + \Lambda f)`.
+X = (q, dq/dt), f the damper forces and y the absolute accelerations of the floors. Equations (5.3) to (5.6)
+of Raminelli (2020), with :math:`D_y = +M^{-1}\Lambda`: the minus sign that (5.6) prints contradicts (5.1)
+and its own :math:`B_s`, since :math:`y = \ddot q + T \ddot x_g = M^{-1}(-K q - C \dot q + \Lambda f)`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
-    """``A`` (2n, 2n), ``B`` (2n, N), ``E`` (2n,), ``C`` (n, 2n), ``D`` (n, N), and ``connection`` Lambda (n, N)."""
+    """``A`` (2n, 2n), ``B`` (2n, N), ``E`` (2n,), ``C`` (n, 2n), ``D`` (n, N), and ``connection``
+    Lambda (n, N)."""
 
     A: Array
     B: Array
@@ -36,7 +37,8 @@ class StateSpace:
 def state_space(building: Building, storey: int | Sequence[int] = 1) -> StateSpace:
     """Equations (5.3) to (5.6) for dampers in one storey or several.
 
-    Lambda holds -1 on the floor above the damper and +1 on the one below: a force that opposes the growth of the drift is positive.
+    Lambda holds -1 on the floor above the damper and +1 on the one below: a force that opposes the growth
+    of the drift is positive.
     """
     n = building.n
     storeys = storey if isinstance(storey, Sequence) else [storey]

@@ -84,7 +84,12 @@ class Scratch(NamedTuple):
 def node(n: int, sites: int) -> Node:
     """An empty node."""
     return Node(
-        np.zeros(2 * n), np.zeros(sites), np.zeros(2 * n + sites), np.zeros(n), np.zeros(2 * n), np.zeros(2 + sites)
+        np.zeros(2 * n),
+        np.zeros(sites),
+        np.zeros(2 * n + sites),
+        np.zeros(n),
+        np.zeros(2 * n),
+        np.zeros(2 + sites),
     )
 
 
@@ -92,18 +97,36 @@ def scratch(n: int, states: Array) -> Scratch:
     """An empty work space for n floors and as many sites as ``states`` has rows."""
     sites = len(states)
     return Scratch(
-        u=np.zeros(2 * n + 2 + 3 * sites), base=np.zeros(6 * sites), y=np.zeros(6 * sites), start=np.zeros(2 * sites),
-        g=np.zeros(2 * sites), raw=np.zeros(2 * sites), slope=np.zeros((2 * sites, 2)),
-        jacobian=np.zeros((2 * sites, 2 * sites)), residual=np.zeros(2 * sites), states=states.copy(),
-        rest=np.zeros(sites), now=node(n, sites), half=node(n, sites), whole=node(n, sites), work=np.zeros(2 + sites),
-    )  # fmt: skip
+        u=np.zeros(2 * n + 2 + 3 * sites),
+        base=np.zeros(6 * sites),
+        y=np.zeros(6 * sites),
+        start=np.zeros(2 * sites),
+        g=np.zeros(2 * sites),
+        raw=np.zeros(2 * sites),
+        slope=np.zeros((2 * sites, 2)),
+        jacobian=np.zeros((2 * sites, 2 * sites)),
+        residual=np.zeros(2 * sites),
+        states=states.copy(),
+        rest=np.zeros(sites),
+        now=node(n, sites),
+        half=node(n, sites),
+        whole=node(n, sites),
+        work=np.zeros(2 + sites),
+    )
 
 
 def output(samples: int, n: int, sites: int) -> Output:
     """An empty output."""
     return Output(
-        state=np.zeros((samples, 2 * n)), acceleration=np.zeros((samples, n)), force=np.zeros((samples, sites)),
-        work=np.zeros((samples, 2 + sites)), displacement_peak=np.zeros(n), drift_peak=np.zeros(n),
-        acceleration_peak=np.zeros(n), shear_peak=np.zeros(1), force_peak=np.zeros(sites),
-        rest_slopes=np.zeros((sites, 2)), misfit=np.zeros(3),
-    )  # fmt: skip
+        state=np.zeros((samples, 2 * n)),
+        acceleration=np.zeros((samples, n)),
+        force=np.zeros((samples, sites)),
+        work=np.zeros((samples, 2 + sites)),
+        displacement_peak=np.zeros(n),
+        drift_peak=np.zeros(n),
+        acceleration_peak=np.zeros(n),
+        shear_peak=np.zeros(1),
+        force_peak=np.zeros(sites),
+        rest_slopes=np.zeros((sites, 2)),
+        misfit=np.zeros(3),
+    )

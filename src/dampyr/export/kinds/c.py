@@ -28,7 +28,9 @@ def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = F
 def _header(damper: Damper, name: str) -> str:
     low, high = damper.range
     word = INPUTS[damper.input]
-    delay = f"\n    double late_t[{HISTORY}], late_f[{HISTORY}];\n    long late_n;" if damper.composition.has_delay else ""
+    delay = (
+        f"\n    double late_t[{HISTORY}], late_f[{HISTORY}];\n    long late_n;" if damper.composition.has_delay else ""
+    )
     guard = f"{name.upper()}_H"
     return f"""\
 /* A damper written by dampyr: {damper.composition}.
@@ -71,19 +73,22 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     own = {f.name for f in formulas}
     laws = [_law(law, f"{prefix}law_{k}", key) for k, (key, law) in enumerate(damper.all_laws.items())]
     functions = [function(f, prefix, own) for f in formulas]
-    return "\n\n".join(
-        [
-            f'#include "{name}.h"\n#include <math.h>',
-            *laws,
-            _values(damper, prefix),
-            *functions,
-            _advance(damper, prefix),
-            _force(damper, prefix),
-            _in_range(damper, prefix, allow_extrapolation),
-            *([_late(damper, prefix)] if damper.composition.has_delay else []),
-            _calls(damper, prefix),
-        ]
-    ) + "\n"
+    return (
+        "\n\n".join(
+            [
+                f'#include "{name}.h"\n#include <math.h>',
+                *laws,
+                _values(damper, prefix),
+                *functions,
+                _advance(damper, prefix),
+                _force(damper, prefix),
+                _in_range(damper, prefix, allow_extrapolation),
+                *([_late(damper, prefix)] if damper.composition.has_delay else []),
+                _calls(damper, prefix),
+            ]
+        )
+        + "\n"
+    )
 
 
 def _law(law: Law, function_name: str, key: str) -> str:

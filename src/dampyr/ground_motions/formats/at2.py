@@ -1,7 +1,8 @@
 """PEER's .AT2: four lines of header, then accelerations in rows.
 
-The fourth line says how many samples there are and their step, in one of two styles: ``NPTS=   5372, DT=   .0100 SEC`` or
-``5372    0.0100    NPTS, DT``. The third says the unit. A header that does not fit its data is refused.
+The fourth line says how many samples there are and their step, in one of two styles: ``NPTS=   5372, DT=
+.0100 SEC`` or ``5372    0.0100    NPTS, DT``. The third says the unit. A header that does not fit its data
+is refused.
 """
 
 from __future__ import annotations
@@ -24,12 +25,16 @@ _STYLES = (
 
 
 def read(path: Path, units: str | None = None, dt: float | None = None) -> GroundMotion:
-    """The ground motion of an .AT2 file; ``units`` and ``dt`` may be given again but must not contradict the header."""
+    """The ground motion of an .AT2 file; ``units`` and ``dt`` may be given again but must not
+    contradict the header."""
     lines = path.read_text(encoding="latin-1").splitlines()
     count, step = _header(path, lines)
     values = _values(path, lines[4:])
     if len(values) != count:
-        raise FileError(path, f"the header says NPTS = {count} but {len(values)} values follow; fetch the file again or correct NPTS")
+        raise FileError(
+            path,
+            f"the header says NPTS = {count} but {len(values)} values follow; fetch the file again or correct NPTS",
+        )
     if dt is not None and abs(dt - step) > 1e-6 * step:
         raise FileError(path, f"dt = {dt:g} s contradicts the header's DT = {step:g} s; leave dt out")
     named = _unit(lines[2])
@@ -48,7 +53,10 @@ def _header(path: Path, lines: list[str]) -> tuple[int, float]:
         found = style.search(lines[3])
         if found and float(found[2]) > 0:
             return int(found[1]), float(found[2])
-    raise FileError(path, f"line 4 is {lines[3].strip()!r}; it must give NPTS and DT > 0, such as 'NPTS= 5372, DT= .0100 SEC'")
+    raise FileError(
+        path,
+        f"line 4 is {lines[3].strip()!r}; it must give NPTS and DT > 0, such as 'NPTS= 5372, DT= .0100 SEC'",
+    )
 
 
 def _values(path: Path, lines: list[str]) -> np.ndarray:

@@ -1,7 +1,8 @@
-"""Plain columns: accelerations alone, or time [s] and acceleration, separated by blanks, commas, semicolons or tabs.
+"""Plain columns: accelerations alone, or time [s] and acceleration, separated by blanks, commas,
+semicolons or tabs.
 
-Lines that start with # or % are comments, and one line of names may come first. The unit is declared, ``units="g"``, or stands in brackets
-in the name of the column: ``time [s], acceleration [g]``.
+Lines that start with # or % are comments, and one line of names may come first. The unit is declared,
+``units="g"``, or stands in brackets in the name of the column: ``time [s], acceleration [g]``.
 """
 
 from __future__ import annotations
@@ -53,7 +54,9 @@ def _table(path: Path) -> tuple[list[str], np.ndarray]:
             rows.append(numbers)
     if not rows or len(rows[0]) > 2:
         found = f"{len(rows[0])} columns" if rows else "no numbers"
-        raise FileError(path, f"holds {found}; a ground motion has one column (acceleration) or two (time, acceleration)")
+        raise FileError(
+            path, f"holds {found}; a ground motion has one column (acceleration) or two (time, acceleration)"
+        )
     return names, np.array(rows)
 
 

@@ -1,4 +1,5 @@
-"""MATLAB .mat (version 5) with one matrix of two columns, time [s] and acceleration, such as ElCentroData.mat."""
+"""MATLAB .mat (version 5) with one matrix of two columns, time [s] and acceleration, such as
+ElCentroData.mat."""
 
 from __future__ import annotations
 

@@ -59,9 +59,7 @@ class State:
 def read(path: Path, request: Request) -> Record:
     """The record in one of dampyr's files; an incomplete one says so in its provenance and history."""
     with _open(path) as file:
-        channels = {
-            name: _channel(path, file, name, request) for name in CHANNELS if f"calibrated/{name}" in file
-        }
+        channels = {name: _channel(path, file, name, request) for name in CHANNELS if f"calibrated/{name}" in file}
         for name in ("time", "displacement", "force"):
             if name not in channels:
                 raise FileError(path, f"/calibrated/{name} is missing; record the test again")
@@ -114,9 +112,7 @@ def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
         os.close(handle)
     except OSError as problem:
-        raise FileError(
-            path, f"cannot be written ({problem.strerror}); choose a folder that exists"
-        ) from problem
+        raise FileError(path, f"cannot be written ({problem.strerror}); choose a folder that exists") from problem
     try:
         _fill(record, name, raw or {})
         with open(name, "rb+") as written:  # noqa: PTH123 - a descriptor is needed to sync
@@ -204,9 +200,7 @@ def _channel(path: Path, file: Any, name: str, request: Request) -> Any:
     data = file[f"calibrated/{name}"]
     unit = str(data.attrs.get("unit", "")) or request.units.get(name, "")
     if not unit:
-        raise FileError(
-            path, f"/calibrated/{name} has no unit; declare units={{{name!r}: {CHANNELS[name]!r}}}"
-        )
+        raise FileError(path, f"/calibrated/{name} has no unit; declare units={{{name!r}: {CHANNELS[name]!r}}}")
     values = data[()]
     converted = values if unit == CHANNELS[name] else to_si(values, unit, CHANNELS[name])
     return float(converted) if np.ndim(converted) == 0 else converted

@@ -34,9 +34,7 @@ def read(path: Path, request: Request) -> Record:
             raise FileError(path, f"{name} has {rows} samples and dist has {n}; export the test again")
     if variables["x_F"].shape != (n, 3):
         shape = variables["x_F"].shape
-        raise FileError(
-            path, f"x_F has the shape {shape}; it must be ({n}, 3): displacement, velocity, force"
-        )
+        raise FileError(path, f"x_F has the shape {shape}; it must be ({n}, 3): displacement, velocity, force")
     _check_clock(path, variables, dt, n)
     raw = {name: variables[variable].ravel() for name, variable in VARIABLES.items()}
     raw["velocity"] = variables["x_F"][:, 1]
@@ -62,9 +60,7 @@ def _variables(path: Path) -> dict[str, Array]:
         raise FileError(path, "is a MATLAB v7.3 file; save it again with save(..., '-v7')") from None
     except Exception as problem:  # scipy raises whatever the broken bytes lead it to
         reason = " ".join(str(problem).split()) or type(problem).__name__
-        raise FileError(
-            path, f"is no readable MATLAB v5 file ({reason}); fetch or export it again"
-        ) from problem
+        raise FileError(path, f"is no readable MATLAB v5 file ({reason}); fetch or export it again") from problem
     for name in NEEDED:
         if name not in found:
             there = ", ".join(sorted(k for k in found if not k.startswith("__"))) or "none"

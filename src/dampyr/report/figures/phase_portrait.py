@@ -31,9 +31,7 @@ def phase_portrait(
             style.line(panel, x.of(across), y.of(up), color=colour, label=name)
         for name, level in (limits or {}).items():
             for side, label in ((1.0, name), (-1.0, None)):
-                panel.axhline(
-                    side * float(np.asarray(y.of(level))), color=style.MUTED, ls="--", lw=1, label=label
-                )
+                panel.axhline(side * float(np.asarray(y.of(level))), color=style.MUTED, ls="--", lw=1, label=label)
         style.name_axes(panel, x, y)
         style.legend(fig, panel)
     return fig

@@ -1,0 +1,41 @@
+"""Progress of long work, on stderr."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def stages() -> Iterator[Callable[[str, float], None]]:
+    """A function ``(stage, fraction done)`` that shows one bar per stage, or one line per stage where nobody looks."""
+    if not sys.stderr.isatty():
+        yield _lines()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True)) as bars:
+        known: dict[str, int] = {}
+
+        def show(stage: str, done: float) -> None:
+            if stage not in known:
+                known[stage] = bars.add_task(stage, total=1.0)
+            bars.update(known[stage], completed=done)  # type: ignore[arg-type]
+
+        yield show
+
+
+def _lines() -> Callable[[str, float], None]:
+    told: set[str] = set()
+    start = time.monotonic()
+
+    def show(stage: str, done: float) -> None:
+        if stage not in told:
+            told.add(stage)
+            print(f"{time.monotonic() - start:6.1f} s  {stage}", file=sys.stderr, flush=True)
+
+    return show

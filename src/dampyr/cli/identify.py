@@ -1,0 +1,159 @@
+"""Identify: from records to a damper's card."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._progress import stages
+from dampyr.cli._records import gather, pairs
+from dampyr.errors import InputError
+from dampyr.units import for_people
+
+if TYPE_CHECKING:
+    from dampyr.identification import Fit
+
+
+@click.command()
+@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--model", default="dahl", show_default=True, help="Parts, such as 'dahl + spring + delay'.")
+@click.option("--law", "laws", multiple=True, metavar="[NAME=]KIND", help="constant, interpolation, polynomial:DEGREE.")
+@click.option("--fix", "fixed", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in SI units.")
+@click.option("--bandwidth", type=float, metavar="HZ", help="Derive the velocity with this bandwidth.")
+@click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
+@click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
+@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
+@click.option("--voltage", type=float, help="V at the coil, for files that do not hold it.")
+@click.option("--current", type=float, help="A, for files that do not hold it.")
+@click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm.")
+@click.option("--column", "columns", multiple=True, metavar="CHANNEL=NAME", help="Such as force='Load cell'.")
+@as_json_option
+def command(
+    paths: tuple[Path, ...],
+    model: str,
+    laws: tuple[str, ...],
+    fixed: tuple[str, ...],
+    bandwidth: float | None,
+    each: bool,
+    save: Path | None,
+    report: Path | None,
+    voltage: float | None,
+    current: float | None,
+    units: tuple[str, ...],
+    columns: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Identify a damper from records by least squares.
+
+    PATHS are record files or campaign folders (of which the records for fitting are taken). All records are fitted
+    together, each parameter following the voltage, unless --each is given.
+    """
+    from dampyr.identification import fit
+
+    records = gather(paths, "fit", voltage, current, units, columns)
+    if each and (save or report):
+        raise InputError("--each makes one fit per record and no card; leave out --save and --report, or --each")
+    options: dict[str, Any] = {"laws": _laws(laws), "fixed": _numbers(fixed), "bandwidth": bandwidth}
+    groups = [[record] for record in records] if each else [records]
+    fits = []
+    with stages() as progress:
+        for k, group in enumerate(groups):
+            progress("identifying", k / len(groups))
+            fits.append(fit(model, group, **options))
+        progress("identifying", 1.0)
+    if as_json:
+        told = [_told(f) for f in fits]
+        print_json(told if each else told[0])
+    elif each:
+        _print_each(fits)
+    else:
+        _print(fits[0])
+    if save:
+        _save(fits[0], save)
+    if report:
+        from dampyr.report.fit_page import write_fit_page
+
+        write_fit_page(fits[0], report)
+
+
+def _laws(given: tuple[str, ...]) -> str | dict[str, str] | None:
+    plain = [law for law in given if "=" not in law]
+    if len(plain) == 1 and len(given) == 1:
+        return plain[0]
+    return pairs(given)
+
+
+def _numbers(given: tuple[str, ...]) -> dict[str, float]:
+    found = {}
+    for name, text in (pairs(given) or {}).items():
+        try:
+            found[name] = float(text)
+        except ValueError:
+            raise InputError(f"--fix {name}={text}: {text!r} is not a number in SI units") from None
+    return found
+
+
+def _save(fit: Fit, path: Path) -> None:
+    if fit.damper is None:
+        raise InputError(f"no card was written: {fit.reason}")
+    fit.damper.save(path)
+
+
+def _told(fit: Fit) -> dict[str, Any]:
+    return {
+        "model": str(fit.problem.composition),
+        "records": [record.name for record in fit.records],
+        "converged": fit.converged,
+        "reason": fit.reason,
+        "notes": fit.notes,
+        "clusters": fit.clusters,
+        "parameters": fit.parameters,
+        "stderr": fit.stderr,
+        "naive_stderr": fit.naive_stderr,
+        "units": fit.units,
+        "correlation": fit.correlation,
+        "nuisances": fit.nuisances,
+        "scores": fit.scores,
+    }
+
+
+def _print(fit: Fit) -> None:
+    rows = []
+    for name, value in fit.parameters.items():
+        unit, factor = for_people(fit.units[name])
+        rows.append([name, value * factor, fit.stderr[name] * factor, fit.naive_stderr[name] * factor, unit])
+    notes = [f"The search {fit.reason}.", *(f"{note}." for note in fit.notes)]
+    names = ["parameter", "value", "standard error", "naive error", "unit"]
+    print_table(f"{fit.problem.composition}, {len(fit.records)} records", names, rows, digits=5, notes=notes)
+    groups: dict[float | None, list[float]] = {}
+    for record in fit.records:
+        groups.setdefault(record.input_value, []).append(fit.scores[record.name].l1)
+    rows = [[u, len(values), 100 * sum(values) / len(values), 100 * max(values)] for u, values in groups.items()]
+    unit = fit.records[0].input or ""
+    print_table(
+        "How well it describes what it was fitted to (no prediction)",
+        ["input", "records", "mean L1", "worst L1"],
+        rows,
+        [unit, "", "%", "%"],
+        digits=3,
+    )
+
+
+def _print_each(fits: list[Fit]) -> None:
+    names = list(fits[0].parameters)
+    shown = [for_people(fits[0].units[name]) for name in names]
+    rows = []
+    for fit in fits:
+        record = fit.records[0]
+        values = [value * factor for value, (_, factor) in zip(fit.parameters.values(), shown, strict=True)]
+        state = "yes" if fit.converged else fit.reason
+        rows.append([record.name, record.input_value, *values, 100 * fit.scores[record.name].l1, state])
+    print_table(
+        f"{fits[0].problem.composition}, each of {len(fits)} records by itself",
+        ["record", "input", *names, "L1", "converged"],
+        rows,
+        ["", fits[0].records[0].input or "", *(unit for unit, _ in shown), "%", ""],
+    )

@@ -1,0 +1,115 @@
+"""Simulate: a building with dampers in an earthquake."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.errors import InputError
+
+if TYPE_CHECKING:
+    from dampyr.ground_motions import GroundMotion
+    from dampyr.structures import Response
+
+
+@click.command()
+@click.argument("card", required=False, type=click.Path(path_type=Path))
+@click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; repeat it to compare.")
+@click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current.")
+@click.option("--storey", default=1, show_default=True, help="Where the damper stands; i joins floors i-1 and i.")
+@click.option("--motion", type=click.Path(path_type=Path), help="A ground motion file; without it El Centro 1940.")
+@click.option("--motion-unit", metavar="UNIT", help="Of the acceleration in a plain file, such as g.")
+@click.option("--dt", type=float, help="s between samples, for a plain file with one column.")
+@click.option("--scale", default=1.0, show_default=True, help="Factor on the ground motion.")
+@click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay where it is the rig's.")
+@click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
+@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
+@as_json_option
+def command(
+    card: Path | None,
+    voltages: tuple[float, ...],
+    currents: tuple[float, ...],
+    storey: int,
+    motion: Path | None,
+    motion_unit: str | None,
+    dt: float | None,
+    scale: float,
+    without: tuple[str, ...],
+    allow_extrapolation: bool,
+    report: Path | None,
+    as_json: bool,
+) -> None:
+    """Shake the two-storey building with and without a damper.
+
+    CARD is a damper's card; without it the published damper of Raminelli (2020) is taken. The case without damper always
+    comes first, then one case per --voltage (or --current).
+    """
+    from dampyr import structures
+    from dampyr.structures import respond
+
+    damper = _damper(card).without(*without)
+    ground = _motion(motion, motion_unit, dt).scaled(scale)
+    building = structures.two_storey()
+    inputs = voltages if damper.input == "V" else currents
+    if (currents if damper.input == "V" else voltages) or not inputs:
+        word = "voltage" if damper.input == "V" else "current"
+        raise InputError(f"this damper takes a {word}; give --{word}, one or several times, and nothing else")
+    cases = {"no damper": respond(building, ground)}
+    for u in inputs:
+        given: dict[str, Any] = {"voltage": u} if damper.input == "V" else {"current": u}
+        cases[f"{u:g} {damper.input}"] = respond(
+            building, ground, {storey: damper}, **given, allow_extrapolation=allow_extrapolation
+        )
+    if report:
+        from dampyr.report.response_page import write_response_page
+
+        write_response_page(cases, report)
+    if as_json:
+        print_json({name: _told(r) for name, r in cases.items()})
+        return
+    rows = [
+        [name, *(1e3 * r.peak_displacement), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
+         max(r.peak_force, default=None), r.scheme]
+        for name, r in cases.items()
+    ]  # fmt: skip
+    floors = [f"floor {k + 1}" for k in range(building.n)]
+    print_table(
+        f"{building.name}, {ground.name}: peaks",
+        ["case", *floors, "drift", "acceleration", "base shear", "damper force", "scheme"],
+        rows,
+        ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", ""],
+        digits=5,
+    )
+
+
+def _damper(card: Path | None) -> Any:
+    if card is not None:
+        from dampyr.models import Damper
+
+        return Damper.load(card)
+    from dampyr.studies import raminelli_2020
+
+    return raminelli_2020.damper()
+
+
+def _motion(path: Path | None, unit: str | None, dt: float | None) -> GroundMotion:
+    from dampyr import ground_motions
+
+    return ground_motions.el_centro() if path is None else ground_motions.read(path, units=unit, dt=dt)
+
+
+def _told(response: Response) -> dict[str, Any]:
+    return {
+        "peak_displacement_m": response.peak_displacement,
+        "peak_drift_m": response.peak_drift,
+        "peak_acceleration_m_s2": response.peak_acceleration,
+        "peak_base_shear_N": response.peak_base_shear,
+        "peak_force_N": response.peak_force,
+        "scheme": response.scheme,
+        "step_s": response.step,
+        "error_estimate": response.error_estimate,
+        "converged": response.converged,
+    }

@@ -1,0 +1,83 @@
+"""The page of a building's response, several cases side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from dampyr.report.blocks import FigureBlock, Section, Table, Text
+from dampyr.report.figures.building import building_response
+from dampyr.report.figures.ground_motion import ground_motion
+from dampyr.report.figures.loops import loops
+from dampyr.report.page import page, write_page
+from dampyr.structures import Response
+
+
+def write_response_page(cases: Mapping[str, Response], path: Path) -> Path:
+    """Write the page: peaks, energies, displacement per floor, the damper's loops. All cases share one ground motion."""
+    first = next(iter(cases.values()))
+    html = page(
+        f"Response: {first.title}",
+        [
+            Section("Peaks", [_peaks(cases), _energies(cases)]),
+            Section("Displacements", _displacements(cases)),
+            Section("The dampers' loops", _loops(cases)),
+            Section(
+                "The ground motion",
+                [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],
+            ),
+        ],
+        subtitle="; ".join(cases),
+        provenance={name: f"{r.scheme}, step {1e3 * r.step:.4g} ms" for name, r in cases.items()},
+    )
+    write_page(path, html)
+    return path
+
+
+def _peaks(cases: Mapping[str, Response]) -> Table:
+    rows = [
+        [name, *(1e3 * r.peak_displacement), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
+         max(r.peak_force, default=None)]
+        for name, r in cases.items()
+    ]  # fmt: skip
+    floors = next(iter(cases.values())).floors
+    return Table(
+        ("case", *floors, "largest drift", "largest acceleration", "base shear", "damper force"),
+        rows,
+        ("", *("mm" for _ in floors), "mm", "m/s²", "N", "N"),
+        caption="Peaks inside the step; displacements relative to the ground, accelerations absolute.",
+    )
+
+
+def _energies(cases: Mapping[str, Response]) -> Table:
+    rows = [
+        [name, e.input[-1], e.viscous[-1], e.damper[-1], e.kinetic[-1] + e.strain[-1], e.residual[-1]]
+        for name, e in ((name, r.energy) for name, r in cases.items())
+    ]
+    return Table(
+        ("case", "input", "viscous", "dampers", "still in motion", "residual"),
+        rows,
+        ("", "J", "J", "J", "J", "J"),
+        caption="Where the energy went by the end; the residual is the error of the balance.",
+        digits=4,
+    )
+
+
+def _displacements(cases: Mapping[str, Response]) -> list[FigureBlock]:
+    first = next(iter(cases.values()))
+    return [
+        FigureBlock(
+            building_response(first.time, {name: r.displacement[k] for name, r in cases.items()}),
+            f"{floor}: displacement relative to the ground.",
+        )
+        for k, floor in enumerate(first.floors)
+    ]
+
+
+def _loops(cases: Mapping[str, Response]) -> list[FigureBlock | Text]:
+    blocks: list[FigureBlock | Text] = [
+        FigureBlock(loops(r.stroke[d], None, None, {"force": r.force[d]}), f"{name}: damper in storey {storey}.")
+        for name, r in cases.items()
+        for d, storey in enumerate(r.storeys)
+    ]
+    return blocks or [Text("No case has a damper.")]

@@ -1,0 +1,90 @@
+"""The bare building: linear, so every instant follows exactly from the sample before it, all at once.
+
+The nodes, peaks and integrals are those of the coupling kernel, which is left out together with its compiler.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.ground_motions import GroundMotion
+from dampyr.structures.building import Building
+from dampyr.structures.propagator import system, transition
+from dampyr.structures.workspace import Output, output
+
+Array = NDArray[np.float64]
+
+
+def march_bare(building: Building, motion: GroundMotion, m: int) -> Output:
+    """The response of a building without dampers, looked at 2m times per sample of the motion."""
+    n, none = building.n, np.zeros((0, building.n))
+    state = _samples(building, motion)
+    a, _, _ = system(building, none)
+    ground = np.column_stack([motion.acceleration[:-1], motion.acceleration[1:]])
+    u, half = np.hstack([state[:-1], ground]), 0.5 * motion.dt / m
+    out = output(motion.n, n, 0)
+    out.state[:] = state
+    out.acceleration[:] = state @ a[n:].T
+    to_drift = np.array([building.connection(storey) for storey in range(1, n + 1)])
+    before, energy = state[:-1], np.zeros((motion.n - 1, 2))
+    for j in range(2 * m + 1):
+        part = j / (2 * m)
+        now = u @ transition(building, none, motion.dt, part).T
+        weight = (1.0 if j in (0, 2 * m) else 4.0 if j % 2 else 2.0) * half / 3.0
+        energy += weight * _powers(building, now, ground @ [1.0 - part, part])
+        _observe(building, now @ a[n:].T, out)
+        _raise(out.displacement_peak, before, now, half)
+        _raise(out.drift_peak, _both(before, to_drift), _both(now, to_drift), half)
+        before = now
+    out.work[1:] = np.cumsum(energy, axis=0)
+    return out
+
+
+def _samples(building: Building, motion: GroundMotion) -> Array:
+    """The state at the samples (samples, 2n)."""
+    size = 2 * building.n
+    step = transition(building, np.zeros((0, building.n)), motion.dt, 1.0)
+    push = np.column_stack([motion.acceleration[:-1], motion.acceleration[1:]]) @ step[:, size:].T
+    state, phi = np.zeros((motion.n, size)), step[:, :size]
+    for k in range(motion.n - 1):
+        state[k + 1] = phi @ state[k] + push[k]
+    return state
+
+
+def _both(state: Array, matrix: Array) -> Array:
+    """``matrix`` applied to displacements and velocities alike."""
+    n = len(matrix)
+    return np.hstack([state[:, :n] @ matrix.T, state[:, n:] @ matrix.T])
+
+
+def _powers(building: Building, state: Array, ground: Array) -> Array:
+    """The power of the ground and of the dashpots (samples, 2)."""
+    v = state[:, building.n :]
+    put_in = -(v @ (building.influence @ building.M)) * ground
+    return np.column_stack([put_in, np.einsum("ti,ij,tj->t", v, building.C, v)])
+
+
+def _observe(building: Building, acceleration: Array, out: Output) -> None:
+    np.maximum(out.acceleration_peak, np.abs(acceleration).max(axis=0), out=out.acceleration_peak)
+    shear = np.abs(acceleration @ (building.influence @ building.M)).max()
+    out.shear_peak[0] = max(out.shear_peak[0], shear)
+
+
+def _raise(largest: Array, before: Array, now: Array, dt: float) -> None:
+    """Keep the largest displacement, at nodes and where the cubic between two of them turns."""
+    n = len(largest)
+    x0, u0, x1, u1 = before[:, :n], before[:, n:] * dt, now[:, :n], now[:, n:] * dt
+    np.maximum(largest, np.abs(x1).max(axis=0), out=largest)
+    for row, k in np.argwhere(u0 * u1 < 0):
+        largest[k] = max(largest[k], _turn(x0[row, k], x1[row, k], u0[row, k], u1[row, k]))
+
+
+def _turn(x0: float, x1: float, u0: float, u1: float) -> float:
+    """The size of the cubic where it turns; its slopes u0, u1 over the unit interval differ in sign."""
+    a, b = 3.0 * (u0 + u1) - 6.0 * (x1 - x0), 6.0 * (x1 - x0) - 4.0 * u0 - 2.0 * u1
+    q = -0.5 * (b + np.copysign(np.sqrt(max(b * b - 4.0 * a * u0, 0.0)), b))
+    s = u0 / q
+    if not 0.0 <= s <= 1.0:
+        s = q / a
+    return float(abs(x0 + s * (u0 + s * (0.5 * b + s * a / 3.0))))

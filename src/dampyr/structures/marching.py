@@ -1,0 +1,98 @@
+"""One march of the kernel: the arrays it needs are made, and what it wrote is checked."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion
+from dampyr.structures.bare import march_bare
+from dampyr.structures.building import Building
+from dampyr.structures.placement import Site
+from dampyr.structures.propagator import propagator, system
+from dampyr.structures.workspace import Linear, Output, Sites, output, scratch
+
+Array = NDArray[np.float64]
+
+FORCES_TO = 1e-10  # relative; the forces of a step are Newton's to about this
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One march and how it was judged."""
+
+    out: Output
+    step: float
+    tolerance: float | None = None
+    error: float | None = None
+    reason: str = ""
+
+
+def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
+    """A function of the steps per sample that marches once."""
+    if not sites:
+        return lambda m: Run(march_bare(building, motion, m), motion.dt / m)
+    from dampyr.models.kernels import bind
+    from dampyr.structures.coupling import march
+
+    kernel = bind(march, tuple(site.composition for site in sites))
+
+    def run(m: int, samples: int | None = None) -> Run:
+        ag = motion.acceleration[:samples]
+        step = motion.dt / m
+        out = output(len(ag), building.n, len(sites))
+        memory = _memory(sites, step)
+        linear, work = _linear(building, sites, step), scratch(building.n, memory.states)
+        kernel(ag, m, step, FORCES_TO, linear, memory, work, out)
+        _check_bounded(out, motion)
+        return Run(out, step)
+
+    return run
+
+
+def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
+    rows, n = connections(building, sites), building.n
+    exact = propagator(building, rows, step)
+    a, _, b = system(building, rows)
+    by_storey = np.kron(np.eye(2), drifts(building))
+    pull = np.ascontiguousarray(building.influence @ building.M)
+    acceleration = np.ascontiguousarray(np.hstack([a[n:], b[n:]]))
+    damping = np.array(building.C)
+    return Linear(exact.half, exact.whole, exact.known, exact.unknown, acceleration, damping, pull, by_storey, rows)
+
+
+def _memory(sites: tuple[Site, ...], step: float) -> Sites:
+    """Parameters, states and past of the dampers at the start."""
+    width = max([1, *(len(site.values) for site in sites)])
+    depth = max([1, *(site.composition.n_states for site in sites)])
+    params, states = np.zeros((len(sites), width)), np.zeros((len(sites), depth))
+    for d, site in enumerate(sites):
+        params[d, : len(site.values)] = site.values
+        states[d, : site.composition.n_states] = site.composition.state0
+    delays = np.array([site.delay / step for site in sites], dtype=float)
+    nodes = 2 * math.ceil(max([0.0, *delays])) + 6
+    return Sites(params, states, delays, np.zeros(len(sites)), np.zeros((len(sites), nodes)))
+
+
+def _check_bounded(out: Output, motion: GroundMotion) -> None:
+    bad = ~np.isfinite(out.state).all(axis=1)
+    if bad.any():
+        when = float(np.argmax(bad)) * motion.dt
+        raise InputError(
+            f"the response grows without bound by {when:.2f} s: a damper "
+            "feeds the building; check its delay, "
+            "the signs of its parameters and the range of its input"
+        )
+
+
+def connections(building: Building, sites: tuple[Site, ...]) -> Array:
+    return np.array([building.connection(site.storey) for site in sites]).reshape(len(sites), building.n)
+
+
+def drifts(building: Building) -> Array:
+    return np.array([building.connection(storey) for storey in range(1, building.n + 1)])
