@@ -2,8 +2,9 @@ r"""Separable least squares: the linear parameters solved inside, Levenberg-Marq
 
 The problem is :math:`\min \sum_r \|W_r (F_r - \hat F_r(\theta, \nu_r))\|^2` over the coefficients :math:`\theta` of all laws
 and the nuisances :math:`\nu_r` of each record. Each record is compressed by a QR factorisation to a triangle of a dozen rows,
-so the joint problem never holds more than that. The force is affine in the linear parameters, so they are at their
-optimum after one solve; the step of the others is Kaufman's (1975) variant of the variable projection of Golub and Pereyra (1973).
+so the joint problem never holds more than that. The force is affine in the linear parameters, so one
+solve brings them to their optimum; the step of the others is Kaufman's (1975) variant of the variable projection of Golub and
+Pereyra (1973).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from dampyr.models import Composition
 Array = NDArray[np.float64]
 MOST_ITERATIONS = 80
 TOLERANCE = 1e-8
+ROUNDING = 1e-18  # of each sample's variance: records without noise are met to a billionth
 
 
 @dataclass(frozen=True)
@@ -232,12 +234,13 @@ def search(problem: Problem, point: Point, progress: Callable[[int, float], None
     """Minimise from ``point``; the reason says how it ended."""
     point, here, cost = _settled(problem, point)
     damping, reason, converged = 1e-3, "", False
+    rounding = ROUNDING * sum(one.t.size for one in problem.pieces)
     iteration = 0
     for iteration in range(1, MOST_ITERATIONS + 1):
         everything = np.ones(here.matrix.shape[1], dtype=bool)
         step = here.solve(everything, damping)
         promised = cost - here.cost(here.solve(everything))
-        if np.all(here.linear) or promised <= TOLERANCE * cost + 1e-300:
+        if np.all(here.linear) or promised <= TOLERANCE * cost + rounding:
             converged, reason = True, "converged: no step lowers the sum of squares by more than 1e-8 of it"
             break
         new_point, new_here, new_cost = _settled(problem, moved(problem, point, step))

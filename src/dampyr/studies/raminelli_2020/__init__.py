@@ -1,0 +1,63 @@
+"""Raminelli (2020), run again on its own raw data: the published value beside ours, and a verdict on each.
+
+J. G. Raminelli, "Plataforma de testes dinâmicos para amortecedores magneto-reológicos e representação através de modelos
+de histerese", master's dissertation, UTFPR, Cornélio Procópio, 2020.
+
+`damper` is its damper, the cubics (4.6)-(4.8); `reproduce` runs every table, equation with numbers and figure with data.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dampyr.studies.raminelli_2020.finding import Finding
+from dampyr.studies.raminelli_2020.published import PUBLISHED, Published
+
+if TYPE_CHECKING:
+    from dampyr.models import Damper
+    from dampyr.studies.raminelli_2020.study import Progress, Study
+
+__all__ = ["PUBLISHED", "Finding", "Published", "damper", "reproduce"]
+
+
+def damper(published: Published = PUBLISHED) -> Damper:
+    """The published damper: the viscous Dahl model with the cubics (4.6)-(4.8) over the voltage, in SI.
+
+    Calibrated from 0 to 3.212 V (printed as 3.21) and up to half the largest printed peak-to-peak displacement.
+    """
+    from dampyr.studies.raminelli_2020.cubics import published_damper
+
+    return published_damper(published)
+
+
+def reproduce(
+    data: str | Path | None = None,
+    out: str | Path | None = None,
+    published: Published = PUBLISHED,
+    progress: Progress | None = None,
+) -> Study:
+    """Run the dissertation again.
+
+    Parameters
+    ----------
+    data
+        The folder of the campaign (or the one that holds it); by default where the data set "labcontrol" is on this machine.
+        Where it is not, all that needs no data is done and ``Study.left_out`` says what was not.
+    out
+        Where to write ``reproduce.html`` and ``reproduce.json``; None writes nothing.
+    published
+        The numbers to compare with.
+    progress
+        Called with a stage and how much of it is done, 0 to 1.
+
+    Raises
+    ------
+    MissingData
+        ``data`` was given, and the campaign is not there.
+    FileError
+        A file of the campaign is not what its table says.
+    """
+    from dampyr.studies.raminelli_2020.study import run
+
+    return run(data, out, published, progress)

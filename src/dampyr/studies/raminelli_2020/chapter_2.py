@@ -1,0 +1,207 @@
+"""Chapter 2: the Bouc-Wen loop of Fig. 2.2, and the numerical example of section 2.4 with Figs. 2.3 and 2.4."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.identification import LimitCycle, limit_cycle
+from dampyr.models import Damper
+from dampyr.models.parts.bouc_wen import from_printed
+from dampyr.report import FigureBlock, Text, history, phase_portrait, theta
+from dampyr.report.style import DISPLACEMENT, Axis
+from dampyr.studies.raminelli_2020.finding import Candidate, Erratum, Finding, Tolerance, judge, unchecked
+from dampyr.studies.raminelli_2020.part import Part, findings_table
+from dampyr.studies.raminelli_2020.published import BoucWenLetters, Example, Published
+
+Array = NDArray[np.float64]
+DT = 1.25e-4  # s; the sampling that the velocities of Step 2 imply, tested below
+MILLIONTH = Tolerance(relative=1e-6)
+PICTURE = "the points of the curve: the text has the caption only, the figure itself is a picture; ours is drawn anew"
+
+
+def chapter_2(published: Published) -> Part:
+    """Figs. 2.2 to 2.4 and the example of section 2.4."""
+    loop = bouc_wen_loop(published.bouc_wen)
+    found, erratum, block = figure_2_2(published.bouc_wen, loop)
+    sampled = Branch.of(published.example, 0.0)
+    exact = limit_cycle(sampled.x, sampled.force, sampled.velocity)
+    findings = [*found, *step_2(published.example, sampled), *example(published.example, exact)]
+    findings += [unchecked(f"Figure {k}", "the curve", None, "", PICTURE) for k in ("2.2", "2.3", "2.4")]
+    blocks = [block, *_example_figures(published.example, sampled, exact)]
+    return Part("Chapter 2: the method on numbers", findings, [*blocks, findings_table(findings)], [erratum, _zero_by_zero(sampled)])
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A Bouc-Wen loop in the printed letters' own unit of x: x, z (n,), and z with every time halved."""
+
+    x: Array
+    z: Array
+    z_fast: Array
+    t: Array
+
+
+def bouc_wen_loop(letters: BoucWenLetters) -> Loop:
+    """Three cycles of a sine long enough to saturate: alpha z is the force of a Bouc-Wen part without spring and dashpot."""
+    model = from_printed(0.0, 0.0, float(letters.alpha), float(letters.A), float(letters.beta), float(letters.gamma), float(letters.n))
+    names = ("c0", "k0", "kw", "rho", "sigma", "n")
+    damper = Damper("bouc_wen", {f"bouc_wen.{name}": getattr(model, name) for name in names})
+    t = np.linspace(0.0, 3.0, 12_001)
+    x = 8.0 / model.rho * np.sin(2 * np.pi * t)
+    z, fast = (damper.force(times, x, voltage=0.0) / float(letters.alpha) for times in (t, 0.5 * t))
+    return Loop(x, z, fast, t)
+
+
+def figure_2_2(letters: BoucWenLetters, loop: Loop) -> tuple[list[Finding], Erratum, FigureBlock]:
+    """The largest z against the closed form of the printed letters, and what (2.1) as printed would mean."""
+    last = slice(2 * loop.t.size // 3, None)
+    limit = float(letters.A / (letters.beta + letters.gamma)) ** (1.0 / float(letters.n))
+    largest = float(np.max(np.abs(loop.z[last])))
+    quantity = "largest z of the loop; published: (A/(β+γ))^(1/n) of the printed letters"
+    finding = judge("Figure 2.2", quantity, limit, largest, "", Tolerance(relative=1e-5))
+    speed = [float(np.max(np.abs(np.gradient(z, t)))) for z, t in ((loop.z, loop.t), (loop.z_fast, 0.5 * loop.t))]
+    same = float(np.max(np.abs(loop.z_fast - loop.z)))
+    erratum = Erratum(
+        "(2.1)",
+        "α dz/dt",
+        "α z",
+        f"run twice as fast along the same path, z changes by {same:.1g} and the largest dz/dt {speed[1] / speed[0]:.3f} times: only α z "
+        "is the rate-independent hysteresis that the text describes, and only α z has the unit of the other terms",
+    )
+    z = Axis("hysteretic state z", "unit of α⁻¹ N")
+    figure = phase_portrait(Axis("x", "printed unit"), z, {"(2.2)": (loop.x, loop.z)}, {"(A/(β+γ))^(1/n)": limit})
+    caption = f"Figure 2.2 again: {', '.join(f'{k} = {float(getattr(letters, k)):g}' for k in ('alpha', 'beta', 'gamma', 'A', 'n'))}."
+    return [finding], erratum, FigureBlock(figure, caption)
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Section 2.4 sampled: the loading branch (n,), SI, its first sample ``phase`` samples after the lower turning point."""
+
+    t: Array
+    x: Array
+    velocity: Array
+    force: Array
+
+    @classmethod
+    def of(cls, example: Example, phase: float) -> Branch:
+        """Forward-difference velocities, one whole cycle before the branch."""
+        half = round(0.5 / float(example.frequency) / DT)
+        omega, amplitude = 2 * np.pi * float(example.frequency), 1e-2 * float(example.amplitude)
+        t = (np.arange(3 * half + 1) + phase) * DT
+        x = -amplitude * np.cos(omega * t)
+        velocity = (-amplitude * np.cos(omega * (t + DT)) - x) / DT
+        force = example_damper(example).force(t, x, voltage=0.0, velocity=velocity)
+        rising = slice(2 * half, 3 * half)
+        return cls(t[rising], x[rising], velocity[rising], force[rising])
+
+
+def example_damper(example: Example) -> Damper:
+    """The damper of Step 1, SI."""
+    return Damper(
+        "dahl", {"dahl.kx": 100 * float(example.kx), "dahl.kw": float(example.kw), "dahl.rho": 100 * float(example.rho)}
+    )
+
+
+def step_2(example: Example, branch: Branch) -> list[Finding]:
+    """The forces and velocities at the ends of the branch; T+ is the sample whose velocity is nearest to the printed one."""
+    k = branch.x.size - 8 + int(np.argmin(np.abs(100 * branch.velocity[-8:] - float(example.velocity_T))))
+    before = branch.x.size - k
+    at_T = f"at T+, {before} samples before the largest displacement"
+    kx = (branch.force[0] + branch.force[k]) / (branch.velocity[0] + branch.velocity[k]) / 100
+    where = "Section 2.4, step 2"
+    return [
+        judge(where, "velocity at 0, forward difference of 0.125 ms samples", example.velocity_0, 100 * branch.velocity[0], "cm/s"),
+        judge(where, f"velocity {at_T}", example.velocity_T, 100 * branch.velocity[k], "cm/s"),
+        judge(where, "force at 0", example.force_0, branch.force[0], "N"),
+        judge(where, f"force {at_T}", example.force_T, branch.force[k], "N"),
+        judge(where, "kx by (2.5), from those four", example.kx_found, kx, "N s/cm"),
+    ]
+
+
+def example(example: Example, exact: LimitCycle) -> list[Finding]:
+    """Steps 3 to 5: as the method should give them, and as the nearest sample gives them."""
+    phases = np.linspace(-0.5, 0.5, 101)[:-1]
+    slopes = np.array([_nearest(example, phase).a / 100 for phase in phases])
+    low, high = float(slopes.min()), float(slopes.max())
+    phase = _meeting(example, phases, slopes)
+    tuned = _nearest(example, phase)
+    band = f"a from the sample nearest to θ = 0 lies between {low:.5g} and {high:.5g} N/cm, as the sampling falls"
+    inside = low <= example.a <= high
+    why = f"{band}; the printed value lies {'inside' if inside else 'outside'} that band"
+    nearest = [Candidate(tuned.a / 100, f"that of the nearest sample with its phase {phase:.3f} of a sample off the turning point")]
+    steps = "Section 2.4, steps 3 to 5"
+    own = float(example.kw) * float(example.rho)
+    return [
+        judge(steps, "x* where θ = 0", example.x_star, 100 * exact.x_star, "cm"),
+        judge(steps, "a, by the slope at θ = 0", example.a, exact.a / 100, "N/cm", candidates=nearest, otherwise=why),
+        judge(steps, "a = kw ρ of Step 1 against ours", own, exact.a / 100, "N/cm", MILLIONTH),
+        judge(steps, "ρ of Step 1, recovered", example.rho, exact.rho / 100, "1/cm", MILLIONTH),
+        judge(steps, "kw of Step 1, recovered", example.kw, exact.kw, "N", MILLIONTH),
+        judge(
+            steps,
+            "ρ of Step 5",
+            example.rho_found,
+            exact.rho / 100,
+            "1/cm",
+            candidates=[Candidate(tuned.rho / 100, f"what follows from the same nearest sample (phase {phase:.3f})")],
+            otherwise="the slope it starts from is the sampled one, see a",
+        ),
+        judge(
+            steps,
+            f"ρ as published: nearest sample, phase {phase:.3f} chosen to meet a, x*1 = {example.x_star1.text} cm",
+            example.rho_found,
+            tuned.rho / 100,
+            "1/cm",
+            Tolerance(relative=2e-5),
+            otherwise="no phase gives both the printed a and the printed ρ",
+        ),
+        judge(steps, "kw as published, from the same sample", example.kw_found, tuned.kw, "N", Tolerance(absolute=0.005)),
+    ]
+
+
+def _nearest(example: Example, phase: float) -> LimitCycle:
+    """The published way: the nearest samples; kx as known from Step 2."""
+    branch = Branch.of(example, phase)
+    near = slice(0, int(np.searchsorted(branch.x, 1e-2 * float(example.x_star1))) + 8)
+    at = 1e-2 * float(example.x_star1)
+    kx = 100 * float(example.kx)
+    return limit_cycle(branch.x[near], branch.force[near], branch.velocity[near], kx=kx, x_star1=at, nearest=True)
+
+
+def _meeting(example: Example, phases: Array, slopes: Array) -> float:
+    """The phase at which the published way gives the a nearest to the printed one."""
+    k = int(np.argmin(np.abs(slopes - float(example.a))))
+    fine = phases[k] + np.linspace(-0.01, 0.01, 41)
+    gaps = [abs(_nearest(example, phase).a / 100 - float(example.a)) for phase in fine]
+    return float(fine[int(np.argmin(gaps))])
+
+
+def _example_figures(example: Example, branch: Branch, exact: LimitCycle) -> list[FigureBlock | Text]:
+    marks = {
+        "x*": (exact.x_star, 0.0),
+        "x*1 as printed": (1e-2 * float(example.x_star1), float(np.interp(1e-2 * float(example.x_star1), exact.x, exact.theta))),
+    }
+    omega, amplitude = 2 * np.pi * float(example.frequency), 1e-2 * float(example.amplitude)
+    t = np.linspace(0.0, 2.0 / float(example.frequency), 4001)
+    x, v = -amplitude * np.cos(omega * t), amplitude * omega * np.sin(omega * t)
+    force = example_damper(example).force(t, x, voltage=0.0, velocity=v)
+    return [
+        FigureBlock(history(t, x, axis=DISPLACEMENT), "Figure 2.3 again: the displacement (input)."),
+        FigureBlock(history(t, force), "Figure 2.3 again: the force (output) of (2.3) and (2.4)."),
+        FigureBlock(theta(exact.x, exact.theta, marks), "Figure 2.4 again: θ on the rising branch, with x* and x*1."),
+    ]
+
+
+def _zero_by_zero(branch: Branch) -> Erratum:
+    fast = float(np.max(np.abs(branch.velocity)))
+    return Erratum(
+        "(2.5)",
+        "kx = (F(0) + F(T+)) / (v(0) + v(T+))",
+        "kx known from elsewhere, such as the plastic region (4.1)",
+        "for a sine both velocities are zero at the turning points: 0/0. Step 2 works on what finite differences leave, "
+        f"{100 * branch.velocity[0]:.3g} cm/s, {abs(branch.velocity[0]) / fast:.1g} of the peak speed",
+    )

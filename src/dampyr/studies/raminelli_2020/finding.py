@@ -1,0 +1,133 @@
+"""What was compared, and what came of it: the verdict follows from the numbers by a stated tolerance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Literal
+
+Outcome = Literal["agrees", "differs", "cannot be checked"]
+Value = float | str | None
+
+
+class Printed(float):
+    """A number as the text prints it, which knows its last digit: ``Printed("4466.3").last_digit`` is 0.1."""
+
+    text: str
+
+    def __new__(cls, text: str) -> Printed:
+        made = super().__new__(cls, text)
+        made.text = text
+        return made
+
+    @property
+    def last_digit(self) -> float:
+        """What one unit in the last printed digit is worth."""
+        return 10.0 ** int(Decimal(self.text).as_tuple().exponent)
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far ours may be from the published value: ``absolute`` + ``relative`` * its size; neither: its printed digits."""
+
+    absolute: float = 0.0
+    relative: float = 0.0
+
+    def allows(self, published: float, ours: float) -> bool:
+        """Whether the two agree."""
+        if not self.absolute and not self.relative:
+            return _digits_agree(published, ours)
+        return abs(ours - published) <= self.absolute + self.relative * abs(published)
+
+    def words(self, unit: str) -> str:
+        """The tolerance for people."""
+        parts = [f"{self.absolute:g} {unit}".rstrip()] if self.absolute else []
+        parts += [f"{100 * self.relative:.3g} %"] if self.relative else []
+        return " + ".join(parts) or "the printed digits, rounded or cut"
+
+
+PRINTED_DIGITS = Tolerance()
+
+
+def _digits_agree(published: float, ours: float) -> bool:
+    """Whether ``ours`` rounds or is cut to the digits that were printed."""
+    unit = published.last_digit if isinstance(published, Printed) else 1e-9 * abs(published)
+    slack = 1e-9 * unit
+    excess = math.copysign(1.0, published) * (ours - published)
+    return abs(excess) <= 0.5 * unit + slack or -slack <= excess < unit
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One quantity of one artefact: the published value, ours from this run, both in ``unit``, and the verdict."""
+
+    artefact: str
+    quantity: str
+    published: Value
+    ours: Value
+    unit: str
+    verdict: Outcome
+    reason: str
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """What else the published number could be: ``words`` say how ``value`` was computed."""
+
+    value: float
+    words: str
+
+
+def judge(
+    artefact: str,
+    quantity: str,
+    published: float,
+    ours: float,
+    unit: str = "",
+    tolerance: Tolerance = PRINTED_DIGITS,
+    candidates: Sequence[Candidate] = (),
+    otherwise: str = "",
+) -> Finding:
+    """Compare; where the two differ, the first candidate that gives the published value is the reason, else ``otherwise``."""
+    gap = ours - published
+    ratio = f" ({100 * gap / abs(published):+.2g} %)" if published else ""
+    off = f"off by {gap:+.3g} {unit}".rstrip() + ratio
+    if not math.isfinite(ours):
+        return Finding(artefact, quantity, published, None, unit, "cannot be checked", f"nothing finite came out; {otherwise}")
+    if tolerance.allows(published, ours):
+        reason = f"{off}; allowed: {tolerance.words(unit)}"
+        return Finding(artefact, quantity, published, ours, unit, "agrees", reason)
+    found = [c for c in candidates if tolerance.allows(published, c.value)]
+    why = f"the printed value is {found[0].words} ({found[0].value:.6g})" if found else otherwise
+    reason = f"{off}; allowed: {tolerance.words(unit)}" + (f". Because: {why}" if why else "")
+    return Finding(artefact, quantity, published, ours, unit, "differs", reason)
+
+
+def claim(artefact: str, quantity: str, published: str, ours: str, holds: bool, reason: str) -> Finding:
+    """A statement of the text without a number, checked by a computation: ``holds`` is its result."""
+    return Finding(artefact, quantity, published, ours, "", "agrees" if holds else "differs", reason)
+
+
+def unchecked(artefact: str, quantity: str, published: Value, unit: str, missing: str) -> Finding:
+    """What cannot be checked here; ``missing`` says what would be needed."""
+    return Finding(artefact, quantity, published, None, unit, "cannot be checked", missing)
+
+
+def overall(findings: Sequence[Finding]) -> Outcome:
+    """The verdict on an artefact: it differs where anything differs, and agrees where anything was checked and all agrees."""
+    verdicts = {f.verdict for f in findings}
+    if "differs" in verdicts:
+        return "differs"
+    return "agrees" if "agrees" in verdicts else "cannot be checked"
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """A slip of the text: what is printed where, what it should be, and why."""
+
+    place: str
+    printed: str
+    correct: str
+    reason: str

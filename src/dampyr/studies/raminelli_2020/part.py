@@ -1,0 +1,34 @@
+"""A part of the study: findings, what stands on the page, and slips of the text that it showed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from dampyr.report import Block, Cell, Table, Verdict
+from dampyr.studies.raminelli_2020.finding import Erratum, Finding
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one chapter or artefact gave."""
+
+    title: str
+    findings: Sequence[Finding]
+    blocks: Sequence[Block]
+    errata: Sequence[Erratum] = ()
+
+
+def findings_table(findings: Sequence[Finding], caption: str = "", digits: int = 6) -> Table:
+    """Published beside ours, with the verdict and its reason."""
+    rows: list[list[Cell]] = [
+        [f.artefact, f.quantity, _shown(f.published), _shown(f.ours), f.unit, Verdict(f.verdict, f.reason)] for f in findings
+    ]
+    columns = ("artefact", "quantity", "published", "ours", "unit", "verdict")
+    align = ("left", "left", "right", "right", "left", "left")
+    return Table(columns, rows, align=align, caption=caption, digits=digits)
+
+
+def _shown(value: float | str | None) -> Cell:
+    text = getattr(value, "text", None)
+    return text if text is not None else value

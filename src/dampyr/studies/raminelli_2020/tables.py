@@ -1,0 +1,224 @@
+"""Tables 4.1 to 4.5: the statistics of the printed rows, and each row again from its own file."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.report import Cell, Table, Text, Verdict
+from dampyr.studies.raminelli_2020.campaign import Campaign, Test
+from dampyr.studies.raminelli_2020.finding import Candidate, Erratum, Finding, Tolerance, judge, overall, unchecked
+from dampyr.studies.raminelli_2020.part import Part, findings_table
+from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published, Row
+
+Array = NDArray[np.float64]
+MOTION = Tolerance(relative=0.05)
+COEFFICIENT = Tolerance(relative=0.10)
+LETTER = {"kx": "kx", "kw": "kw", "rho": "ρ"}
+FETCH = "`dampyr datasets fetch labcontrol`"
+
+
+def table_4_1(published: Published) -> Part:
+    """Mean and standard deviation of Table 4.2's rows."""
+    findings = []
+    for name in PARAMETERS:
+        values = np.array([getattr(row, name) for row in published.table("4.2")])
+        mean, spread = published.table_4_1[name]
+        unit = UNITS[name]
+        none = f"the {values.size} printed rows give another value, and leaving out any one of them does not give it either"
+        ours = float(values.mean()), float(values.std(ddof=1))
+        findings.append(
+            judge("Table 4.1", f"mean of {LETTER[name]}", mean, ours[0], unit, candidates=_means(values), otherwise=none)
+        )
+        findings.append(
+            judge("Table 4.1", f"s.d. of {LETTER[name]}", spread, ours[1], unit, candidates=_spreads(values), otherwise=none)
+        )
+    text = Text("The means and standard deviations (n − 1) follow from the rows that Table 4.2 prints; no data are needed.")
+    return Part("Table 4.1", findings, [text, findings_table(findings)])
+
+
+def _means(values: Array) -> list[Candidate]:
+    """The means of all rows but one."""
+    return [
+        Candidate(float(np.delete(values, k).mean()), f"the mean of the rows without row {k + 1}") for k in range(values.size)
+    ]
+
+
+def _spreads(values: Array) -> list[Candidate]:
+    """The deviations without one row, and with one row counted as zero."""
+    found = []
+    for k in range(values.size):
+        rest = np.delete(values, k)
+        found.append(Candidate(float(rest.std(ddof=1)), f"the deviation of the rows without row {k + 1}"))
+        zeroed = float(np.append(rest, 0.0).std(ddof=1))
+        found.append(Candidate(zeroed, f"the deviation with row {k + 1} counted as 0"))
+    return found
+
+
+def tables(published: Published, campaign: Campaign | None) -> list[Part]:
+    """Tables 4.2 to 4.5, each row from its own file; without the data, what can be said of the printed rows alone."""
+    return [_table(published, table, campaign) for table in TABLES]
+
+
+def _table(published: Published, table: str, campaign: Campaign | None) -> Part:
+    rows = published.table(table)
+    by_row: list[tuple[Row, Test | None, list[Finding]]] = []
+    for row in rows:
+        test = campaign.test(table, row.row) if campaign else None
+        by_row.append((row, test, _row(published, row, test, campaign)))
+    findings = [finding for _, _, found in by_row for finding in found]
+    means = group_means(table, [(row, test) for row, test, _ in by_row if test is not None])
+    title = f"Table {table}: {published.printed_voltages[table].text} V"
+    errata = _repeated(table, rows)
+    text = Text(_about(rows, published, table))
+    if campaign is None:
+        return Part(title, findings, [text, Verdict("cannot be checked", _without())], errata)
+    blocks = [text, _motion_table(by_row), _parameter_table(by_row), findings_table(means, "Means over the rows with a file.")]
+    return Part(title, [*findings, *means], blocks, errata)
+
+
+def _without() -> str:
+    return f"the campaign's files are not on this machine; get them with {FETCH}"
+
+
+def _about(rows: Sequence[Row], published: Published, table: str) -> str:
+    strokes, frequencies = ([getattr(row, name) for row in rows] for name in ("displacement", "frequency"))
+    r = float(np.corrcoef(strokes, frequencies)[0, 1])
+    return (
+        f"Printed for {published.printed_voltages[table].text} V; {published.voltage(table):g} V was applied. Displacement is peak to peak. "
+        f"Displacement and frequency of the printed rows correlate with {r:.2f}, so their effects cannot be told apart.\n\n"
+        f"“Modified” is the method (4.1)-(4.2), on samples faster than half the peak speed and past the turning points; “least squares” is one "
+        f"fit of (2.3)-(2.4) over the whole record. Allowed: {100 * MOTION.relative:g} % for the motion, "
+        f"{100 * COEFFICIENT.relative:g} % for the coefficients of the modified method."
+    )
+
+
+def _row(published: Published, row: Row, test: Test | None, campaign: Campaign | None) -> list[Finding]:
+    where = f"Table {row.table}"
+    names = {"displacement": "mm", "frequency": "Hz"} | UNITS
+    if test is None:
+        missing = "the row has no file in the folder" if campaign else _without()
+        return [
+            unchecked(where, f"row {row.row}: {LETTER.get(k, k)}", getattr(row, k), unit, missing) for k, unit in names.items()
+        ]
+    return [*_motion(where, row, test, published, campaign), *_coefficients(where, row, test)]
+
+
+def _motion(where: str, row: Row, test: Test, published: Published, campaign: Campaign | None) -> list[Finding]:
+    """Printed against measured displacement and frequency; a printed value that another test has is named."""
+    ours = {"displacement": 1e3 * test.measured.peak_to_peak_m, "frequency": test.measured.frequency_hz}
+    assert campaign is not None
+    found = []
+    for name, unit in (("displacement", "mm"), ("frequency", "Hz")):
+        theirs = float(getattr(row, name))
+        other = [t.record.name for t in campaign.validation if name == "frequency" and abs(t.row.label.frequency_hz - theirs) < 1e-9]
+        said = next((s for s in test.disagreements if (" Hz" in s) == (unit == "Hz")), "")
+        why = said + (f"; {theirs:g} Hz is the label of {', '.join(other)}" if other else "")
+        if name == "displacement":
+            why += f"; over the whole record, which drifts, {1e3 * float(np.ptp(test.record.displacement)):.4g} mm" if said else ""
+        found.append(judge(where, f"row {row.row}: {name}", theirs, ours[name], unit, MOTION, (), why))
+    return found
+
+
+def _coefficients(where: str, row: Row, test: Test) -> list[Finding]:
+    """kx, kw and rho of the modified method against the printed ones."""
+    found = []
+    for name in PARAMETERS:
+        ours = getattr(test.plastic, name) / TO_SI[name]
+        why = _why_rho(row, test) if name == "rho" else _why_force(row, test)
+        found.append(judge(where, f"row {row.row}: {LETTER[name]}", getattr(row, name), ours, UNITS[name], COEFFICIENT, (), why))
+    return found
+
+
+def _why_force(row: Row, test: Test) -> str:
+    """Whether kx and kw only trade against each other: the plastic force at the peak speed."""
+    speed = 1e3 * test.measured.peak_speed
+    theirs = row.kx * speed + row.kw
+    ours = test.plastic.kx / TO_SI["kx"] * speed + test.plastic.kw
+    off = ours / theirs - 1
+    same = abs(off) <= COEFFICIENT.relative
+    words = "kx and kw trade against each other on a near-sine" if same else "the text does not say which samples were used"
+    return f"{words}: at the peak speed of {speed:.3g} mm/s the printed pair gives {theirs:.4g} N, ours {ours:.4g} N ({100 * off:+.2g} %)"
+
+
+def _why_rho(row: Row, test: Test) -> str:
+    """Whether the printed rho lies inside the span of the single turning points."""
+    slopes = test.slopes / TO_SI["rho"]
+    low, high = float(slopes.min()), float(slopes.max())
+    inside = low <= row.rho <= high
+    return (
+        f"a hangs on two samples: at the {slopes.size} turning points the samples next to θ = 0 give a/kw from {low:.3g} to {high:.3g} 1/mm "
+        f"(median {float(np.median(slopes)):.3g}); the printed value lies {'inside' if inside else 'outside'} that span"
+    )
+
+
+def group_means(table: str, pairs: Sequence[tuple[Row, Test]]) -> list[Finding]:
+    """The means over the rows that have a file: printed, modified, with least squares in the reason."""
+    found = []
+    for name in PARAMETERS:
+        if not pairs:
+            break
+        theirs = float(np.mean([getattr(row, name) for row, _ in pairs]))
+        ours = float(np.mean([getattr(test.plastic, name) for _, test in pairs])) / TO_SI[name]
+        alone = [t.least_squares.parameters[f"dahl.{name}"] / TO_SI[name] for _, t in pairs if t.least_squares]
+        spans = [float(np.median(t.slopes)) / TO_SI[name] for _, t in pairs]
+        why = f"least squares over whole records gives {float(np.mean(alone)):.4g}"
+        if name == "rho":
+            why += f", two samples around θ = 0 (median over turning points) {float(np.mean(spans)):.4g}"
+        quantity = f"mean of {LETTER[name]} over {len(pairs)} rows"
+        found.append(judge(f"Table {table}", quantity, theirs, ours, UNITS[name], COEFFICIENT, (), why))
+    return found
+
+
+def _motion_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
+    rows: list[list[Cell]] = []
+    for row, test, found in by_row:
+        measured = (1e3 * test.measured.peak_to_peak_m, test.measured.frequency_hz) if test else (None, None)
+        name = test.record.name if test else None
+        rows.append([row.row, name, row.displacement, measured[0], row.frequency, measured[1], _verdict(found[:2])])
+    columns = ("row", "file", "displacement", "measured", "frequency", "measured ", "verdict")
+    return Table(columns, rows, ("", "", "mm", "mm", "Hz", "Hz", ""), caption="The motion: printed, and measured over whole cycles.")
+
+
+def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
+    rows: list[list[Cell]] = []
+    for row, test, found in by_row:
+        cells: list[Cell] = [row.row]
+        for name in PARAMETERS:
+            cells.append(getattr(row, name))
+            cells.append(getattr(test.plastic, name) / TO_SI[name] if test else None)
+            alone = test.least_squares if test else None
+            cells.append(alone.parameters[f"dahl.{name}"] / TO_SI[name] if alone else None)
+        rows.append([*cells, _verdict(found[2:])])
+    columns, units = ["row"], [""]
+    for k, name in enumerate(PARAMETERS):
+        columns += [f"{LETTER[name]} printed", "modified" + " " * k, "least squares" + " " * k]
+        units += [UNITS[name]] * 3
+    caption = "The coefficients: printed, by the modified method, and by least squares."
+    return Table([*columns, "verdict"], rows, [*units, ""], caption=caption, digits=4)
+
+
+def _verdict(found: Sequence[Finding]) -> Verdict:
+    """One verdict for a row: what differs, by how much, and why; the whole of it stands in the JSON."""
+    kind = overall(found)
+    if kind == "cannot be checked":
+        return Verdict(kind, found[0].reason)
+    off = [f"{f.quantity.partition(': ')[2]} {f.reason}" for f in found if f.verdict == "differs"]
+    return Verdict(kind, "; ".join(off))
+
+
+def _repeated(table: str, rows: Sequence[Row]) -> list[Erratum]:
+    """Values that stand more than once in a column where no two measurements would give the same four digits."""
+    twice = {value: n for value, n in Counter(row.rho for row in rows).items() if n > 1}
+    return [
+        Erratum(
+            f"Table {table}",
+            f"ρ = {value:g} in rows {' and '.join(str(r.row) for r in rows if r.rho == value)}",
+            "not known",
+            "two tests with different kx and kw do not give the same six digits; one of them was probably copied",
+        )
+        for value in twice
+    ]

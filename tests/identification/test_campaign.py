@@ -1,0 +1,78 @@
+"""The published campaign, fitted: figures to beat on real records."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dampyr.identification import fit, plastic_region, score
+from dampyr.models import Interpolation, Polynomial
+from dampyr.records import campaign_rows, read_campaign
+
+FLOORS = {0.0: 8.8, 0.8712: 8.0, 1.98: 12.7, 3.212: 14.3}  # %, mean L1 of the plain Dahl model fitted per record
+
+
+@pytest.fixture(scope="module")
+def records(campaign_folder: Path):  # type: ignore[no-untyped-def]
+    return read_campaign(campaign_folder)
+
+
+def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:  # type: ignore[no-untyped-def]
+    fits = {record.name: fit("dahl", record) for record in records}
+    assert len(fits) == 38
+    assert all(found.converged for found in fits.values())
+    for voltage, floor in FLOORS.items():
+        group = [r for r in records if r.voltage == pytest.approx(voltage)]
+        fitted = [fits[r.name].scores[r.name].l1 for r in group]
+        free = [score(fits[r.name].damper, r).l1 for r in group]
+        assert 100 * np.mean(fitted) <= floor
+        assert 100 * np.mean(free) <= floor
+
+
+def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records) -> None:  # type: ignore[no-untyped-def]
+    found = fit("dahl", records)
+    assert found.converged
+    assert found.clusters == "record"
+    means = [np.mean([found.scores[r.name].l1 for r in records if r.voltage == pytest.approx(u)]) for u in FLOORS]
+    assert np.all(100 * np.array(means) < [9.3, 8.0, 13.7, 17.1])
+    assert found.damper.range == (0.0, 3.212)
+
+
+def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:  # type: ignore[no-untyped-def]
+    found = fit(
+        "dahl + hyperbolic_tangent + spring + delay",
+        [r for r in records if r.voltage > 3],
+        fixed={"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0},
+    )
+    assert 100 * np.mean([s.l1 for s in found.scores.values()]) < 6.2
+
+
+def test_the_plastic_region_gives_the_published_friction_without_a_window(records) -> None:  # type: ignore[no-untyped-def]
+    published = {row.file.stem: row.published for row in campaign_rows() if row.file} or {
+        row.file_name.removesuffix(".mat"): row.published for row in campaign_rows() if row.file_name
+    }
+    ours = {r.name: plastic_region(r) for r in records}
+    for voltage, tolerance in ((0.0, 0.15), (0.8712, 0.05), (1.98, 0.07), (3.212, 0.04)):
+        group = [r.name for r in records if r.voltage == pytest.approx(voltage)]
+        mean = np.mean([ours[name].kw for name in group])
+        assert mean == pytest.approx(np.mean([published[name]["kw"] for name in group]), rel=tolerance)
+
+
+def test_the_cubics_pass_through_the_table_means_at_the_true_voltages() -> None:
+    rows = [row for row in campaign_rows() if row.published]
+    volts = np.array(sorted({row.voltage for row in rows}))
+    cubics = {
+        "kx": (802.0, 493.1, 34.2, 85.5),
+        "kw": (50.237, 201.92, -24.866, 3.6157),
+        "rho": (42745.0, -39038.0, 17881.0, -2836.8),
+    }
+    for name, printed in cubics.items():
+        means = np.array([np.mean([r.published[name] for r in rows if r.voltage == u]) for u in volts])
+        if name == "rho":
+            assert abs(means[0] / 42744.8 - 1) == pytest.approx(0.005, abs=0.0003)
+            means[0] = 42744.8
+        through = np.polynomial.polynomial.polyfit(volts, means, 3)
+        law = Polynomial(printed, 0.0, 3.212)
+        assert np.max(np.abs(law(volts) / means - 1)) < 4e-4
+        np.testing.assert_allclose(Polynomial(tuple(through), 0.0, 3.212)(volts), means, rtol=1e-9)
+        assert np.all(np.isfinite(Interpolation(tuple(volts), tuple(means))(np.linspace(0, 3.212, 9))))

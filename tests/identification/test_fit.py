@@ -1,0 +1,198 @@
+"""Least-squares identification: the truth comes back, and what cannot be known is said."""
+
+import numpy as np
+import pytest
+
+from dampyr.errors import InputError
+from dampyr.identification import fit, score
+from dampyr.models import Damper, Interpolation, Polynomial
+from dampyr.records import Record
+from tests.identification.synthetic import sine
+
+VOLTS = (0.0, 1.0, 2.0, 3.0)
+TRUTH = {
+    "dahl.kx": Polynomial((800.0, 500.0, 100.0), 0.0, 3.0),
+    "dahl.kw": Interpolation(VOLTS, (50.0, 210.0, 380.0, 560.0)),
+    "dahl.rho": Polynomial((4000.0, -700.0), 0.0, 3.0),
+}
+
+
+def campaign(damper: Damper, noise: float = 0.0, per_voltage: int = 2) -> list[Record]:
+    return [
+        sine(damper, u, f"{u:g}V-{k}", 0.004 + 0.003 * k, 1.2 - 0.2 * k, noise, offset=100.0 + 7 * k, seed=10 * i + k)
+        for i, u in enumerate(VOLTS)
+        for k in range(per_voltage)
+    ]
+
+
+def test_one_record_gives_back_its_model_its_offset_and_its_start() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    found = fit("dahl", sine(truth, 0.0, w0=-0.6))
+    assert found.converged, found.reason
+    assert list(found.parameters.values()) == pytest.approx([900.0, 70.0, 2500.0], rel=1e-6)
+    assert found.nuisances["test"].offset == pytest.approx(120.0, abs=1e-4)
+    assert found.nuisances["test"].states["dahl.w"] == pytest.approx(-0.6, abs=1e-4)
+
+
+def test_all_six_normalised_bouc_wen_parameters_come_back() -> None:
+    values = {"c0": 600.0, "k0": 900.0, "kw": 120.0, "rho": 700.0, "sigma": 1.6, "n": 1.4}
+    truth = Damper("bouc_wen", {f"bouc_wen.{k}": v for k, v in values.items()})
+    found = fit("bouc_wen", sine(truth, 0.0))
+    assert found.converged, found.reason
+    assert list(found.parameters.values()) == pytest.approx(list(values.values()), rel=1e-4)
+
+
+def test_a_joint_fit_gives_back_laws_over_the_voltage() -> None:
+    truth = Damper("dahl", TRUTH)
+    found = fit("dahl", campaign(truth), laws={"dahl.kx": "polynomial:2", "dahl.rho": "polynomial:1"})
+    assert found.converged, found.reason
+    assert found.damper is not None
+    for name, law in TRUTH.items():
+        np.testing.assert_allclose(found.damper.all_laws[name].coefficients, law.coefficients, rtol=1e-5)
+
+
+def test_a_varying_voltage_gives_a_polynomial_law() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": Polynomial((60.0, 150.0), 0.0, 3.0), "dahl.rho": 2500.0})
+    t = np.arange(0.0, 12.0, 0.005)
+    u = 1.5 + 1.5 * np.sin(1.3 * t)
+    x = 0.01 * np.sin(2 * np.pi * t)
+    v = np.gradient(x, t)
+    record = Record(t, x, truth.force(t, x, voltage=u, velocity=v) + 30.0, velocity=v, voltage=u)
+    found = fit("dahl", record, laws={"dahl.kx": "constant", "dahl.kw": "polynomial:1", "dahl.rho": "constant"})
+    assert found.damper is not None
+    np.testing.assert_allclose(found.damper.coefficients, truth.coefficients, rtol=1e-3)
+
+
+def test_the_first_try_composition_comes_back() -> None:
+    laws = {"dahl.kx": 800.0, "dahl.kw": 60.0, "dahl.rho": 900.0, "spring.k0": 1500.0, "delay.tau": 0.0085}
+    laws |= {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.ft": 90.0}
+    laws |= {"hyperbolic_tangent.v0": 0.008, "hyperbolic_tangent.s": 0.0}
+    truth = Damper("dahl + hyperbolic_tangent + spring + delay", laws)
+    records = [sine(truth, 0.0, f"r{k}", 0.004 + 0.004 * k, 0.5 + 0.4 * k) for k in range(3)]
+    fixed = {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}
+    found = fit("dahl + hyperbolic_tangent + spring + delay", records, fixed=fixed)
+    free = {name: value for name, value in laws.items() if name not in fixed}
+    assert found.parameters == pytest.approx(free, rel=1e-3)
+    assert found.scores["r0"].l1 < 1e-4
+
+
+def test_fixed_parameters_stay_and_are_no_longer_estimated() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    found = fit("dahl", sine(truth, 0.0, noise=1.0), fixed={"dahl.rho": 2500.0})
+    assert "dahl.rho" not in found.parameters
+    assert found.damper is not None
+    assert found.damper.at(0.0).rho == 2500.0
+    assert found.damper.covariance[2, 2] == 0.0
+
+
+def test_errors_with_noise_are_of_the_right_size() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    numbers, errors = [], []
+    for seed in range(24):
+        found = fit("dahl", sine(truth, 0.0, noise=4.0, seed=seed, seconds=12.0))
+        numbers.append(list(found.parameters.values()))
+        errors.append(list(found.stderr.values()))
+    ratio = np.std(numbers, axis=0) / np.mean(errors, axis=0)
+    assert np.all((ratio > 0.6) & (ratio < 1.7)), ratio
+    np.testing.assert_allclose(np.mean(numbers, axis=0), [900.0, 70.0, 2500.0], rtol=0.02)
+
+
+def test_correlated_residuals_widen_the_errors() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    records = []
+    for k in range(12):
+        record = sine(truth, 0.0, f"r{k}")
+        rng = np.random.default_rng(k)
+        gain = 1.0 + 0.05 * rng.standard_normal()
+        records.append(record.replace(note="another gain", force=record.force * gain))
+    found = fit("dahl", records)
+    assert found.clusters == "record"
+    assert found.stderr["dahl.kw"] > 5 * found.naive_stderr["dahl.kw"]
+    assert found.stderr["dahl.kw"] == pytest.approx(70.0 * 0.05 / np.sqrt(12), rel=0.5)
+
+
+def test_what_the_records_do_not_determine_has_an_infinite_error() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    found = fit("dahl + hyperbolic_tangent", sine(truth, 0.0, noise=1.0), fixed={"hyperbolic_tangent.ft": 1e-3,
+                "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0})  # fmt: skip
+    assert found.stderr["dahl.kx"] == np.inf
+    assert found.stderr["hyperbolic_tangent.c"] == np.inf
+    assert np.isfinite(found.stderr["dahl.kw"])
+    assert any("do not determine" in note for note in found.notes)
+
+
+def test_a_record_without_reversal_does_not_give_rho() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    t = np.arange(0.0, 5.0, 0.01)
+    x = 0.004 * t
+    v = np.full(t.size, 0.004)
+    force = truth.force(t, x, voltage=0.0, velocity=v, state0=[1.0])
+    record = Record(t, x, force + np.random.default_rng(0).normal(0, 1, t.size), velocity=v, voltage=0.0)
+    found = fit("dahl", record)
+    assert not np.isfinite(found.stderr["dahl.rho"])
+
+
+def test_an_inverted_force_is_told() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    record = sine(truth, 0.0)
+    found = fit("dahl", record.replace(note="turned round", force=-record.force))
+    assert any("sign inverted" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "options", "words"),
+    [
+        ({"role": "validation"}, {}, "validation record and is never fitted"),
+        ({"voltage": None}, {}, "voltage is not known"),
+        ({"displacement": np.zeros(1200), "velocity": np.zeros(1200)}, {}, "no motion"),
+        ({"force": np.full(1200, 3.0)}, {}, "force is constant at 3 N"),
+        ({}, {"laws": "polynomial:2"}, "cannot give a law"),
+        ({}, {"laws": {"dahl.q": "constant"}}, r"'dahl\.q'; dahl has dahl\.kx"),
+        ({}, {"fixed": {"dahl.rho": -1.0}}, "greater than 0"),
+        ({}, {"fixed": {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 1.0}}, "every parameter is fixed"),
+    ],
+)
+def test_fits_that_cannot_be_are_refused(changes: dict, options: dict, words: str) -> None:  # type: ignore[type-arg]
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    record = sine(truth, 0.0).replace(note="changed", **changes)
+    with pytest.raises(InputError, match=words):
+        fit("dahl", record, **options)
+
+
+def test_laws_that_the_voltages_cannot_carry_are_refused() -> None:
+    damper = Damper("dahl", TRUTH)
+    records = [sine(damper, u, f"{u}") for u in (0.0, 1.0)]
+    with pytest.raises(InputError, match=r"2 inputs cannot give a polynomial of degree 2 .* lower it to 1"):
+        fit("dahl", records, laws="polynomial:2")
+    with pytest.raises(InputError, match="'spline' is no law"):
+        fit("dahl", records, laws="spline")
+
+
+def test_records_of_two_kinds_of_input_are_refused() -> None:
+    damper = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    one, other = sine(damper, 0.0, "a"), sine(damper, 0.0, "b").replace(note="", voltage=None, current=0.1)
+    with pytest.raises(InputError, match="A and V"):
+        fit("dahl", [one, other])
+    with pytest.raises(InputError, match="two records are called 'a'"):
+        fit("dahl", [one, one])
+
+
+def test_a_fit_is_the_same_twice() -> None:
+    records = campaign(Damper("dahl", TRUTH), noise=2.0)
+    assert fit("dahl", records).parameters == fit("dahl", records).parameters
+
+
+def test_the_calibrated_ranges_are_those_of_the_records() -> None:
+    found = fit("dahl", campaign(Damper("dahl", TRUTH)))
+    assert found.damper is not None
+    assert found.damper.range == (0.0, 3.0)
+    assert found.damper.ranges["displacement"][1] == pytest.approx(0.007, rel=0.05)
+    assert found.damper.ranges["frequency"] == pytest.approx((1.0, 1.2), rel=0.02)
+
+
+def test_a_free_run_of_the_fit_scores_like_the_fit() -> None:
+    records = campaign(Damper("dahl", TRUTH), noise=2.0)
+    found = fit("dahl", records)
+    assert found.damper is not None
+    for record in records:
+        assert score(found.damper, record).l1 == pytest.approx(found.scores[record.name].l1, rel=0.02)

@@ -1,0 +1,71 @@
+"""Scores against hand-made errors."""
+
+import numpy as np
+import pytest
+
+from dampyr.errors import InputError
+from dampyr.identification import compare, score
+from dampyr.identification.score import scoring_window
+from dampyr.models import Damper
+from dampyr.records import Record, motion_start
+from tests.identification.synthetic import sine
+
+DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+
+
+def square(n: int = 800) -> Record:
+    """A force of +-100 N about 40 N over a triangle of motion."""
+    t = np.arange(n) * 0.01
+    x = 0.01 * np.abs((t % 2.0) - 1.0)
+    return Record(t, x, np.where((t % 2.0) < 1.0, 140.0, -60.0), voltage=0.0, name="square")
+
+
+def test_the_truth_scores_zero_whatever_the_offset() -> None:
+    found = score(DAHL, sine(DAHL, 0.0, offset=555.0))
+    assert found.l1 < 1e-9
+    assert found.r2 == pytest.approx(1.0)
+    assert found.offset == pytest.approx(555.0)
+    assert found.energy == pytest.approx(0.0, abs=1e-9)
+
+
+def test_every_ratio_of_a_known_error() -> None:
+    record = square()
+    error = np.where(np.arange(record.n) % 2 == 0, 10.0, -10.0)
+    found = compare(record, record.force + error, window=(0.0, 7.99))
+    assert found.l1 == pytest.approx(0.10)
+    assert found.nrmse == pytest.approx(0.10)
+    assert found.r2 == pytest.approx(0.99)
+    assert found.pointwise == pytest.approx(0.10)
+    assert found.peak_force == pytest.approx(0.10)
+
+
+def test_a_constant_error_is_the_offset() -> None:
+    record = square()
+    found = compare(record, record.force - 25.0, window=(0.0, 7.99))
+    assert found.l1 == pytest.approx(0.0, abs=1e-12)
+    assert found.offset == pytest.approx(25.0)
+
+
+def test_energy_of_a_scaled_force() -> None:
+    record = sine(DAHL, 0.0)
+    found = compare(record, 1.2 * (record.force - 120.0))
+    assert found.energy == pytest.approx(0.2, rel=1e-6)
+
+
+def test_the_window_starts_two_seconds_after_the_motion_and_is_told() -> None:
+    record = sine(DAHL, 0.0)
+    found = score(DAHL, record).window
+    assert found.start == pytest.approx(motion_start(record) + 2.0, abs=record.dt)
+    assert found.end == record.time[-1]
+    assert scoring_window(record, settling=0.5).start < found.start
+
+
+def test_a_window_without_samples_is_refused() -> None:
+    with pytest.raises(InputError, match=r"holds 0 samples; the record ends at 5\.99\d* s|holds 0 samples; the record ends"):
+        score(DAHL, sine(DAHL, 0.0), window=(50.0, 60.0))
+
+
+def test_the_wrong_input_is_refused() -> None:
+    record = sine(DAHL, 0.0).replace(note="", voltage=None, current=0.2)
+    with pytest.raises(InputError, match="pass voltage="):
+        score(DAHL, record)

@@ -1,0 +1,48 @@
+"""Compiled kernels: kept on disk, never stale."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import dampyr
+
+PROBE = """
+import sys, numpy as np
+from dampyr.models import Damper
+from dampyr.models.kernels import bind
+from dampyr.models import march
+d = Damper("dahl", {"dahl.kx": 0.0, "dahl.kw": 1.0, "dahl.rho": 100.0})
+f = d.force(np.array([0.0, 1.0]), np.array([0.0, 0.01]), voltage=0.0, velocity=np.zeros(2))
+stats = bind(march.march, (d.composition,)).stats
+print(repr(float(f[-1])), sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
+"""
+
+
+def run(package: Path, cache: Path) -> tuple[float, int, int]:
+    env = os.environ | {"DAMPYR_CACHE": str(cache), "PYTHONPATH": str(package.parent)}
+    done = subprocess.run([sys.executable, "-c", PROBE], env=env, capture_output=True, text=True, check=True)
+    force, hits, misses = done.stdout.split()
+    return float(force), int(hits), int(misses)
+
+
+def test_a_kernel_is_kept_and_an_edited_model_is_compiled_anew(tmp_path: Path) -> None:
+    package, cache = tmp_path / "dampyr", tmp_path / "cache"
+    shutil.copytree(Path(dampyr.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
+    first, hits, misses = run(package, cache)
+    assert (hits, misses) == (0, 1)
+    again, hits, misses = run(package, cache)
+    assert (again, hits, misses) == (first, 1, 0)
+    part = package / "models" / "parts" / "dahl.py"
+    part.write_text(part.read_text().replace("return kx * v + kw * w", "return kx * v + 2.0 * kw * w"))
+    edited, hits, misses = run(package, cache)
+    assert edited == 2 * first
+    assert (hits, misses) == (0, 1)
+
+
+def test_a_cache_that_cannot_be_written_is_no_obstacle(tmp_path: Path) -> None:
+    blocked = tmp_path / "a-file"
+    blocked.write_text("")
+    force, _, _ = run(Path(dampyr.__file__).parent, blocked)
+    assert force > 0
