@@ -124,7 +124,7 @@ def step_2(example: Example, branch: Branch) -> list[Finding]:
 
 def example(example: Example, exact: LimitCycle) -> list[Finding]:
     """Steps 3 to 5: as the method should give them, and as the nearest sample gives them."""
-    phases = np.linspace(-0.5, 0.5, 101)[:-1]
+    phases = np.arange(100) / 100
     slopes = np.array([_nearest(example, phase).a / 100 for phase in phases])
     low, high = float(slopes.min()), float(slopes.max())
     phase = _meeting(example, phases, slopes)
@@ -175,7 +175,7 @@ def _nearest(example: Example, phase: float) -> LimitCycle:
 def _meeting(example: Example, phases: Array, slopes: Array) -> float:
     """The phase at which the published way gives the a nearest to the printed one."""
     k = int(np.argmin(np.abs(slopes - float(example.a))))
-    fine = phases[k] + np.linspace(-0.01, 0.01, 41)
+    fine = np.clip(phases[k] + np.linspace(-0.01, 0.01, 41), 0.0, None)
     gaps = [abs(_nearest(example, phase).a / 100 - float(example.a)) for phase in fine]
     return float(fine[int(np.argmin(gaps))])
 

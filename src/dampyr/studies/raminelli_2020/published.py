@@ -1,4 +1,5 @@
 """The numbers that the dissertation prints, each with the place where it stands, in the printed units."""
+# ruff: noqa: RUF009
 
 from __future__ import annotations
 

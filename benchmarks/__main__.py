@@ -1,0 +1,25 @@
+"""Run every bench of this folder, or those named: ``python -m benchmarks [NAME ...]``."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+from benchmarks._lines import data_folder, machine, show
+from dampyr import catalogue
+
+
+def main(wanted: list[str]) -> None:
+    """Run the benches called ``wanted``, all of them where none is named."""
+    start = time.perf_counter()
+    print(machine())
+    for name in wanted or catalogue.names("benchmarks"):
+        bench = catalogue.member("benchmarks", name)
+        print(f"\n{bench.TITLE}")
+        found = bench.run(data_folder())
+        print(f"  left out: {found}" if isinstance(found, str) else show(found), flush=True)
+    print(f"\n{time.perf_counter() - start:.0f} s in all")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

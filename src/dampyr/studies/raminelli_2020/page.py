@@ -1,0 +1,60 @@
+"""The page: a summary of every artefact, the parts in the order of the text, slips, and what was left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import dampyr
+from dampyr.report import Block, Cell, Section, Table, Text, Verdict, page
+from dampyr.studies.raminelli_2020.finding import Erratum, Finding, overall
+
+if TYPE_CHECKING:
+    from dampyr.studies.raminelli_2020.study import Study
+
+SOURCE = (
+    "J. G. Raminelli, Plataforma de testes dinâmicos para amortecedores magneto-reológicos e representação através de modelos de "
+    "histerese, master's dissertation, UTFPR, Cornélio Procópio, 2020"
+)
+DATA = "Labcontrol (UTFPR), A. N. Vargas: data of the shaking table with MR-damper, v1.0.3, 2021, doi 10.5281/zenodo.4445334"
+
+
+def html(study: Study) -> str:
+    """The whole page."""
+    sections = [Section("Summary", summary(study)), *(Section(part.title, part.blocks) for part in study.parts)]
+    if study.errata:
+        sections.append(Section("Slips of the text", [errata(study.errata)]))
+    sections.append(Section("What was left out", [Text("\n\n".join(study.left_out) or "Nothing.")]))
+    provenance = {
+        "dissertation": SOURCE,
+        "data": f"{DATA}; read from {study.data.name}" if study.data else "the measured files were not there",
+        "software": f"dampyr {dampyr.__version__}",
+    }
+    return page("Raminelli (2020), run again", sections, "Every published number beside ours, with a verdict.", provenance)
+
+
+def summary(study: Study) -> list[Block]:
+    """One line for each table, equation, error and figure."""
+    rows: list[list[Cell]] = [[name, len(found), Verdict(overall(found), _why(found))] for name, found in study.artefacts.items()]
+    text = (
+        "A verdict follows from the two numbers and the tolerance beside it. An artefact differs where one of its numbers does; the reason "
+        "is the first such number's, and the sections below have all. Numbers of tables are in the printed units."
+    )
+    blocks: list[Block] = [Text(text), Table(("artefact", "numbers", "verdict"), rows)]
+    if study.left_out:
+        blocks.append(Verdict("cannot be checked", "left out: " + "; ".join(study.left_out)))
+    return blocks
+
+
+def _why(found: Sequence[Finding]) -> str:
+    """Counts, and the first reason of the verdict."""
+    kind = overall(found)
+    of = [f for f in found if f.verdict == kind]
+    count = f"{len(of)} of {len(found)}: " if len(found) > 1 else ""
+    return f"{count}{of[0].quantity}, {of[0].reason}"
+
+
+def errata(found: Sequence[Erratum]) -> Table:
+    """Slips: printed, what it should be, why."""
+    rows: list[list[Cell]] = [[e.place, e.printed, e.correct, e.reason] for e in found]
+    return Table(("where", "printed", "should be", "because"), rows)

@@ -1,0 +1,124 @@
+"""The run: all parts in the order of the text, the page and the numbers for machines."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from dampyr.errors import MissingData
+from dampyr.records import locate
+from dampyr.studies.raminelli_2020.campaign import Campaign, Progress, load
+from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
+from dampyr.studies.raminelli_2020.chapter_5 import chapter_5
+from dampyr.studies.raminelli_2020.cubics import equations
+from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Outcome, overall
+from dampyr.studies.raminelli_2020.loops import figures_4
+from dampyr.studies.raminelli_2020.part import Part
+from dampyr.studies.raminelli_2020.prediction import errors
+from dampyr.studies.raminelli_2020.published import Published
+from dampyr.studies.raminelli_2020.rig import rig
+from dampyr.studies.raminelli_2020.tables import table_4_1, tables
+
+OUTCOMES: tuple[Outcome, ...] = ("agrees", "differs", "cannot be checked")
+
+
+@dataclass(frozen=True)
+class Study:
+    """Everything that was compared; ``left_out`` says what was not done for lack of data, and how to get them."""
+
+    parts: tuple[Part, ...]
+    data: Path | None
+    left_out: tuple[str, ...]
+    page: Path | None = None
+
+    @property
+    def findings(self) -> list[Finding]:
+        """All comparisons, in the order of the page."""
+        return [finding for part in self.parts for finding in part.findings]
+
+    @property
+    def errata(self) -> list[Erratum]:
+        """Slips of the text."""
+        return [erratum for part in self.parts for erratum in part.errata]
+
+    @property
+    def artefacts(self) -> dict[str, list[Finding]]:
+        """The findings of each table, equation, error and figure."""
+        found: dict[str, list[Finding]] = {}
+        for finding in self.findings:
+            found.setdefault(finding.artefact, []).append(finding)
+        return found
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON: plain numbers in the printed units."""
+        return {
+            "study": "Raminelli (2020)",
+            "data": None if self.data is None else str(self.data),
+            "left_out": list(self.left_out),
+            "artefacts": {name: artefact_summary(found) for name, found in self.artefacts.items()},
+            "findings": [asdict(finding) for finding in self.findings],
+            "errata": [asdict(erratum) for erratum in self.errata],
+            "page": None if self.page is None else str(self.page),
+        }
+
+
+def artefact_summary(found: Sequence[Finding]) -> dict[str, Any]:
+    """The verdict on an artefact, and how many of its numbers have which."""
+    return {"verdict": overall(found), **{kind: sum(f.verdict == kind for f in found) for kind in OUTCOMES}}
+
+
+def run(data: str | Path | None, out: str | Path | None, published: Published, progress: Progress | None) -> Study:
+    """See `dampyr.studies.raminelli_2020.reproduce`."""
+    say = progress or (lambda stage, done: None)
+    folder, left_out = find_data(data)
+    campaign = load(folder, say) if folder else None
+    steps: list[tuple[str, Callable[[], Part | list[Part]]]] = [
+        ("chapter 2", partial(chapter_2, published)),
+        ("table 4.1", partial(table_4_1, published)),
+        ("tables 4.2 to 4.5", partial(tables, published, campaign)),
+        ("equations (4.6) to (4.8)", partial(equations, published)),
+        ("the published errors", partial(errors, published, campaign)),
+        ("figures 4.1 to 4.4", partial(figures_4, published, campaign)),
+        ("chapter 5", partial(chapter_5, published)),
+        ("the rig", partial(rig, published, campaign)),
+    ]
+    parts: list[Part] = []
+    for k, (stage, make) in enumerate(steps):
+        say(f"comparing: {stage}", k / len(steps))
+        made = make()
+        parts += made if isinstance(made, list) else [made]
+    study = Study(tuple(parts), folder, (*left_out, *_absent(campaign)))
+    say("writing the page", 0.0)
+    written = study if out is None else write(study, Path(out))
+    say("writing the page", 1.0)
+    return written
+
+
+def find_data(data: str | Path | None) -> tuple[Path | None, tuple[str, ...]]:
+    """The campaign's folder, or None and what is left out; a folder that was given must hold it."""
+    if data is not None:
+        return locate("labcontrol", root=data), ()
+    try:
+        return locate("labcontrol"), ()
+    except MissingData as problem:
+        return None, (f"everything that needs the measured files (Tables 4.2 to 4.5, both errors, Figures 4.1 to 4.4): {problem}",)
+
+
+def _absent(campaign: Campaign | None) -> list[str]:
+    rows = campaign.absent if campaign else ()
+    return [f"table {row.table}, row {row.row}: no file in the folder" for row in rows]
+
+
+def write(study: Study, out: Path) -> Study:
+    """``reproduce.html`` and ``reproduce.json`` in ``out``; returns the study with its page."""
+    from dampyr.report import write_page
+    from dampyr.studies.raminelli_2020.page import html
+
+    done = Study(study.parts, study.data, study.left_out, write_page(out / "reproduce.html", html(study)))
+    text = json.dumps(done.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
+    (out / "reproduce.json").write_text(text + "\n", encoding="utf-8")
+    return done
