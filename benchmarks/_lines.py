@@ -25,7 +25,14 @@ def show(lines: Sequence[Line]) -> str:
     rows = [("", "median", "fastest", "times", "rounds", "")]
     first = lines[0].median
     rows += [
-        (each.name, spoken(each.median), spoken(each.fastest), f"{each.median / first:.3g}", str(each.rounds), each.error)
+        (
+            each.name,
+            spoken(each.median),
+            spoken(each.fastest),
+            f"{each.median / first:.3g}",
+            str(each.rounds),
+            each.error,
+        )
         for each in lines
     ]
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
@@ -33,7 +40,11 @@ def show(lines: Sequence[Line]) -> str:
 
 
 def _aligned(row: Sequence[str], widths: Sequence[int]) -> str:
-    cells = [row[0].ljust(widths[0]), *(cell.rjust(w) for cell, w in zip(row[1:-1], widths[1:-1], strict=True)), row[-1]]
+    cells = [
+        row[0].ljust(widths[0]),
+        *(cell.rjust(w) for cell, w in zip(row[1:-1], widths[1:-1], strict=True)),
+        row[-1],
+    ]
     return "  " + "  ".join(cells).rstrip()
 
 

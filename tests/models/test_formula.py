@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dampyr.models.flow import flow
-from dampyr.models.formula import partials_of, read, tangent
+from dampyr.models.formula import partials_of, read, tangent, tangents
 
 K = 3.0
 
@@ -75,3 +75,16 @@ def test_what_cannot_be_said_is_refused() -> None:
 
     with pytest.raises(TypeError, match="cannot say"):
         tangent(read(looping, "f"), "d", ["w"])
+
+
+def test_several_directions_at_once_come_with_the_values() -> None:
+    formula = read(everything, "f")
+    names = dict(everything.__globals__)
+    exec(tangents(formula, "both", ["w", "x"], ["p", None]), names)
+    for v in (0.9, 0.1):
+        arguments = (0.4, -0.7, v, 1.3)
+        value, by_p, along = names["both"](*arguments, 0.0, 0.0, 2.0, -0.5)
+        assert value == everything(*arguments)
+        assert by_p == pytest.approx(numeric(everything, arguments, 3), rel=1e-7)
+        expected = 2.0 * numeric(everything, arguments, 0) - 0.5 * numeric(everything, arguments, 1)
+        assert along == pytest.approx(expected, rel=1e-7)

@@ -61,8 +61,12 @@ def command(
     fits = []
     with stages() as progress:
         for k, group in enumerate(groups):
+
+            def show(step: int, _: float, k: int = k) -> None:
+                progress("identifying", (k + step / (step + 20.0)) / len(groups))
+
             progress("identifying", k / len(groups))
-            fits.append(fit(model, group, **options))
+            fits.append(fit(model, group, **options, progress=show))
         progress("identifying", 1.0)
     if as_json:
         told = [_told(f) for f in fits]

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.models.formula import Formula, partials_of, read, tangent
+from dampyr.models.formula import Formula, partials_of, read, tangent, tangents
 from dampyr.models.part import Part, part
 from dampyr.units import Quantity
 
@@ -149,9 +149,12 @@ def _tangents(p: Part) -> dict[str, str]:
             for inner, f in read(function, name).intrinsics().items():
                 texts.setdefault(inner, read(f, inner).source)
             texts[name] = read(function, name).source
-        for unit in (None, *(a for a in formula.arguments if a not in p.states)):
+        ends = ("x1", "v1") if formula is p.advance else formula.arguments
+        for unit in (None, *(a for a in formula.arguments if a in ends and a not in p.states)):
             name = f"{formula.name}_by_{unit or 'states'}"
             texts[name] = tangent(formula, name, states, unit)
+    if p.advance is not None:
+        texts[f"{p.advance.name}_and_tangents"] = _all_ways(p)
     return texts
 
 
@@ -230,20 +233,27 @@ def _columns(composition: Composition, site: int) -> str:
 
 
 def _spread(composition: Composition, site: int) -> str:
-    """Move the tangents D of the states along one piece; called before the states move."""
+    """Move the states and their tangents D along one piece."""
     lines = []
     offset = len(composition.parameters)
     for p, place, states, values in _slots(composition):
         if p.advance is None:
             continue
         used = [k for s, k in zip(p.states, states, strict=True) if s in p.advance.arguments]
-        ways = [(k, name) for name, k in zip(p.parameters, values, strict=True) if name in p.advance.arguments]
-        ways += [(offset + start, "states") for start in states]
-        for column, unit in ways:
-            seeds = "".join(f", D[{j}, {column}]" for j in used)
-            targets = ", ".join(f"D[{k}, {column}]" for k in states)
-            lines.append(f"{targets} = {_call(p.advance, place, seeds, f'_by_{unit}')}")
+        columns = [k for name, k in zip(p.parameters, values, strict=True) if name in p.advance.arguments]
+        columns += [offset + start for start in states]
+        seeds = "".join(f", D[{j}, {column}]" for column in columns for j in used)
+        targets = [f"s[{k}]" for k in states] + [f"D[{k}, {column}]" for column in columns for k in states]
+        lines.append(f"{', '.join(targets)} = {_call(p.advance, place, seeds, '_and_tangents')}")
     return _define("spread", site, "s, D, x0, x1, v0, v1, dt, p", [*lines, "return"])
+
+
+def _all_ways(p: Part) -> str:
+    """The advance of a part with its derivatives by its parameters, and by each state at the start."""
+    assert p.advance is not None
+    used = [s for s in p.states if s in p.advance.arguments]
+    units = [name for name in p.parameters if name in p.advance.arguments]
+    return tangents(p.advance, f"{p.advance.name}_and_tangents", used, [*units, *(None for _ in p.states)])
 
 
 def namespace_of(compositions: tuple[Composition, ...]) -> tuple[str, dict[str, Any]]:

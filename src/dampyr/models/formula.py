@@ -102,32 +102,49 @@ class _Constants(ast.NodeTransformer):
 def tangent(formula: Formula, name: str, active: Iterable[str], unit: str | None = None) -> str:
     """Python text of the forward derivative of ``formula`` in one direction.
 
-    The function takes the arguments of the formula and then a tangent ``d_a`` for each ``a`` of ``active``; the
+    The function takes the arguments of the formula and then a tangent ``d0_a`` for each ``a`` of ``active``; the
     argument called ``unit`` has the tangent 1. It returns the tangent of what the formula returns.
     """
-    active = tuple(active)
-    seeds = {a: f"d_{a}" for a in active}
-    if unit is not None:
-        seeds[unit] = "1.0"
-    body, _ = _Tangent(formula.namespace).block(formula.tree.body, seeds)
-    arguments = ", ".join((*formula.arguments, *(f"d_{a}" for a in active)))
+    return _function(formula, name, tuple(active), [unit], values=False)
+
+
+def tangents(formula: Formula, name: str, active: Iterable[str], units: Iterable[str | None]) -> str:
+    """Python text of ``formula`` with its derivatives in several directions, one for each of ``units``.
+
+    After the arguments of the formula come the tangents of ``active`` for the first direction, then for the second, and so
+    on. It returns one flat tuple: what the formula returns, then the tangents of it, direction by direction. What the
+    directions have in common is computed once.
+    """
+    return _function(formula, name, tuple(active), list(units), values=True)
+
+
+def _function(formula: Formula, name: str, active: tuple[str, ...], units: list[str | None], values: bool) -> str:
+    seeds = []
+    for k, unit in enumerate(units):
+        seeds.append({a: f"d{k}_{a}" for a in active} | ({unit: "1.0"} if unit is not None else {}))
+    body, _ = _Tangent(formula.namespace, values).block(formula.tree.body, seeds)
+    incoming = [f"d{k}_{a}" for k in range(len(units)) for a in active]
+    arguments = ", ".join((*formula.arguments, *incoming))
     return f"def {name}({arguments}):\n" + textwrap.indent("\n".join(body), "    ")
+
+
+Seeds = dict[str, str]
 
 
 class _Tangent:
     """Writes a block of statements with their tangents; a name without an entry in ``seeds`` has tangent zero."""
 
-    def __init__(self, namespace: dict[str, Any]) -> None:
+    def __init__(self, namespace: dict[str, Any], values: bool) -> None:
         self.namespace = namespace
-        self.values: dict[str, str] = {}
+        self.values = values
+        self.computed: dict[str, str] = {}
 
-    def block(self, statements: list[ast.stmt], seeds: dict[str, str]) -> tuple[list[str], dict[str, str]]:
+    def block(self, statements: list[ast.stmt], seeds: list[Seeds]) -> tuple[list[str], list[Seeds]]:
         lines: list[str] = []
         for statement in statements:
             if isinstance(statement, ast.Return):
                 assert statement.value is not None
-                returned = self._returned(statement.value, seeds)
-                lines += [*self._computed(), f"return {returned}"]
+                lines += self._return(statement.value, seeds)
             elif isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name):
                 lines += self._assign(statement.targets[0].id, statement.value, seeds)
             elif isinstance(statement, ast.If):
@@ -136,42 +153,57 @@ class _Tangent:
                 raise TypeError(f"a formula cannot say: {ast.unparse(statement)}")
         return lines, seeds
 
-    def _returned(self, value: ast.expr, seeds: dict[str, str]) -> str:
-        if isinstance(value, ast.Tuple):
-            return "(" + ", ".join(self.of(e, seeds) or "0.0" for e in value.elts) + ")"
-        return self.of(value, seeds) or "0.0"
+    def _return(self, value: ast.expr, seeds: list[Seeds]) -> list[str]:
+        parts = value.elts if isinstance(value, ast.Tuple) else [value]
+        out = [self.of(e, each) or "0.0" for each in seeds for e in parts]
+        if self.values:
+            out = [*(self._plain(e) for e in parts), *out]
+        text = f"({', '.join(out)})" if len(out) > 1 else out[0]
+        return [*self._shared(), f"return {text}"]
 
-    def _assign(self, target: str, value: ast.expr, seeds: dict[str, str]) -> list[str]:
-        derivative = self.of(value, seeds)
-        lines = self._computed() + ([f"d_{target} = {derivative}"] if derivative else [])
-        lines.append(f"{target} = {ast.unparse(value)}")
-        seeds.pop(target, None)
-        if derivative:
-            seeds[target] = f"d_{target}"
-        return lines
+    def _assign(self, target: str, value: ast.expr, seeds: list[Seeds]) -> list[str]:
+        derivatives = [self.of(value, each) for each in seeds]
+        plain = self._plain(value)
+        lines = self._shared()
+        for k, (each, derivative) in enumerate(zip(seeds, derivatives, strict=True)):
+            each.pop(target, None)
+            if derivative:
+                lines.append(f"d{k}_{target} = {derivative}")
+                each[target] = f"d{k}_{target}"
+        return [*lines, f"{target} = {plain}"]
 
-    def _branch(self, statement: ast.If, seeds: dict[str, str]) -> list[str]:
-        sides = [self.block(side, dict(seeds)) for side in (statement.body, statement.orelse)]
-        touched = sorted(set(sides[0][1]) | set(sides[1][1]))
-        for name in touched:
-            ends = [side[1].get(name) for side in sides]
-            if ends[0] != ends[1]:
+    def _branch(self, statement: ast.If, seeds: list[Seeds]) -> list[str]:
+        sides = [self.block(side, [dict(each) for each in seeds]) for side in (statement.body, statement.orelse)]
+        for k, each in enumerate(seeds):
+            for name in sorted(set(sides[0][1][k]) | set(sides[1][1][k])):
+                ends = [side[1][k].get(name) for side in sides]
+                if ends[0] == ends[1]:
+                    each[name] = ends[0] or "0.0"
+                    continue
+                each[name] = f"d{k}_{name}"
                 for (lines, _), end in zip(sides, ends, strict=True):
-                    if end != f"d_{name}":
-                        lines.insert(len(lines), f"d_{name} = {end or '0.0'}")
-                seeds[name] = f"d_{name}"
-            elif ends[0] is not None:
-                seeds[name] = ends[0]
+                    if end != each[name]:
+                        lines.append(f"{each[name]} = {end or '0.0'}")
         text = [f"if {ast.unparse(statement.test)}:", *("    " + line for line in sides[0][0] or ["pass"])]
         if sides[1][0]:
             text += ["else:", *("    " + line for line in sides[1][0])]
-        return "\n".join(text).split("\n")
+        return text
 
-    def _computed(self) -> list[str]:
-        """The values of the intrinsics that the next line needs."""
-        lines = [f"{name} = {text}" for text, name in self.values.items()]
-        self.values = {}
+    def _plain(self, value: ast.expr) -> str:
+        """The expression itself, with what the derivatives have computed already."""
+        text = ast.unparse(value)
+        for call, name in self.computed.items():
+            text = text.replace(call, name)
+        return text
+
+    def _shared(self) -> list[str]:
+        """What the next line needs of the intrinsics: their values and partial derivatives, each computed once."""
+        lines = [f"{name} = {text}" for text, name in self.computed.items()]
+        self.computed = {}
         return lines
+
+    def _once(self, text: str) -> str:
+        return self.computed.setdefault(text, f"shared{len(self.computed)}")
 
     def of(self, node: ast.expr, seeds: dict[str, str]) -> str | None:
         """The tangent of an expression as text, or None where it is zero."""
@@ -215,13 +247,16 @@ class _Tangent:
         if name in DERIVATIVES:
             return tangents[0] and f"{DERIVATIVES[name].format(a=texts[0])}*{tangents[0]}"
         partials = _PARTIALS[self.namespace[name]]
-        value = self.values.setdefault(ast.unparse(node), f"value{len(self.values)}")
+        if not any(tangents):
+            return None
+        value = self._once(ast.unparse(node))
+        arguments = ", ".join([value, *texts])
         terms = [
-            f"{partial.__name__}({', '.join([value, *texts])})*{t}"
+            f"{self._once(f'{partial.__name__}({arguments})')}*{t}"
             for partial, t in zip(partials, tangents, strict=True)
             if t
         ]
-        return f"({' + '.join(terms)})" if terms else None
+        return f"({' + '.join(terms)})"
 
 
 def _sum(a: str | None, b: str | None) -> str | None:

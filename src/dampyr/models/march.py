@@ -42,7 +42,6 @@ def march_columns(t, x, v, a, p, s, D, out, J):  # type: ignore[no-untyped-def]
     for i in range(1, t.size):
         q = p[min(i, last)]
         spread(0, s, D, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
-        advance(0, s, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
         out[i] = force(0, s, x[i], v[i], a[i], q)
         columns(0, s, D, x[i], v[i], a[i], q, J[i])
 

@@ -24,7 +24,7 @@ __all__ = ["PUBLISHED", "Finding", "Published", "damper", "reproduce"]
 def damper(published: Published = PUBLISHED) -> Damper:
     """The published damper: the viscous Dahl model with the cubics (4.6)-(4.8) over the voltage, in SI.
 
-    Calibrated from 0 to 3.212 V (printed as 3.21) and up to half the largest printed peak-to-peak displacement.
+    Calibrated from 0 to 3.212 V (printed as 3.21); other voltages are extrapolated only where asked for by name.
     """
     from dampyr.studies.raminelli_2020.cubics import published_damper
 

@@ -40,7 +40,7 @@ def chapter_5(published: Published) -> Part:
         ranking(ours),
     ]
     errata = [_ground(), _output_sign(cases[names[1]])]
-    return Part("Chapter 5: the building in the earthquake", findings, _blocks(motion, cases, slip, notes, findings), errata)
+    return Part("Chapter 5: the building in the earthquake", findings, _blocks(published, motion, cases, slip, notes, findings), errata)
 
 
 def run_cases(published: Published, motion: GroundMotion, damper: Damper) -> tuple[dict[str, Response], list[str]]:
@@ -165,7 +165,13 @@ def _output_sign(response: Response) -> Erratum:
     )
 
 
+def _stroke(response: Response) -> float:
+    """The largest stroke of the dampers, mm; 0 without any."""
+    return 1e3 * float(np.abs(response.stroke).max()) if response.stroke.size else 0.0
+
+
 def _blocks(
+    published: Published,
     motion: GroundMotion,
     cases: Mapping[str, Response],
     slip: Mapping[str, float],
@@ -182,6 +188,11 @@ def _blocks(
     shown = {name: cases[name].displacement[0] for name in names}
     scaled = f"The hypothesis: the motion scaled {slip['scale']:.4f} times, so that case 1 meets the printed peak, and the damper fed m/s for mm/s. "
     text = [scaled + f"It gives {slip['case 2']:.4f} mm in case 2 and {slip['case 3']:.4f} mm in case 3."]
+    widest = 0.5 * max(row.displacement for row in published.rows)
+    wide = [f"{name} ({_stroke(r):.3g} mm)" for name, r in cases.items() if _stroke(r) > widest]
+    text.append(
+        f"The damper was tested up to {widest:.4g} mm to either side; " + (f"beyond that goes {', '.join(wide)}." if wide else "no case goes beyond.")
+    )
     if notes:
         text.append("Outside the calibration: " + "; ".join(notes) + ".")
     return [
