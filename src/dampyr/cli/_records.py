@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from dampyr.errors import InputError
 
@@ -11,15 +16,39 @@ if TYPE_CHECKING:
     from dampyr.records import Record
 
 
-def gather(
-    paths: tuple[Path, ...],
-    role: str | None = "fit",
-    voltage: float | None = None,
-    current: float | None = None,
-    units: tuple[str, ...] = (),
-    columns: tuple[str, ...] = (),
-) -> list[Record]:
-    """The records in files and campaign folders; ``role`` chooses among those of a folder."""
+@dataclass(frozen=True)
+class Reading:
+    """What the command line says about files that do not say it themselves."""
+
+    voltage: float | None
+    current: float | None
+    units: dict[str, str] | None
+    columns: dict[str, str] | None
+
+
+def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options ``--voltage --current --unit --column``; they come as ``reading``, a `Reading`."""
+
+    @click.option("--voltage", type=float, help="V at the coil, for files that do not hold it.")
+    @click.option("--current", type=float, help="A, for files that do not hold it.")
+    @click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm.")
+    @click.option("--column", "columns", multiple=True, metavar="CHANNEL=NAME", help="Such as force='Load cell'.")
+    @wraps(command)
+    def wrapped(
+        *rest: Any,
+        voltage: float | None,
+        current: float | None,
+        units: tuple[str, ...],
+        columns: tuple[str, ...],
+        **options: Any,
+    ) -> Any:
+        return command(*rest, reading=Reading(voltage, current, pairs(units), pairs(columns)), **options)
+
+    return wrapped
+
+
+def gather(paths: tuple[Path, ...], role: str | None, reading: Reading) -> list[Record]:
+    """The records in files and campaign folders; ``role`` chooses among those of a folder, None takes all."""
     from dampyr import records
 
     found: list[Record] = []
@@ -27,13 +56,10 @@ def gather(
         if path.is_dir():
             found += records.read_campaign(path, role=role)  # type: ignore[arg-type]
         else:
-            found.append(
-                records.read(path, voltage=voltage, current=current, units=pairs(units), columns=pairs(columns))
-            )
+            found.append(records.read(path, **vars(reading)))
     if not found:
-        raise InputError(
-            f"no records in {', '.join(map(str, paths))}; name files, or a folder with campaign.csv or .h5 files"
-        )
+        where = ", ".join(map(str, paths))
+        raise InputError(f"no records in {where}; name files, or a folder with campaign.csv or .h5 files")
     return found
 
 

@@ -20,7 +20,7 @@ LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
 @click.command()
 @as_json_option
 def command(as_json: bool) -> None:
-    """Tell what this machine has: versions, caches, compiler, data sets."""
+    """Tell what this machine has, and what it lacks."""
     findings = [*_machine(), *(_library(name) for name in LIBRARIES), _kernels(), _compiler(), *_data()]
     if as_json:
         print_json([dict(zip(("what", "found", "repair"), each, strict=True)) for each in findings])

@@ -9,9 +9,8 @@ import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
-from dampyr.cli._records import gather, pairs
+from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.errors import InputError
-from dampyr.units import for_people
 
 if TYPE_CHECKING:
     from dampyr.identification import Fit
@@ -26,10 +25,7 @@ if TYPE_CHECKING:
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
-@click.option("--voltage", type=float, help="V at the coil, for files that do not hold it.")
-@click.option("--current", type=float, help="A, for files that do not hold it.")
-@click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm.")
-@click.option("--column", "columns", multiple=True, metavar="CHANNEL=NAME", help="Such as force='Load cell'.")
+@reading_options
 @as_json_option
 def command(
     paths: tuple[Path, ...],
@@ -40,10 +36,7 @@ def command(
     each: bool,
     save: Path | None,
     report: Path | None,
-    voltage: float | None,
-    current: float | None,
-    units: tuple[str, ...],
-    columns: tuple[str, ...],
+    reading: Reading,
     as_json: bool,
 ) -> None:
     """Identify a damper from records by least squares.
@@ -53,7 +46,7 @@ def command(
     """
     from dampyr.identification import fit
 
-    records = gather(paths, "fit", voltage, current, units, columns)
+    records = gather(paths, "fit", reading)
     if each and (save or report):
         raise InputError("--each makes one fit per record and no card; leave out --save and --report, or --each")
     options: dict[str, Any] = {"laws": _laws(laws), "fixed": _numbers(fixed), "bandwidth": bandwidth}
@@ -125,6 +118,8 @@ def _told(fit: Fit) -> dict[str, Any]:
 
 
 def _print(fit: Fit) -> None:
+    from dampyr.units import for_people
+
     rows = []
     for name, value in fit.parameters.items():
         unit, factor = for_people(fit.units[name])
@@ -147,6 +142,8 @@ def _print(fit: Fit) -> None:
 
 
 def _print_each(fits: list[Fit]) -> None:
+    from dampyr.units import for_people
+
     names = list(fits[0].parameters)
     shown = [for_people(fits[0].units[name]) for name in names]
     rows = []

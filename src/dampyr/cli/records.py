@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._records import Reading, gather, reading_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,18 +21,12 @@ UNITS = ["", "", "", "s", "Hz", "mm", "N", ""]
 @click.command()
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--role", type=click.Choice(["fit", "validation", "all"]), default="all", help="Of a campaign.")
-@click.option("--voltage", type=float, help="V at the coil, for files that do not hold it.")
-@click.option("--current", type=float, help="A, for files that do not hold it.")
-@click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm.")
-@click.option("--column", "columns", multiple=True, metavar="CHANNEL=NAME", help="Such as force='Load cell'.")
+@reading_options
 @as_json_option
 def command(
     paths: tuple[Path, ...],
     role: str,
-    voltage: float | None,
-    current: float | None,
-    units: tuple[str, ...],
-    columns: tuple[str, ...],
+    reading: Reading,
     as_json: bool,
 ) -> None:
     """List records, measured and checked.
@@ -42,14 +37,9 @@ def command(
     """
     from dampyr import records
 
-    found, absent = [], []
-    options = {"voltage": voltage, "current": current, "units": _pairs(units), "columns": _pairs(columns)}
-    for path in paths or (records.locate("labcontrol"),):
-        if path.is_dir():
-            found += records.read_campaign(path, role=None if role == "all" else role)  # type: ignore[arg-type]
-            absent += _without_file(path)
-        else:
-            found.append(records.read(path, **options))  # type: ignore[arg-type]
+    places = paths or (records.locate("labcontrol"),)
+    found = gather(places, None if role == "all" else role, reading)
+    absent = [row for path in places if path.is_dir() for row in _without_file(path)]
     told = [_told(record) for record in found]
     if as_json:
         print_json({"records": told, "rows_without_file": absent})
@@ -58,14 +48,6 @@ def command(
     else:
         notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent]
         print_table(f"{len(told)} records", COLUMNS, [_row(each) for each in told], UNITS, notes=notes)
-
-
-def _pairs(given: tuple[str, ...]) -> dict[str, str] | None:
-    """``CHANNEL=VALUE`` options as a dictionary."""
-    for pair in given:
-        if "=" not in pair:
-            raise InputError(f"{pair!r} names no channel; write it as in displacement=mm")
-    return dict(pair.split("=", 1) for pair in given) or None
 
 
 def _without_file(folder: Path) -> list[dict[str, Any]]:

@@ -15,11 +15,21 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option("--data", type=click.Path(path_type=Path), help="The campaign's folder; by default where dampyr finds it.")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("dampyr-reproduce"), show_default=True, help="For the page.")
+@click.option(
+    "--data", type=click.Path(path_type=Path), help="The campaign's folder; by default where dampyr finds it."
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("dampyr-reproduce"),
+    show_default=True,
+    help="Where the page goes.",
+)
 @as_json_option
 def command(data: Path | None, out: Path, as_json: bool) -> None:
-    """Run Raminelli (2020) again: the published value beside ours, a verdict on each.
+    """Run Raminelli (2020) again, with a verdict on each number.
+
+    The published value stands beside ours.
 
     Writes reproduce.html and reproduce.json. Without the measured files all that needs none is done, and what was
     left out is told.

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
-from dampyr.cli._records import gather
+from dampyr.cli._records import Reading, gather, reading_options
 
 
 @click.command()
@@ -15,10 +15,7 @@ from dampyr.cli._records import gather
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--role", type=click.Choice(["fit", "validation", "all"]), default="all", help="Of a campaign folder.")
 @click.option("--settling", default=2.0, show_default=True, help="s after the motion starts that are not scored.")
-@click.option("--voltage", type=float, help="V at the coil, for files that do not hold it.")
-@click.option("--current", type=float, help="A, for files that do not hold it.")
-@click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm.")
-@click.option("--column", "columns", multiple=True, metavar="CHANNEL=NAME", help="Such as force='Load cell'.")
+@reading_options
 @click.option("--allow-extrapolation", is_flag=True, help="Also inputs that the card was not calibrated on.")
 @as_json_option
 def command(
@@ -26,10 +23,7 @@ def command(
     paths: tuple[Path, ...],
     role: str,
     settling: float,
-    voltage: float | None,
-    current: float | None,
-    units: tuple[str, ...],
-    columns: tuple[str, ...],
+    reading: Reading,
     allow_extrapolation: bool,
     as_json: bool,
 ) -> None:
@@ -42,7 +36,7 @@ def command(
     from dampyr.models import Damper
 
     damper = Damper.load(card)
-    records = gather(paths, None if role == "all" else role, voltage, current, units, columns)
+    records = gather(paths, None if role == "all" else role, reading)
     seen = {name.strip() for name in damper.provenance.get("records", "").split(",")}
     scores = {r.name: score(damper, r, settling, allow_extrapolation=allow_extrapolation) for r in records}
     if as_json:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,18 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.design import Column, columns
-from dampyr.identification.pieces import Piece, Start, linearise, piece
+from dampyr.identification.design import columns
+from dampyr.identification.pieces import Piece, linearise, piece
 from dampyr.identification.score import Score, compare
-from dampyr.identification.solver import Outcome, Point, Problem, projected_cost, search, with_theta
+from dampyr.identification.solver import Outcome, Problem, search
+from dampyr.identification.starting import begin
 from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.models import Composition, Damper, compose
-from dampyr.models.part import Scale
 from dampyr.records import Record, measure
 
 Array = NDArray[np.float64]
-MOST_STARTS = 48
-SCANNED_SAMPLES = 4000
 
 
 @dataclass(frozen=True)
@@ -149,72 +146,6 @@ def _check(records: list[Record]) -> None:
         raise InputError(f"two records are called {twice!r}; rename one, so that results can be told apart")
 
 
-def begin(problem: Problem) -> Point:
-    """From where the search begins: the best of the parts' proposals, tried at each input apart."""
-    neutral = _neutral(problem)
-    groups: dict[float, list[int]] = {}
-    for k, one in enumerate(problem.pieces):
-        groups.setdefault(float(np.mean(one.u)), []).append(k)
-    best = {u: _best_start(problem, neutral, members) for u, members in groups.items()}
-    theta = neutral.theta.copy()
-    inputs = np.array(sorted(best))
-    for column, span in zip(problem.columns, problem.slices, strict=True):
-        key = column.name
-        if column.size and all(key in best[u] for u in inputs):
-            values = np.array([best[u][key] for u in inputs])
-            theta[span] = [values[int(np.argmin(np.abs(inputs - knot)))] for knot in column.knots]
-            if column.kind == "constant":
-                theta[span] = float(np.median(values))
-    return with_theta(neutral, theta)
-
-
-def _neutral(problem: Problem) -> Point:
-    theta = np.concatenate(
-        [np.full(c.size, max(c.quantity.low, 0.0) + 1e-9 * c.quantity.open_low) for c in problem.columns]
-    )
-    states = np.zeros(problem.composition.n_states)
-    starts = tuple(Start(float(np.mean(p.force)) if problem.offset else 0.0, states) for p in problem.pieces)
-    return Point(theta, starts)
-
-
-def _best_start(problem: Problem, neutral: Point, members: list[int]) -> dict[str, float]:
-    """The proposal with the lowest cost on the records at one input, of which at most two are tried, shortened."""
-    chosen = members[:: max(1, len(members) // 2)][:2]
-    pieces = [_shortened(problem.pieces[k]) for k in chosen]
-    inputs = [float(np.mean(p.u)) for p in pieces]
-    singles = [Column(c.name, c.quantity, "constant", (inputs[0],), c.fixed) for c in problem.columns]
-    small = Problem(problem.composition, singles, pieces, problem.offset)
-    at = _neutral(small)
-    best: tuple[float, dict[str, float]] = (np.inf, {})
-    for proposal in _proposals(problem, pieces):
-        theta = at.theta.copy()
-        for column, span in zip(singles, small.slices, strict=True):
-            if column.size and column.name in proposal:
-                theta[span] = proposal[column.name]
-        cost = projected_cost(small, with_theta(at, theta))
-        if cost < best[0]:
-            best = (cost, proposal)
-    return best[1]
-
-
-def _shortened(one: Piece) -> Piece:
-    n = min(one.t.size, SCANNED_SAMPLES)
-    u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
-    return Piece(one.name, one.t[:n], one.x[:n], one.v[:n], one.force[:n], u, one.weight, one.cycle[:n], one.unit)
-
-
-def _proposals(problem: Problem, pieces: list[Piece]) -> list[dict[str, float]]:
-    stroke = float(np.median([np.ptp(p.x) for p in pieces]))
-    speed = float(np.median([np.quantile(np.abs(p.v), 0.95) for p in pieces]))
-    scale = Scale(stroke, max(speed, 1e-9), float(np.median([np.median(np.diff(p.t)) for p in pieces])))
-    lists = [
-        [{f"{p.name}.{key}": value for key, value in start.items()} for start in p.starts(scale)]
-        for p in problem.composition.parts
-    ]
-    joined = [{k: v for part in combination for k, v in part.items()} for combination in itertools.product(*lists)]
-    return joined[:MOST_STARTS]
-
-
 def _report(problem: Problem, outcome: Outcome, records: tuple[Record, ...], bandwidth: float | None) -> Fit:
     known = uncertainty(problem, outcome.point, outcome.at_limit)
     labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
@@ -268,6 +199,12 @@ def _notes(problem: Problem, outcome: Outcome, known: Uncertainty, labels: list[
     blind = [labels[k] for k in known.blind]
     if blind:
         notes.append(f"the records do not determine {', '.join(blind)} (infinite error)")
+    errors = np.sqrt(np.diag(known.covariance))
+    vague = [k for k in np.flatnonzero(errors > np.abs(outcome.point.theta)) if np.isfinite(errors[k])]
+    if vague:
+        notes.append(
+            f"the error of {', '.join(labels[k] for k in vague)} is larger than the value: the records hardly hold it"
+        )
     few = int(np.min(np.delete(known.counts, list(outcome.at_limit)), initial=10**6))
     if known.clusters == "cycle" and few < 10:
         notes.append(f"errors rest on {few} cycles only; they are rough")

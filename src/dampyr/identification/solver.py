@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -280,8 +280,3 @@ def projected_cost(problem: Problem, point: Point) -> float:
     """The cost at ``point`` with the linear unknowns at their optimum, without moving there."""
     here = system(problem, point)
     return here.cost(here.solve(here.linear))
-
-
-def with_theta(point: Point, theta: Array) -> Point:
-    """``point`` with other coefficients."""
-    return replace(point, theta=theta)

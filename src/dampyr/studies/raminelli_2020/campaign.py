@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from dampyr.records import (
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 JOINT = "dahl + hyperbolic_tangent + spring + delay"
+JOINT_BANDWIDTH = 15.0  # Hz
 JOINT_FIXED = {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}  # one dashpot, that of dahl; no shift
 
 
@@ -93,9 +95,16 @@ def _joint(tests: list[Test], progress: Progress) -> Fit | None:
     records = [test.record for test in tests if test.row.role == "fit"]
     if len({record.input_value for record in records}) < 2:
         return None
-    progress("one model for all records", 0.0)
-    found = fit(JOINT, records, fixed=JOINT_FIXED, progress=lambda k, _: progress("one model for all records", min(k / 70, 1.0)))
-    progress("one model for all records", 1.0)
+    stage = "one model for all records"
+    progress(stage, 0.0)
+    found = fit(
+        JOINT,
+        records,
+        fixed=JOINT_FIXED,
+        bandwidth=JOINT_BANDWIDTH,
+        progress=lambda k, _: progress(stage, min(k / 70, 1.0)),
+    )
+    progress(stage, 1.0)
     return found
 
 
@@ -106,7 +115,7 @@ def crossing_slopes(record: Record, plastic: PlasticRegion) -> Array:
     points = points[(points >= found[0][0]) & (points <= found[-1][1])]
     theta = record.force - plastic.offset - plastic.kx * record.velocity
     slopes = []
-    for first, last in zip(points[:-1], points[1:]):
+    for first, last in pairwise(points):
         side = np.sign(record.displacement[last] - record.displacement[first])
         x, q = side * record.displacement[first : last + 1], side * theta[first : last + 1]
         up = np.flatnonzero((q[:-1] < 0) & (q[1:] >= 0))

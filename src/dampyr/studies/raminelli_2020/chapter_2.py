@@ -19,6 +19,7 @@ from dampyr.studies.raminelli_2020.published import BoucWenLetters, Example, Pub
 Array = NDArray[np.float64]
 DT = 1.25e-4  # s; the sampling that the velocities of Step 2 imply, tested below
 MILLIONTH = Tolerance(relative=1e-6)
+GREEK = {"alpha": "α", "beta": "β", "gamma": "γ", "A": "A", "n": "n"}
 PICTURE = "the points of the curve: the text has the caption only, the figure itself is a picture; ours is drawn anew"
 
 
@@ -30,8 +31,8 @@ def chapter_2(published: Published) -> Part:
     exact = limit_cycle(sampled.x, sampled.force, sampled.velocity)
     findings = [*found, *step_2(published.example, sampled), *example(published.example, exact)]
     findings += [unchecked(f"Figure {k}", "the curve", None, "", PICTURE) for k in ("2.2", "2.3", "2.4")]
-    blocks = [block, *_example_figures(published.example, sampled, exact)]
-    return Part("Chapter 2: the method on numbers", findings, [*blocks, findings_table(findings)], [erratum, _zero_by_zero(sampled)])
+    blocks = [block, *_example_figures(published.example, sampled, exact), findings_table(findings)]
+    return Part("Chapter 2: the method on numbers", findings, blocks, [erratum, _zero_by_zero(sampled)])
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class Loop:
 
 def bouc_wen_loop(letters: BoucWenLetters) -> Loop:
     """Three cycles of a sine long enough to saturate: alpha z is the force of a Bouc-Wen part without spring and dashpot."""
-    model = from_printed(0.0, 0.0, float(letters.alpha), float(letters.A), float(letters.beta), float(letters.gamma), float(letters.n))
+    shape = {name: float(getattr(letters, name)) for name in ("alpha", "A", "beta", "gamma", "n")}
+    model = from_printed(c0=0.0, k0=0.0, **shape)
     names = ("c0", "k0", "kw", "rho", "sigma", "n")
     damper = Damper("bouc_wen", {f"bouc_wen.{name}": getattr(model, name) for name in names})
     t = np.linspace(0.0, 3.0, 12_001)
@@ -68,13 +70,16 @@ def figure_2_2(letters: BoucWenLetters, loop: Loop) -> tuple[list[Finding], Erra
         "(2.1)",
         "α dz/dt",
         "α z",
-        f"run twice as fast along the same path, z changes by {same:.1g} and the largest dz/dt {speed[1] / speed[0]:.3f} times: only α z "
-        "is the rate-independent hysteresis that the text describes, and only α z has the unit of the other terms",
+        f"run twice as fast along the same path, z changes by {same:.1g} and the largest dz/dt "
+        f"{speed[1] / speed[0]:.3f} times: "
+        "a hysteretic force that does not depend on the speed needs α z, and only α z has the unit of the other terms",
     )
-    z = Axis("hysteretic state z", "unit of α⁻¹ N")
-    figure = phase_portrait(Axis("x", "printed unit"), z, {"(2.2)": (loop.x, loop.z)}, {"(A/(β+γ))^(1/n)": limit})
-    caption = f"Figure 2.2 again: {', '.join(f'{k} = {float(getattr(letters, k)):g}' for k in ('alpha', 'beta', 'gamma', 'A', 'n'))}."
-    return [finding], erratum, FigureBlock(figure, caption)
+    z = Axis("hysteretic state z", "unit of x")
+    figure = phase_portrait(
+        Axis("displacement x", "unit of x"), z, {"(2.2)": (loop.x, loop.z)}, {"(A/(β+γ))^(1/n)": limit}
+    )
+    said = ", ".join(f"{name} = {getattr(letters, key).text}" for key, name in GREEK.items())
+    return [finding], erratum, FigureBlock(figure, f"Figure 2.2 again: {said}.")
 
 
 @dataclass(frozen=True)
@@ -96,7 +101,7 @@ class Branch:
         velocity = (-amplitude * np.cos(omega * (t + DT)) - x) / DT
         force = example_damper(example).force(t, x, voltage=0.0, velocity=velocity)
         rising = slice(2 * half, 3 * half)
-        return cls(t[rising], x[rising], velocity[rising], force[rising])
+        return cls(*(np.asarray(values[rising]) for values in (t, x, velocity, force)))
 
 
 def example_damper(example: Example) -> Damper:
@@ -114,7 +119,13 @@ def step_2(example: Example, branch: Branch) -> list[Finding]:
     kx = (branch.force[0] + branch.force[k]) / (branch.velocity[0] + branch.velocity[k]) / 100
     where = "Section 2.4, step 2"
     return [
-        judge(where, "velocity at 0, forward difference of 0.125 ms samples", example.velocity_0, 100 * branch.velocity[0], "cm/s"),
+        judge(
+            where,
+            f"velocity at 0, forward difference, {1e3 * DT:g} ms",
+            example.velocity_0,
+            100 * branch.velocity[0],
+            "cm/s",
+        ),
         judge(where, f"velocity {at_T}", example.velocity_T, 100 * branch.velocity[k], "cm/s"),
         judge(where, "force at 0", example.force_0, branch.force[0], "N"),
         judge(where, f"force {at_T}", example.force_T, branch.force[k], "N"),
@@ -124,7 +135,7 @@ def step_2(example: Example, branch: Branch) -> list[Finding]:
 
 def example(example: Example, exact: LimitCycle) -> list[Finding]:
     """Steps 3 to 5: as the method should give them, and as the nearest sample gives them."""
-    phases = np.arange(100) / 100
+    phases = np.arange(50) / 50
     slopes = np.array([_nearest(example, phase).a / 100 for phase in phases])
     low, high = float(slopes.min()), float(slopes.max())
     phase = _meeting(example, phases, slopes)
@@ -132,7 +143,10 @@ def example(example: Example, exact: LimitCycle) -> list[Finding]:
     band = f"a from the sample nearest to θ = 0 lies between {low:.5g} and {high:.5g} N/cm, as the sampling falls"
     inside = low <= example.a <= high
     why = f"{band}; the printed value lies {'inside' if inside else 'outside'} that band"
-    nearest = [Candidate(tuned.a / 100, f"that of the nearest sample with its phase {phase:.3f} of a sample off the turning point")]
+    words = (
+        f"that of the sample nearest to θ = 0, with the first sample {phase:.3f} of an interval after the turning point"
+    )
+    nearest = [Candidate(tuned.a / 100, words)]
     steps = "Section 2.4, steps 3 to 5"
     own = float(example.kw) * float(example.rho)
     return [
@@ -159,7 +173,9 @@ def example(example: Example, exact: LimitCycle) -> list[Finding]:
             Tolerance(relative=2e-5),
             otherwise="no phase gives both the printed a and the printed ρ",
         ),
-        judge(steps, "kw as published, from the same sample", example.kw_found, tuned.kw, "N", Tolerance(absolute=0.005)),
+        judge(
+            steps, "kw as published, from the same sample", example.kw_found, tuned.kw, "N", Tolerance(absolute=0.005)
+        ),
     ]
 
 
@@ -175,16 +191,14 @@ def _nearest(example: Example, phase: float) -> LimitCycle:
 def _meeting(example: Example, phases: Array, slopes: Array) -> float:
     """The phase at which the published way gives the a nearest to the printed one."""
     k = int(np.argmin(np.abs(slopes - float(example.a))))
-    fine = np.clip(phases[k] + np.linspace(-0.01, 0.01, 41), 0.0, None)
+    fine = np.clip(phases[k] + np.linspace(-0.02, 0.02, 41), 0.0, None)
     gaps = [abs(_nearest(example, phase).a / 100 - float(example.a)) for phase in fine]
     return float(fine[int(np.argmin(gaps))])
 
 
 def _example_figures(example: Example, branch: Branch, exact: LimitCycle) -> list[FigureBlock | Text]:
-    marks = {
-        "x*": (exact.x_star, 0.0),
-        "x*1 as printed": (1e-2 * float(example.x_star1), float(np.interp(1e-2 * float(example.x_star1), exact.x, exact.theta))),
-    }
+    second = 1e-2 * float(example.x_star1)
+    marks = {"x*": (exact.x_star, 0.0), "x*1 as printed": (second, float(np.interp(second, exact.x, exact.theta)))}
     omega, amplitude = 2 * np.pi * float(example.frequency), 1e-2 * float(example.amplitude)
     t = np.linspace(0.0, 2.0 / float(example.frequency), 4001)
     x, v = -amplitude * np.cos(omega * t), amplitude * omega * np.sin(omega * t)

@@ -43,7 +43,7 @@ class Tolerance:
 
     def words(self, unit: str) -> str:
         """The tolerance for people."""
-        parts = [f"{self.absolute:g} {unit}".rstrip()] if self.absolute else []
+        parts = [f"{self.absolute:g} {'points' if unit == '%' else unit}".rstrip()] if self.absolute else []
         parts += [f"{100 * self.relative:.3g} %"] if self.relative else []
         return " + ".join(parts) or "the printed digits, rounded or cut"
 
@@ -92,17 +92,27 @@ def judge(
 ) -> Finding:
     """Compare; where the two differ, the first candidate that gives the published value is the reason, else ``otherwise``."""
     gap = ours - published
-    ratio = f" ({100 * gap / abs(published):+.2g} %)" if published else ""
-    off = f"off by {gap:+.3g} {unit}".rstrip() + ratio
+    off = _off(gap, published, unit)
     if not math.isfinite(ours):
-        return Finding(artefact, quantity, published, None, unit, "cannot be checked", f"nothing finite came out; {otherwise}")
+        return Finding(
+            artefact, quantity, published, None, unit, "cannot be checked", f"nothing finite came out; {otherwise}"
+        )
     if tolerance.allows(published, ours):
         reason = f"{off}; allowed: {tolerance.words(unit)}"
         return Finding(artefact, quantity, published, ours, unit, "agrees", reason)
     found = [c for c in candidates if tolerance.allows(published, c.value)]
-    why = f"the printed value is {found[0].words} ({found[0].value:.6g})" if found else otherwise
+    why = f"the printed value is {found[0].words} ({found[0].value:.8g})" if found else otherwise
     reason = f"{off}; allowed: {tolerance.words(unit)}" + (f". Because: {why}" if why else "")
     return Finding(artefact, quantity, published, ours, unit, "differs", reason)
+
+
+def _off(gap: float, published: float, unit: str) -> str:
+    """How far off, in the unit and relative to the published value."""
+    said = f"off by {gap:+.3g} {'points' if unit == '%' else unit}".rstrip()
+    if not published or unit == "%":
+        return said
+    ratio = gap / abs(published)
+    return said + (f" ({100 * ratio:+.2g} %)" if abs(ratio) < 10 else f" ({ratio + 1:.3g} times)")
 
 
 def claim(artefact: str, quantity: str, published: str, ours: str, holds: bool, reason: str) -> Finding:

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from dampyr.studies.raminelli_2020.study import Study
 
 SOURCE = (
-    "J. G. Raminelli, Plataforma de testes dinâmicos para amortecedores magneto-reológicos e representação através de modelos de "
+    "J. G. Raminelli, Plataforma de testes dinâmicos para amortecedores magneto-reológicos e representação "
+    "através de modelos de "
     "histerese, master's dissertation, UTFPR, Cornélio Procópio, 2020"
 )
 DATA = "Labcontrol (UTFPR), A. N. Vargas: data of the shaking table with MR-damper, v1.0.3, 2021, doi 10.5281/zenodo.4445334"
@@ -30,14 +31,19 @@ def html(study: Study) -> str:
         "data": f"{DATA}; read from {study.data.name}" if study.data else "the measured files were not there",
         "software": f"dampyr {dampyr.__version__}",
     }
-    return page("Raminelli (2020), run again", sections, "Every published number beside ours, with a verdict.", provenance)
+    return page(
+        "Raminelli (2020), run again", sections, "Every published number beside ours, with a verdict.", provenance
+    )
 
 
 def summary(study: Study) -> list[Block]:
     """One line for each table, equation, error and figure."""
-    rows: list[list[Cell]] = [[name, len(found), Verdict(overall(found), _why(found))] for name, found in study.artefacts.items()]
+    rows: list[list[Cell]] = [
+        [name, len(found), Verdict(overall(found), _why(found))] for name, found in study.artefacts.items()
+    ]
     text = (
-        "A verdict follows from the two numbers and the tolerance beside it. An artefact differs where one of its numbers does; the reason "
+        "A verdict follows from the two numbers and the tolerance beside it. An artefact differs where one of "
+        "its numbers does; the reason "
         "is the first such number's, and the sections below have all. Numbers of tables are in the printed units."
     )
     blocks: list[Block] = [Text(text), Table(("artefact", "numbers", "verdict"), rows)]

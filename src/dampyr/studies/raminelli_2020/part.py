@@ -22,7 +22,8 @@ class Part:
 def findings_table(findings: Sequence[Finding], caption: str = "", digits: int = 6) -> Table:
     """Published beside ours, with the verdict and its reason."""
     rows: list[list[Cell]] = [
-        [f.artefact, f.quantity, _shown(f.published), _shown(f.ours), f.unit, Verdict(f.verdict, f.reason)] for f in findings
+        [f.artefact, f.quantity, _shown(f.published), _shown(f.ours), f.unit, Verdict(f.verdict, f.reason)]
+        for f in findings
     ]
     columns = ("artefact", "quantity", "published", "ours", "unit", "verdict")
     align = ("left", "left", "right", "right", "left", "left")

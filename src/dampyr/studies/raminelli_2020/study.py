@@ -105,7 +105,10 @@ def find_data(data: str | Path | None) -> tuple[Path | None, tuple[str, ...]]:
     try:
         return locate("labcontrol"), ()
     except MissingData as problem:
-        return None, (f"everything that needs the measured files (Tables 4.2 to 4.5, both errors, Figures 4.1 to 4.4): {problem}",)
+        what = (
+            "everything that needs the measured files (Tables 4.2 to 4.5, both errors, Figures 4.1 to 4.4, Table A.2)"
+        )
+        return None, (f"{what}: {problem}",)
 
 
 def _absent(campaign: Campaign | None) -> list[str]:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.report import Cell, Table, Text, Verdict
+from dampyr.report import Block, Cell, Table, Text, Verdict
 from dampyr.studies.raminelli_2020.campaign import Campaign, Test
 from dampyr.studies.raminelli_2020.finding import Candidate, Erratum, Finding, Tolerance, judge, overall, unchecked
 from dampyr.studies.raminelli_2020.part import Part, findings_table
@@ -31,19 +31,32 @@ def table_4_1(published: Published) -> Part:
         none = f"the {values.size} printed rows give another value, and leaving out any one of them does not give it either"
         ours = float(values.mean()), float(values.std(ddof=1))
         findings.append(
-            judge("Table 4.1", f"mean of {LETTER[name]}", mean, ours[0], unit, candidates=_means(values), otherwise=none)
+            judge(
+                "Table 4.1", f"mean of {LETTER[name]}", mean, ours[0], unit, candidates=_means(values), otherwise=none
+            )
         )
         findings.append(
-            judge("Table 4.1", f"s.d. of {LETTER[name]}", spread, ours[1], unit, candidates=_spreads(values), otherwise=none)
+            judge(
+                "Table 4.1",
+                f"s.d. of {LETTER[name]}",
+                spread,
+                ours[1],
+                unit,
+                candidates=_spreads(values),
+                otherwise=none,
+            )
         )
-    text = Text("The means and standard deviations (n − 1) follow from the rows that Table 4.2 prints; no data are needed.")
+    text = Text(
+        "The means and standard deviations (n − 1) follow from the rows that Table 4.2 prints; no data are needed."
+    )
     return Part("Table 4.1", findings, [text, findings_table(findings)])
 
 
 def _means(values: Array) -> list[Candidate]:
     """The means of all rows but one."""
     return [
-        Candidate(float(np.delete(values, k).mean()), f"the mean of the rows without row {k + 1}") for k in range(values.size)
+        Candidate(float(np.delete(values, k).mean()), f"the mean of the rows without row {k + 1}")
+        for k in range(values.size)
     ]
 
 
@@ -76,7 +89,12 @@ def _table(published: Published, table: str, campaign: Campaign | None) -> Part:
     text = Text(_about(rows, published, table))
     if campaign is None:
         return Part(title, findings, [text, Verdict("cannot be checked", _without())], errata)
-    blocks = [text, _motion_table(by_row), _parameter_table(by_row), findings_table(means, "Means over the rows with a file.")]
+    blocks: list[Block] = [
+        text,
+        _motion_table(by_row),
+        _parameter_table(by_row), _reasons(by_row),
+        findings_table(means, "Means over the rows with a file."),
+    ]
     return Part(title, [*findings, *means], blocks, errata)
 
 
@@ -88,10 +106,12 @@ def _about(rows: Sequence[Row], published: Published, table: str) -> str:
     strokes, frequencies = ([getattr(row, name) for row in rows] for name in ("displacement", "frequency"))
     r = float(np.corrcoef(strokes, frequencies)[0, 1])
     return (
-        f"Printed for {published.printed_voltages[table].text} V; {published.voltage(table):g} V was applied. Displacement is peak to peak. "
-        f"Displacement and frequency of the printed rows correlate with {r:.2f}, so their effects cannot be told apart.\n\n"
-        f"“Modified” is the method (4.1)-(4.2), on samples faster than half the peak speed and past the turning points; “least squares” is one "
-        f"fit of (2.3)-(2.4) over the whole record. Allowed: {100 * MOTION.relative:g} % for the motion, "
+        f"Printed for {published.printed_voltages[table].text} V; {published.voltage(table):g} V was applied. "
+        "Displacement is peak to "
+        f"peak. Displacement and frequency of the printed rows correlate with {r:.2f}, so their effects cannot "
+        "be told apart.\n\n"
+        "“Modified” is the method (4.1)-(4.2), on samples faster than half the peak speed and past the turning points; “least "
+        f"squares”, “fitted” in the table, is one fit of (2.3)-(2.4) over the whole record. Allowed: {100 * MOTION.relative:g} % for the motion, "
         f"{100 * COEFFICIENT.relative:g} % for the coefficients of the modified method."
     )
 
@@ -102,7 +122,8 @@ def _row(published: Published, row: Row, test: Test | None, campaign: Campaign |
     if test is None:
         missing = "the row has no file in the folder" if campaign else _without()
         return [
-            unchecked(where, f"row {row.row}: {LETTER.get(k, k)}", getattr(row, k), unit, missing) for k, unit in names.items()
+            unchecked(where, f"row {row.row}: {LETTER.get(k, k)}", getattr(row, k), unit, missing)
+            for k, unit in names.items()
         ]
     return [*_motion(where, row, test, published, campaign), *_coefficients(where, row, test)]
 
@@ -114,11 +135,14 @@ def _motion(where: str, row: Row, test: Test, published: Published, campaign: Ca
     found = []
     for name, unit in (("displacement", "mm"), ("frequency", "Hz")):
         theirs = float(getattr(row, name))
-        other = [t.record.name for t in campaign.validation if name == "frequency" and abs(t.row.label.frequency_hz - theirs) < 1e-9]
+        other = [
+            t.record.name for t in campaign.validation if unit == "Hz" and abs(t.row.label.frequency_hz - theirs) < 1e-9
+        ]
         said = next((s for s in test.disagreements if (" Hz" in s) == (unit == "Hz")), "")
         why = said + (f"; {theirs:g} Hz is the label of {', '.join(other)}" if other else "")
         if name == "displacement":
-            why += f"; over the whole record, which drifts, {1e3 * float(np.ptp(test.record.displacement)):.4g} mm" if said else ""
+            whole = 1e3 * float(np.ptp(test.record.displacement))
+            why += f"; over the whole record, which drifts, {whole:.4g} mm" if said else ""
         found.append(judge(where, f"row {row.row}: {name}", theirs, ours[name], unit, MOTION, (), why))
     return found
 
@@ -129,7 +153,8 @@ def _coefficients(where: str, row: Row, test: Test) -> list[Finding]:
     for name in PARAMETERS:
         ours = getattr(test.plastic, name) / TO_SI[name]
         why = _why_rho(row, test) if name == "rho" else _why_force(row, test)
-        found.append(judge(where, f"row {row.row}: {LETTER[name]}", getattr(row, name), ours, UNITS[name], COEFFICIENT, (), why))
+        quantity = f"row {row.row}: {LETTER[name]}"
+        found.append(judge(where, quantity, getattr(row, name), ours, UNITS[name], COEFFICIENT, (), why))
     return found
 
 
@@ -140,8 +165,11 @@ def _why_force(row: Row, test: Test) -> str:
     ours = test.plastic.kx / TO_SI["kx"] * speed + test.plastic.kw
     off = ours / theirs - 1
     same = abs(off) <= COEFFICIENT.relative
-    words = "kx and kw trade against each other on a near-sine" if same else "the text does not say which samples were used"
-    return f"{words}: at the peak speed of {speed:.3g} mm/s the printed pair gives {theirs:.4g} N, ours {ours:.4g} N ({100 * off:+.2g} %)"
+    words = (
+        "kx and kw trade against each other on a near-sine" if same else "the text does not say which samples were used"
+    )
+    forces = f"the printed pair gives {theirs:.4g} N, ours {ours:.4g} N ({100 * off:+.2g} %)"
+    return f"{words}: at the peak speed of {speed:.3g} mm/s {forces}"
 
 
 def _why_rho(row: Row, test: Test) -> str:
@@ -150,7 +178,7 @@ def _why_rho(row: Row, test: Test) -> str:
     low, high = float(slopes.min()), float(slopes.max())
     inside = low <= row.rho <= high
     return (
-        f"a hangs on two samples: at the {slopes.size} turning points the samples next to θ = 0 give a/kw from {low:.3g} to {high:.3g} 1/mm "
+        f"at {slopes.size} turning points the two samples next to θ = 0 give a/kw from {low:.3g} to {high:.3g} 1/mm "
         f"(median {float(np.median(slopes)):.3g}); the printed value lies {'inside' if inside else 'outside'} that span"
     )
 
@@ -180,7 +208,8 @@ def _motion_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> T
         name = test.record.name if test else None
         rows.append([row.row, name, row.displacement, measured[0], row.frequency, measured[1], _verdict(found[:2])])
     columns = ("row", "file", "displacement", "measured", "frequency", "measured ", "verdict")
-    return Table(columns, rows, ("", "", "mm", "mm", "Hz", "Hz", ""), caption="The motion: printed, and measured over whole cycles.")
+    units = ("", "", "mm", "mm", "Hz", "Hz", "")
+    return Table(columns, rows, units, caption="The motion: printed, and measured over whole cycles.")
 
 
 def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
@@ -195,19 +224,30 @@ def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -
         rows.append([*cells, _verdict(found[2:])])
     columns, units = ["row"], [""]
     for k, name in enumerate(PARAMETERS):
-        columns += [f"{LETTER[name]} printed", "modified" + " " * k, "least squares" + " " * k]
+        columns += [f"{LETTER[name]} printed", "modified" + " " * k, "fitted" + " " * k]
         units += [UNITS[name]] * 3
     caption = "The coefficients: printed, by the modified method, and by least squares."
     return Table([*columns, "verdict"], rows, [*units, ""], caption=caption, digits=4)
 
 
 def _verdict(found: Sequence[Finding]) -> Verdict:
-    """One verdict for a row: what differs, by how much, and why; the whole of it stands in the JSON."""
+    """One verdict for a row, naming what differs; `_reasons` says why."""
     kind = overall(found)
     if kind == "cannot be checked":
-        return Verdict(kind, found[0].reason)
-    off = [f"{f.quantity.partition(': ')[2]} {f.reason}" for f in found if f.verdict == "differs"]
-    return Verdict(kind, "; ".join(off))
+        return Verdict(kind, "no file")
+    return Verdict(kind, ", ".join(_name(f) for f in found if f.verdict == "differs"))
+
+
+def _name(finding: Finding) -> str:
+    return finding.quantity.partition(": ")[2]
+
+
+def _reasons(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
+    """Why rows differ, one line for each number that does."""
+    rows: list[list[Cell]] = [
+        [row.row, _name(f), f.reason] for row, _, found in by_row for f in found if f.verdict == "differs"
+    ]
+    return Table(("row", "number", "what differs, and why"), rows)
 
 
 def _repeated(table: str, rows: Sequence[Row]) -> list[Erratum]:
