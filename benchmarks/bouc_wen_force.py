@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +26,8 @@ def run(data: Path | None) -> list[Line]:
     runge_kutta = compiled()
     contenders: dict[str, Callable[[], Any]] = {"dampyr, exact": lambda: _damper(EXPONENT).force(t, x, 0.0, velocity=v)}
     for substeps in (10, 50, 250):
-        contenders[f"RK4, {substeps} substeps"] = lambda k=substeps: (
-            C0 * v + KW * runge_kutta(x, RHO, SIGMA, EXPONENT, k)
-        )
-    reference = C0 * v + KW * runge_kutta(x, RHO, SIGMA, EXPONENT, 2000)
+        contenders[f"RK4, {substeps} substeps"] = partial(stepped, runge_kutta, x, v, substeps)
+    reference = stepped(runge_kutta, x, v, 2000)
     size = np.max(np.abs(reference))
     errors = {name: f"error {np.max(np.abs(c() - reference)) / size:.1e} of the peak" for name, c in contenders.items()}
     contenders["dampyr, exact, n = 2"] = lambda: _damper(2.0).force(t, x, 0.0, velocity=v)
@@ -40,15 +39,20 @@ def _damper(n: float) -> Damper:
     return Damper("bouc_wen", {f"bouc_wen.{name}": value for name, value in names.items()})
 
 
+def stepped(runge_kutta: Callable[..., Any], x: Any, v: Any, substeps: int) -> Any:
+    """The force by Runge-Kutta."""
+    return C0 * v + KW * runge_kutta(x, RHO, SIGMA, EXPONENT, substeps)
+
+
 def compiled() -> Callable[..., Any]:
     """Classical Runge-Kutta in the path, ``substeps`` to a sample, compiled by numba."""
     from numba import njit
 
-    @njit(error_model="numpy")  # type: ignore[untyped-decorator]
+    @njit(error_model="numpy")
     def rate(w: float, s: float, sigma: float, n: float) -> float:
         return s - sigma * abs(w) ** (n - 1.0) * w + (sigma - 1.0) * s * abs(w) ** n
 
-    @njit(error_model="numpy")  # type: ignore[untyped-decorator]
+    @njit(error_model="numpy")
     def march(x: Any, rho: float, sigma: float, n: float, substeps: int) -> Any:
         w, out = 0.0, np.zeros(x.size)
         for i in range(1, x.size):

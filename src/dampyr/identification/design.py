@@ -47,7 +47,7 @@ class Column:
         if self.kind == "constant":
             return np.ones_like(at)
         if self.kind == "interpolation":
-            return np.asarray(np.isclose(at, knots, rtol=1e-9, atol=1e-12), dtype=float)
+            return np.asarray(np.abs(at - knots) <= 1e-12 + 1e-9 * np.abs(knots), dtype=float)
         rows = [
             np.prod((at - np.delete(knots, k)) / (knots[k] - np.delete(knots, k)), axis=-1) for k in range(knots.size)
         ]

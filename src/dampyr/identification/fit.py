@@ -122,8 +122,11 @@ def fit(
     if not any(column.size for column in made):
         raise InputError("every parameter is fixed; leave at least one free")
     problem = Problem(composition, made, pieces, offset=not composition.static)
-    outcome = search(problem, begin(problem), progress)
-    return _report(problem, outcome, tuple(listed), bandwidth)
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, "blas"):  # thousands of small factorisations: threads would only wait for one another
+        outcome = search(problem, begin(problem), progress)
+        return _report(problem, outcome, tuple(listed), bandwidth)
 
 
 def _composition(model: str | Composition) -> Composition:

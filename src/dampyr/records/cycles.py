@@ -8,6 +8,7 @@ mean position moves none.
 from __future__ import annotations
 
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from dampyr.records.record import Array, Record
 FRACTION_OF_LEG = 0.25
 FIRST_FRACTION_OF_RANGE = 0.05
 LIKE_THE_OTHERS = 0.7
+_known: WeakKeyDictionary[Record, NDArray[np.int64]] = WeakKeyDictionary()  # records never change, and all rooms ask
 
 
 def turning_points(record: Record, threshold: float | None = None) -> NDArray[np.int64]:
@@ -27,12 +29,15 @@ def turning_points(record: Record, threshold: float | None = None) -> NDArray[np
     opposite directions. By default the threshold is a quarter of the median distance between turning points.
     Rest before the motion and the ends of the record are none.
     """
-    x = record.displacement
-    if threshold is None:
-        threshold = _threshold(x)
-    elif not threshold > 0:
-        raise InputError(f"threshold = {threshold:g} m is not allowed; it must be greater than 0")
-    return _zigzag(x, threshold) if threshold > 0 else np.zeros(0, dtype=np.int64)
+    if threshold is not None:
+        if not threshold > 0:
+            raise InputError(f"threshold = {threshold:g} m is not allowed; it must be greater than 0")
+        return _zigzag(record.displacement, threshold)
+    if record not in _known:
+        own = _threshold(record.displacement)
+        _known[record] = _zigzag(record.displacement, own) if own > 0 else np.zeros(0, dtype=np.int64)
+        _known[record].setflags(write=False)
+    return _known[record]
 
 
 def legs(record: Record) -> Array:

@@ -26,6 +26,7 @@ from dampyr.records import (
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 JOINT = "dahl + hyperbolic_tangent + spring + delay"
+JOINT_LAWS = {"dahl.rho": "constant", "delay.tau": "constant"}  # one pre-sliding path, and one lag: the rig's
 JOINT_BANDWIDTH = 15.0  # Hz
 JOINT_FIXED = {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}  # one dashpot, that of dahl; no shift
 
@@ -100,9 +101,10 @@ def _joint(tests: list[Test], progress: Progress) -> Fit | None:
     found = fit(
         JOINT,
         records,
+        laws=JOINT_LAWS,
         fixed=JOINT_FIXED,
         bandwidth=JOINT_BANDWIDTH,
-        progress=lambda k, _: progress(stage, min(k / 70, 1.0)),
+        progress=lambda k, _: progress(stage, min(k / 20, 1.0)),
     )
     progress(stage, 1.0)
     return found

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 DT = 1.25e-4  # s; the sampling that the velocities of Step 2 imply, tested below
 MILLIONTH = Tolerance(relative=1e-6)
 GREEK = {"alpha": "α", "beta": "β", "gamma": "γ", "A": "A", "n": "n"}
-PICTURE = "the points of the curve: the text has the caption only, the figure itself is a picture; ours is drawn anew"
+PICTURE = "the text has the caption only, its figure is a picture; ours is drawn anew"
 
 
 def chapter_2(published: Published) -> Part:
@@ -135,47 +135,48 @@ def step_2(example: Example, branch: Branch) -> list[Finding]:
 
 def example(example: Example, exact: LimitCycle) -> list[Finding]:
     """Steps 3 to 5: as the method should give them, and as the nearest sample gives them."""
-    phases = np.arange(50) / 50
-    slopes = np.array([_nearest(example, phase).a / 100 for phase in phases])
-    low, high = float(slopes.min()), float(slopes.max())
-    phase = _meeting(example, phases, slopes)
-    tuned = _nearest(example, phase)
-    band = f"a from the sample nearest to θ = 0 lies between {low:.5g} and {high:.5g} N/cm, as the sampling falls"
-    inside = low <= example.a <= high
-    why = f"{band}; the printed value lies {'inside' if inside else 'outside'} that band"
-    words = (
-        f"that of the sample nearest to θ = 0, with the first sample {phase:.3f} of an interval after the turning point"
-    )
-    nearest = [Candidate(tuned.a / 100, words)]
-    steps = "Section 2.4, steps 3 to 5"
-    own = float(example.kw) * float(example.rho)
+    steps, own = "Section 2.4, steps 3 to 5", float(example.kw) * float(example.rho)
     return [
-        judge(steps, "x* where θ = 0", example.x_star, 100 * exact.x_star, "cm"),
-        judge(steps, "a, by the slope at θ = 0", example.a, exact.a / 100, "N/cm", candidates=nearest, otherwise=why),
-        judge(steps, "a = kw ρ of Step 1 against ours", own, exact.a / 100, "N/cm", MILLIONTH),
+        judge("Figure 2.4", "x* where θ = 0", example.x_star, 100 * exact.x_star, "cm"),
+        judge(steps, "a = kw ρ of Step 1, recovered", own, exact.a / 100, "N/cm", MILLIONTH),
         judge(steps, "ρ of Step 1, recovered", example.rho, exact.rho / 100, "1/cm", MILLIONTH),
         judge(steps, "kw of Step 1, recovered", example.kw, exact.kw, "N", MILLIONTH),
-        judge(
-            steps,
-            "ρ of Step 5",
-            example.rho_found,
-            exact.rho / 100,
-            "1/cm",
-            candidates=[Candidate(tuned.rho / 100, f"what follows from the same nearest sample (phase {phase:.3f})")],
-            otherwise="the slope it starts from is the sampled one, see a",
+        *as_published(steps, example, exact),
+    ]
+
+
+def as_published(steps: str, example: Example, exact: LimitCycle) -> list[Finding]:
+    """The printed a, rho and kw: exact, and from the nearest sample with its phase chosen to meet the printed rho alone."""
+    phases = np.arange(50) / 50
+    trials = [_nearest(example, phase) for phase in phases]
+    phase = _meeting(example, phases, trials)
+    tuned = _nearest(example, phase)
+    slopes = [trial.a / 100 for trial in trials]
+    low, high = min(slopes), max(slopes)
+    side = "inside" if low <= example.a <= high else "outside"
+    band = f"by the nearest sample a lies in {low:.5g} to {high:.5g} N/cm, as the sampling falls; the printed one is {side}"
+    shift = f"with the first sample {phase:.3f} of an interval after the turning point"
+    at_a = [
+        Candidate(
+            tuned.a / 100, f"that of the sample nearest to θ = 0, {shift}, which also gives the printed ρ; {band}"
+        )
+    ]
+    at_rho = [Candidate(tuned.rho / 100, f"that of the sample nearest to θ = 0, {shift} (chosen for it)")]
+    none = f"no phase of the sampling gives it; {band}"
+    found = (
+        ("a of Step 4", example.a, exact.a, tuned.a, "N/cm", at_a),
+        ("ρ of Step 5", example.rho_found, exact.rho, tuned.rho, "1/cm", at_rho),
+    )
+    by_sample = "from the sample nearest to θ = 0, x*1 as printed"
+    return [
+        *(
+            judge(steps, f"{name}, exact", p, e / 100, unit, candidates=c, otherwise=none)
+            for name, p, e, _, unit, c in found
         ),
         judge(
-            steps,
-            f"ρ as published: nearest sample, phase {phase:.3f} chosen to meet a, x*1 = {example.x_star1.text} cm",
-            example.rho_found,
-            tuned.rho / 100,
-            "1/cm",
-            Tolerance(relative=2e-5),
-            otherwise="no phase gives both the printed a and the printed ρ",
+            steps, f"a of Step 4, {by_sample}, phase chosen to meet ρ", example.a, tuned.a / 100, "N/cm", otherwise=none
         ),
-        judge(
-            steps, "kw as published, from the same sample", example.kw_found, tuned.kw, "N", Tolerance(absolute=0.005)
-        ),
+        judge(steps, f"kw of Step 5, {by_sample}", example.kw_found, tuned.kw, "N"),
     ]
 
 
@@ -188,12 +189,22 @@ def _nearest(example: Example, phase: float) -> LimitCycle:
     return limit_cycle(branch.x[near], branch.force[near], branch.velocity[near], kx=kx, x_star1=at, nearest=True)
 
 
-def _meeting(example: Example, phases: Array, slopes: Array) -> float:
-    """The phase at which the published way gives the a nearest to the printed one."""
-    k = int(np.argmin(np.abs(slopes - float(example.a))))
-    fine = np.clip(phases[k] + np.linspace(-0.02, 0.02, 41), 0.0, None)
-    gaps = [abs(_nearest(example, phase).a / 100 - float(example.a)) for phase in fine]
-    return float(fine[int(np.argmin(gaps))])
+def _meeting(example: Example, phases: Array, trials: list[LimitCycle]) -> float:
+    """The phase at which the nearest sample gives the rho nearest to the printed one."""
+
+    def gap(phase: float, known: LimitCycle | None = None) -> float:
+        return (known or _nearest(example, phase)).rho / 100 - float(example.rho_found)
+
+    gaps = np.array([gap(phase, trial) for phase, trial in zip(phases, trials, strict=True)])
+    best = float(phases[np.argmin(np.abs(gaps))])
+    for k in np.flatnonzero(np.sign(gaps[:-1]) != np.sign(gaps[1:])):
+        low, high = float(phases[k]), float(phases[k + 1])
+        for _ in range(16):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if np.sign(gap(middle)) == np.sign(gaps[k]) else (low, middle)
+        if abs(gap(low)) < abs(gap(best)):
+            best = low
+    return best
 
 
 def _example_figures(example: Example, branch: Branch, exact: LimitCycle) -> list[FigureBlock | Text]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from dampyr.errors import DampyrWarning
-from dampyr.ground_motions import GroundMotion, el_centro
+from dampyr.ground_motions import GroundMotion, el_centro, read
 from dampyr.models import Damper
 from dampyr.report import Block, Cell, FigureBlock, Table, Text, building_response, ground_motion
 from dampyr.structures import Response, respond, state_space, two_storey
@@ -20,12 +21,14 @@ from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Tolerance, c
 from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.published import Published
 
+MILLIONTH = Tolerance(relative=1e-6)
+MOTION_FILE = "ElCentroData.mat"
 PERCENT = Tolerance(relative=0.01)
 ALSO = (1.98, 3.21)
 CASE = ("case 1, no damper", "case 2, 0 V", "case 3")
 
 
-def chapter_5(published: Published) -> Part:
+def chapter_5(published: Published, data: Path | None = None) -> Part:
     """Figs. 5.1 and 5.4, the peaks and the percentages."""
     motion, damper = el_centro(), published_damper(published)
     cases, notes = run_cases(published, motion, damper)
@@ -33,7 +36,7 @@ def chapter_5(published: Published) -> Part:
     ours = [1e3 * float(cases[name].peak_displacement[0]) for name in names[:3]]
     slip = unit_slip(published, motion, damper, ours[0])
     findings = [
-        unchecked("Figure 5.1", "the curve", None, "", PICTURE),
+        *laboratory_motion(motion, data),
         unchecked("Figure 5.4", "the curves", None, "", PICTURE),
         *peaks(published, names, ours, slip),
         *reductions(published, ours),
@@ -46,6 +49,26 @@ def chapter_5(published: Published) -> Part:
         _blocks(published, motion, cases, slip, notes, findings),
         errata,
     )
+
+
+def laboratory_motion(motion: GroundMotion, data: Path | None) -> list[Finding]:
+    """Figure 5.1 is a picture; the laboratory's own file of the motion, where it lies beside the data, is the built-in one."""
+    known = [folder / MOTION_FILE for folder in (data, data.parent, data.parent / "ground-motions")] if data else []
+    found = next((path for path in known if path.is_file()), None)
+    curve = unchecked("Figure 5.1", "the curve", None, "", PICTURE)
+    if found is None:
+        missing = f"the laboratory's {MOTION_FILE} is not beside the data"
+        return [curve, unchecked("Figure 5.1", "the motion's samples", None, "", missing)]
+    theirs = np.trim_zeros(np.asarray(read(found, units="g").acceleration))
+    ours = np.trim_zeros(np.asarray(motion.acceleration))
+    same = theirs.shape == ours.shape
+    reason = f"{theirs.size} samples in {MOTION_FILE}, {ours.size} in the built-in motion, zeros at the ends aside"
+    peaks = [float(np.abs(values).max()) for values in (theirs, ours)]
+    if same:
+        reason += f"; they differ by {float(np.max(np.abs(theirs - ours))):.1g} m/s² at most"
+    judged = judge("Figure 5.1", f"peak acceleration (published: {MOTION_FILE})", peaks[0], peaks[1], "m/s²", MILLIONTH)
+    alike = same and bool(np.allclose(theirs, ours, rtol=1e-6, atol=1e-6))
+    return [curve, judged, claim("Figure 5.1", "the motion's samples", MOTION_FILE, motion.name, alike, reason)]
 
 
 def run_cases(published: Published, motion: GroundMotion, damper: Damper) -> tuple[dict[str, Response], list[str]]:

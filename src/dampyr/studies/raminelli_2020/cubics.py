@@ -135,7 +135,7 @@ def at_printed_voltages(
             )
             found.append(
                 judge(
-                    EQUATION[name],
+                    "Printed voltages",
                     quantity,
                     law(published, name, shown),
                     float(mean),
@@ -158,7 +158,7 @@ def all_ten_rows(published: Published, applied: Sequence[float]) -> list[Finding
     quantity = f"ρ: coefficient of v{POWERS[worst]} with the mean of all ten rows at 0 V (the one that misses most)"
     return [
         judge(
-            "(4.8)",
+            "(4.8) from all ten rows",
             quantity,
             published.cubics["rho"][worst],
             float(ours[worst]),
@@ -183,7 +183,18 @@ def extrapolation(published: Published, applied: Sequence[float]) -> list[Findin
         f"chapter 5 uses the cubics at {used:g} V, outside of their range; ρ({used:g} V) = {there:.4g} 1/mm, and {end}"
     )
     quantity = "the highest voltage (published: used in case 3; ours: tested)"
-    return [judge("(4.8)", quantity, published.highest_voltage, max(applied), "V", Tolerance(relative=0.01), (), why)]
+    return [
+        judge(
+            "Range of (4.6) to (4.8)",
+            quantity,
+            published.highest_voltage,
+            max(applied),
+            "V",
+            Tolerance(relative=0.01),
+            (),
+            why,
+        )
+    ]
 
 
 def _figure(published: Published, applied: Sequence[float], rho_0: float) -> Figure:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from dampyr.report import Block, Cell, Table, Verdict
+from dampyr.report.page import number
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding
 
 
@@ -32,4 +33,7 @@ def findings_table(findings: Sequence[Finding], caption: str = "", digits: int =
 
 def _shown(value: float | str | None) -> Cell:
     text = getattr(value, "text", None)
-    return text if text is not None else value
+    if text is None:
+        return value
+    digits = len(text.partition("e")[0].replace("-", "").replace(".", "").lstrip("0"))
+    return number(float(text), digits) if "e" in text else text.replace("-", "−")

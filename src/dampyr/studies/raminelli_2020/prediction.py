@@ -72,8 +72,10 @@ def errors(published: Published, campaign: Campaign | None) -> Part:
         ]
         return Part(TITLE, found, [findings_table(found)])
     text = Text(
-        "The text names the L1 ratio (3.1) for both. “Pointwise mean” is the mean of |error| / |force| over the samples; it hangs "
-        "on those where the force passes through zero, so it says little about a model. Several readings are given, and a printed "
+        "The text names the L1 ratio (3.1) for both. “Pointwise mean” is the mean of |error| / |force| over "
+        "the samples; it hangs "
+        "on those where the force passes through zero, so it says little about a model. Several readings are "
+        "given, and a printed "
         "value that one of them meets is not thereby explained."
     )
     at_0, block_0 = error_at_0(published, campaign)
@@ -130,7 +132,7 @@ def near(printed: float, readings: Readings) -> str:
         if HALF_A_POINT.allows(printed, v)
     ]
     said = f"{len(hits)} within half a point of the printed value" + (": " + ", ".join(hits) if hits else "")
-    return f"{len(means)} readings run from {low:.3g} to {high:.3g} %, {said}"
+    return f"{len(means)} readings run from {low:.1f} to {high:.0f} %, {said}"
 
 
 def _three_runs(single: Array) -> str:
@@ -197,10 +199,10 @@ def joint_model(published: Published, campaign: Campaign) -> list[Block]:
     return [
         Text(
             "One model for all voltages, fitted to all records of the tables together: Dahl, a rounded "
-            "friction force, a spring and a "
-            f"delay, every parameter a law of the voltage ({ended}). The validation run was not fitted; the "
-            "other rows say how well "
-            "a model describes what it was fitted to."
+            "friction force, a spring and "
+            f"a delay; ρ and the delay are one number each, the others follow the voltage ({ended}). The "
+            "validation run was not "
+            "fitted; the other rows say how well a model describes what it was fitted to."
         ),
         Table(heads, rows, ("", "", "%", "%", "%"), caption=caption, digits=3),
         FigureBlock(

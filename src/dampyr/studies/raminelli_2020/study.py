@@ -83,7 +83,7 @@ def run(data: str | Path | None, out: str | Path | None, published: Published, p
         ("equations (4.6) to (4.8)", partial(equations, published)),
         ("the published errors", partial(errors, published, campaign)),
         ("figures 4.1 to 4.4", partial(figures_4, published, campaign)),
-        ("chapter 5", partial(chapter_5, published)),
+        ("chapter 5", partial(chapter_5, published, folder)),
         ("the rig", partial(rig, published, campaign)),
     ]
     parts: list[Part] = []

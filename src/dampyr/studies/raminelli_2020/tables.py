@@ -92,7 +92,8 @@ def _table(published: Published, table: str, campaign: Campaign | None) -> Part:
     blocks: list[Block] = [
         text,
         _motion_table(by_row),
-        _parameter_table(by_row), _reasons(by_row),
+        _parameter_table(by_row),
+        _reasons(by_row),
         findings_table(means, "Means over the rows with a file."),
     ]
     return Part(title, [*findings, *means], blocks, errata)
@@ -111,7 +112,8 @@ def _about(rows: Sequence[Row], published: Published, table: str) -> str:
         f"peak. Displacement and frequency of the printed rows correlate with {r:.2f}, so their effects cannot "
         "be told apart.\n\n"
         "“Modified” is the method (4.1)-(4.2), on samples faster than half the peak speed and past the turning points; “least "
-        f"squares”, “fitted” in the table, is one fit of (2.3)-(2.4) over the whole record. Allowed: {100 * MOTION.relative:g} % for the motion, "
+        "squares”, “fitted” in the table, is one fit of (2.3)-(2.4) over the whole record. Allowed: "
+        f"{100 * MOTION.relative:g} % for the motion, "
         f"{100 * COEFFICIENT.relative:g} % for the coefficients of the modified method."
     )
 
@@ -215,19 +217,19 @@ def _motion_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> T
 def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
     rows: list[list[Cell]] = []
     for row, test, found in by_row:
-        cells: list[Cell] = [row.row]
+        cells: list[Cell] = [row.row, _verdict(found[2:])]
         for name in PARAMETERS:
             cells.append(getattr(row, name))
             cells.append(getattr(test.plastic, name) / TO_SI[name] if test else None)
             alone = test.least_squares if test else None
             cells.append(alone.parameters[f"dahl.{name}"] / TO_SI[name] if alone else None)
-        rows.append([*cells, _verdict(found[2:])])
-    columns, units = ["row"], [""]
+        rows.append(cells)
+    columns, units = ["row", "verdict"], ["", ""]
     for k, name in enumerate(PARAMETERS):
         columns += [f"{LETTER[name]} printed", "modified" + " " * k, "fitted" + " " * k]
         units += [UNITS[name]] * 3
     caption = "The coefficients: printed, by the modified method, and by least squares."
-    return Table([*columns, "verdict"], rows, [*units, ""], caption=caption, digits=4)
+    return Table(columns, rows, units, caption=caption, digits=4)
 
 
 def _verdict(found: Sequence[Finding]) -> Verdict:

@@ -1,0 +1,54 @@
+"""Write models.md from what the parts say of themselves: ``python docs/reference/make_models.py``."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+
+from dampyr.models import names, part
+
+PAGE = Path(__file__).with_name("models.md")
+HEAD = """# Models
+
+A damper is made of parts, written as `"dahl + spring + delay"`. Each part is one file of `dampyr/models/parts`, and this
+page is written from these files. The force is the sum over the parts, late by the `delay` where there is one. x is the
+displacement in m (extension positive), v the velocity in m/s; a positive force opposes positive velocity. Each parameter
+follows the coil's voltage (or current) by a law: see [card](card.md).
+
+A parameter is *linear* where the force is proportional to it; a fit solves for these inside. A state is 0 at rest.
+
+What goes together: most parts have a dashpot of their own, and two of them in one composition are one too many. Hold one,
+such as `--fix hyperbolic_tangent.c=0` beside `dahl.kx`; likewise `bouc_wen.k0` and `spring.k0` are the same spring. A fit
+gives every record an offset of its own, so the part `offset` is for dampers that are simulated; in a fit it means one offset
+for all records. A building leaves it out: it is at rest in its equilibrium with it.
+"""
+
+
+def page() -> str:
+    """The whole page."""
+    return "\n".join([HEAD, *map(section, names())])
+
+
+def section(name: str) -> str:
+    """What one part is: its equation, its words, its states and its parameters."""
+    p = part(name)
+    states = ", ".join(f"`{key}` in [{low:g}, {high:g}]" for key, (low, high) in p.states.items()) or "none"
+    rows = [
+        f"| `{key}` | {q.unit or '1'} | {q.range_in_words()} | {'yes' if q.linear else 'no'} |"
+        for key, q in p.parameters.items()
+    ]
+    table = ["| parameter | unit | allowed | linear |", "|---|---|---|---|", *rows]
+    text = markdown(inspect.getdoc(p.module) or "")
+    return "\n".join([f"## `{name}`", "", text, "", f"State: {states}.", "", *table, ""])
+
+
+def markdown(text: str) -> str:
+    """A docstring of these files as Markdown: displayed equations, mathematics in a line, code."""
+    text = re.sub(r"^\.\. math:: (.*(?:\n[ ]+\S.*)*)", lambda m: "$$" + " ".join(m[1].split()) + "$$", text, flags=re.M)
+    text = re.sub(r":math:`([^`]+)`", r"$\1$", text)
+    return re.sub(r"``([^`]+)``", r"`\1`", text)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

@@ -1,0 +1,29 @@
+"""One Dahl damper for the whole published campaign, with how well each number is known.
+
+Needs the campaign's files (``dampyr datasets fetch labcontrol``). Writes the card dahl.toml. It prints::
+
+    38 records, converged: True
+    dahl.kx @ 0 V         0.85 +- 0.02 N s/mm
+    dahl.kx @ 0.8712 V    2.12 +- 0.08 N s/mm
+    dahl.kx @ 1.98 V      6.15 +- 0.40 N s/mm
+    dahl.kx @ 3.212 V    12.77 +- 0.90 N s/mm
+    dahl.kw @ 0 V        53.98 +- 1.29 N
+    dahl.kw @ 0.8712 V  175.71 +- 3.54 N
+    dahl.kw @ 1.98 V    252.11 +- 8.64 N
+    dahl.kw @ 3.212 V   326.00 +- 13.10 N
+    dahl.rho @ 0 V       31.00 +- 1.68 1/mm
+    dahl.rho @ 0.8712 V  25.50 +- 0.51 1/mm
+    dahl.rho @ 1.98 V    17.01 +- 0.21 1/mm
+    dahl.rho @ 3.212 V    9.64 +- 0.16 1/mm
+"""
+
+import dampyr as dp
+from dampyr.units import for_people
+
+records = dp.records.read_campaign(dp.records.locate("labcontrol"))
+fit = dp.identification.fit("dahl", records)
+print(f"{len(records)} records, converged: {fit.converged}")
+for name, value in fit.parameters.items():
+    unit, factor = for_people(fit.units[name])
+    print(f"{name:19} {value * factor:6.2f} +- {fit.stderr[name] * factor:.2f} {unit}")
+fit.damper.save("dahl.toml")

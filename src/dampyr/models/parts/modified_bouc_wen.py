@@ -1,0 +1,139 @@
+r"""The modified Bouc-Wen model: a Bouc-Wen element in series with a dashpot, beside a spring.
+
+.. math:: F = c_1 \dot y + k_1 x, \qquad c_1 \dot y = k_w w + k_0 (x - y) + c_0 (\dot x - \dot y)
+
+.. math:: \dot w = \rho\left(u - \sigma |u|\,|w|^{n-1} w + (\sigma - 1) u |w|^n\right), \qquad u = \dot x - \dot y
+
+y is the node between the two; the dashpot c1 in series rolls the force off where the velocity is small and changes its sign.
+The shape is set by ratios, so that the force is proportional to kw and k1: :math:`v_c = k_w/c_1` is the speed at which
+the dashpot in series carries kw, :math:`r = c_0/c_1`, :math:`\kappa = k_0/k_w`. The states are w in [-1, 1] and the elongation
+e = x - y of the element in m. The letters of the source come and go with `from_printed` and `to_printed`; its x0 is the
+`offset`.
+
+A step takes e by the trapezoidal rule, with the mean of w along its own exact path (`dampyr.models.flow`): implicit, stable
+at any step, of second order. Where e turns round inside a step, the turn is taken at the end of it. With vc -> 0 the
+model is `bouc_wen`.
+
+Spencer, Dyke, Sain and Carlson (1997), Journal of Engineering Mechanics 123, 230.
+"""
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import copysign, inf
+from typing import Annotated
+
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.models.flow import flow
+from dampyr.models.part import Scale, checked
+from dampyr.models.parts import bouc_wen
+from dampyr.models.parts._series import drawn
+from dampyr.units import Quantity
+
+STATES = {"w": (-1.0, 1.0), "e": (-inf, inf)}
+
+
+@checked
+@dataclass(frozen=True)
+class ModifiedBoucWen:
+    """Hysteretic force ``kw``, spring ``k1``, ``vc`` = kw/c1, ``r`` = c0/c1, ``kappa`` = k0/kw, and the shape."""
+
+    kw: Annotated[float, Quantity("N", low=0, open_low=True, linear=True)]
+    k1: Annotated[float, Quantity("N/m", linear=True)]
+    vc: Annotated[float, Quantity("m/s", low=0, open_low=True)]
+    r: Annotated[float, Quantity("", low=0)]
+    kappa: Annotated[float, Quantity("1/m", low=0)]
+    rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
+    sigma: Annotated[float, Quantity("", low=0, open_low=True)]
+    n: Annotated[float, Quantity("", low=1)]
+
+    def __post_init__(self) -> None:
+        if 0 < self.sigma < 0.5:
+            warnings.warn(
+                f"ModifiedBoucWen.sigma = {self.sigma:g} is below 1/2: stable, but its loops bulge the wrong way "
+                "for a damper; a physical loop has sigma >= 0.5",
+                DampyrWarning,
+                stacklevel=3,
+            )
+
+
+def advance(
+    w: float,
+    e: float,
+    x0: float,
+    x1: float,
+    dt: float,
+    vc: float,
+    r: float,
+    kappa: float,
+    rho: float,
+    sigma: float,
+    n: float,
+) -> tuple[float, float]:
+    gain = rho / (1.0 + r + 0.5 * vc * kappa * dt)
+    pull = gain * (x1 - x0 - vc * dt * (w + kappa * e))
+    s = copysign(1.0, pull)
+    xi = drawn(s * w, abs(pull), gain * vc * dt, n, 2.0 * sigma - 1.0)
+    return s * flow(s * w, xi, n, 2.0 * sigma - 1.0), e + s * xi / rho
+
+
+def force(w: float, e: float, x: float, v: float, kw: float, k1: float, vc: float, r: float, kappa: float) -> float:
+    return kw * (w + kappa * e + r * v / vc) / (1.0 + r) + k1 * x
+
+
+def starts(scale: Scale) -> Iterator[dict[str, float]]:
+    for path in (0.1, 0.02):
+        for speed in (0.3, 0.05):
+            for n in (1.05, 2.0):
+                yield {
+                    "vc": speed * scale.speed,
+                    "r": 0.1,
+                    "kappa": 0.1 / scale.stroke,
+                    "rho": 1.0 / (path * scale.stroke),
+                    "sigma": 1.0,
+                    "n": n,
+                }
+
+
+@dataclass(frozen=True)
+class Printed:
+    r"""The letters of the source, whose state is z.
+
+    .. math:: \dot z = -\gamma|\dot x - \dot y| z |z|^{n-1} - \beta(\dot x - \dot y)|z|^n + A(\dot x - \dot y)
+    """
+
+    c0: float
+    c1: float
+    k0: float
+    k1: float
+    alpha: float
+    A: float
+    beta: float
+    gamma: float
+    n: float
+
+
+def from_printed(printed: Printed) -> ModifiedBoucWen:
+    """The part with the source's letters, in SI units; :class:`~dampyr.errors.InputError` for what it cannot have."""
+    p = printed
+    if p.c1 <= 0:
+        raise InputError(f"c1 = {p.c1:g} N s/m is not allowed; the dashpot in series must be greater than 0")
+    inner = bouc_wen.from_printed(p.c0, p.k0, p.alpha, p.A, p.beta, p.gamma, p.n)
+    return ModifiedBoucWen(
+        kw=inner.kw,
+        k1=p.k1,
+        vc=inner.kw / p.c1,
+        r=p.c0 / p.c1,
+        kappa=p.k0 / inner.kw,
+        rho=inner.rho,
+        sigma=inner.sigma,
+        n=p.n,
+    )
+
+
+def to_printed(model: ModifiedBoucWen, A: float = 1.0) -> Printed:
+    """The source's letters of a part, with the free scale of z fixed by ``A``."""
+    c1 = model.kw / model.vc
+    element = bouc_wen.BoucWen(model.r * c1, model.kappa * model.kw, model.kw, model.rho, model.sigma, model.n)
+    inner = bouc_wen.to_printed(element, A)
+    return Printed(inner.c0, c1, inner.k0, model.k1, inner.alpha, inner.A, inner.beta, inner.gamma, inner.n)

@@ -1,0 +1,48 @@
+"""``dampyr reproduce``: the published study run again."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from dampyr.cli import cli
+
+
+def run(*args: str | Path) -> Result:
+    return CliRunner().invoke(cli, ["reproduce", *map(str, args)], catch_exceptions=False)
+
+
+@pytest.fixture
+def no_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "empty").mkdir()
+    monkeypatch.setenv("DAMPYR_DATA", str(tmp_path / "empty"))
+
+
+@pytest.mark.usefixtures("no_data")
+def test_without_data_it_does_the_rest_and_says_what_it_left_out(tmp_path: Path) -> None:
+    result = run("--out", tmp_path / "out", "--json")
+    assert result.exit_code == 0, result.stderr
+    told = json.loads(result.stdout)
+    assert told["data"] is None
+    assert "dampyr datasets fetch labcontrol" in told["left_out"][0]
+    assert told["artefacts"]["(4.7)"]["verdict"] == "agrees"
+    assert told["artefacts"]["Table 4.2"]["verdict"] == "cannot be checked"
+    assert told == json.loads((tmp_path / "out" / "reproduce.json").read_text("utf-8"))
+    assert (tmp_path / "out" / "reproduce.html").is_file()
+
+
+@pytest.mark.usefixtures("no_data")
+def test_people_get_a_line_for_each_artefact(tmp_path: Path) -> None:
+    result = run("--out", tmp_path / "out")
+    assert result.exit_code == 0, result.stderr
+    for words in ("Table 4.1", "Figure 5.4", "left out: everything that needs the measured files", "reproduce.html"):
+        assert words in result.stdout
+
+
+def test_a_folder_without_the_campaign_ends_in_one_line(tmp_path: Path) -> None:
+    result = run("--data", tmp_path, "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert "dampyr datasets fetch labcontrol" in result.stderr
+    assert not (tmp_path / "out").exists()
