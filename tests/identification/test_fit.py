@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import fit, score
 from dampyr.models import Damper, Interpolation, Polynomial
 from dampyr.records import Record
-from tests.identification.synthetic import sine
 
 VOLTS = (0.0, 1.0, 2.0, 3.0)
 TRUTH = {

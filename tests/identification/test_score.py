@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import compare, score
 from dampyr.identification.score import scoring_window
 from dampyr.models import Damper
 from dampyr.records import Record, motion_start
-from tests.identification.synthetic import sine
 
 DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
 
@@ -61,7 +61,9 @@ def test_the_window_starts_two_seconds_after_the_motion_and_is_told() -> None:
 
 
 def test_a_window_without_samples_is_refused() -> None:
-    with pytest.raises(InputError, match=r"holds 0 samples; the record ends at 5\.99\d* s|holds 0 samples; the record ends"):
+    with pytest.raises(
+        InputError, match=r"holds 0 samples; the record ends at 5\.99\d* s|holds 0 samples; the record ends"
+    ):
         score(DAHL, sine(DAHL, 0.0), window=(50.0, 60.0))
 
 

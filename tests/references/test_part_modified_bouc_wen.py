@@ -53,11 +53,11 @@ def error(p: Printed, n: int) -> float:
     return float(np.sqrt(np.mean((force - expected) ** 2)) / np.abs(expected).max())
 
 
-@pytest.mark.parametrize(("p", "at_2400"), [(RD_1000, 2e-3), (SOFT, 1e-4)])
+@pytest.mark.parametrize(("p", "at_2400"), [(RD_1000, 2e-4), (SOFT, 1e-5)])
 def test_the_step_is_of_second_order(p: Printed, at_2400: float) -> None:
     errors = [error(p, n) for n in (600, 2400, 9600)]
     assert errors[1] < at_2400
-    assert errors[1] / errors[2] > 9.0
+    assert errors[0] / errors[2] > 150.0  # 256 but for where the turns fall between the samples
 
 
 @pytest.mark.parametrize("step", [0.02, 1.0])

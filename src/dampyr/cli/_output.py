@@ -64,7 +64,7 @@ def print_table(
     from rich.markup import escape
     from rich.table import Table
 
-    table = Table(title=escape(title), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    table = Table(box=box.SIMPLE_HEAD)
     for k, name in enumerate(columns):
         unit = f"\n[dim]{escape(units[k])}[/dim]" if units and any(units) else ""
         filled = [row[k] for row in rows if row[k] is not None]
@@ -73,7 +73,7 @@ def print_table(
         table.add_column(escape(name) + unit, justify=side, no_wrap=numeric, overflow="fold")  # type: ignore[arg-type]
     for row in rows:
         table.add_row(*(escape(_text(cell, digits)) for cell in row))
-    _print(table, *(escape(note) for note in notes))
+    _print(f"[bold]{escape(title)}[/bold]", table, *(escape(note) for note in notes))
 
 
 def _print(*parts: Any) -> None:

@@ -12,7 +12,11 @@ from dampyr.cli._progress import stages
 
 @click.command()
 @click.option(
-    "--out", default="dampyr-demo", type=click.Path(path_type=Path), help="Where records, card and report go."
+    "--out",
+    default="dampyr-demo",
+    show_default=True,
+    type=click.Path(path_type=Path),
+    help="Where all of it goes.",
 )
 @as_json_option
 def command(out: Path, as_json: bool) -> None:

@@ -51,7 +51,8 @@ def command(
     from dampyr.structures import respond
 
     damper = _damper(card).without(*without)
-    ground = _motion(motion, motion_unit, dt).scaled(scale)
+    ground = _motion(motion, motion_unit, dt)
+    ground = ground if scale == 1.0 else ground.scaled(scale)
     building = structures.two_storey()
     inputs = voltages if damper.input == "V" else currents
     if (currents if damper.input == "V" else voltages) or not inputs:

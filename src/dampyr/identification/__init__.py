@@ -1,15 +1,17 @@
 """From records to parameters: how well they are known, and how well they predict.
 
 `fit` identifies any damper from one record or many; `limit_cycle` and `plastic_region` are the two methods of the
-dissertation for the viscous Dahl model; `score` says how well a damper predicts a record.
+dissertation for the viscous Dahl model; `score` says how well a damper predicts a record, `cross_validate` how well a model
+predicts records that it was not fitted on.
 """
 
 from dampyr.identification.fit import Fit, Nuisance, fit
 from dampyr.identification.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.plastic_region import PlasticRegion, plastic_region
 from dampyr.identification.score import Score, Window, compare, prediction, score
+from dampyr.identification.validation import Fold, Validation, cross_validate
 
 __all__ = [
-    "Fit", "LimitCycle", "Nuisance", "PlasticRegion", "Score", "Window",
-    "compare", "fit", "limit_cycle", "plastic_region", "prediction", "score",
+    "Fit", "Fold", "LimitCycle", "Nuisance", "PlasticRegion", "Score", "Validation", "Window",
+    "compare", "cross_validate", "fit", "limit_cycle", "plastic_region", "prediction", "score",
 ]  # fmt: skip

@@ -17,7 +17,7 @@ from dampyr.identification.solver import Outcome, Problem, search
 from dampyr.identification.starting import begin
 from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.models import Composition, Damper, compose
-from dampyr.records import Record, measure
+from dampyr.records import Record, cycles
 
 Array = NDArray[np.float64]
 
@@ -266,10 +266,9 @@ def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple
     speeds = [float(np.max(np.abs(p.v))) for p in pieces]
     frequencies = []
     for record in records:
-        try:
-            frequencies.append(measure(record).frequency_hz)
-        except InputError:
-            continue
+        found = cycles(record)
+        if found:
+            frequencies.append(len(found) / float(record.time[found[-1][1]] - record.time[found[0][0]]))
     ranges = {"displacement": (0.0, max(strokes)), "velocity": (0.0, max(speeds))}
     if frequencies:
         ranges["frequency"] = (min(frequencies), max(frequencies))

@@ -13,8 +13,10 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -24,6 +26,7 @@ from typing import Any
 from dampyr.models.composition import Composition, namespace_of
 
 BOUND = ("advance", "force", "slopes", "columns", "spread")
+KEPT_SECONDS = 30 * 86400.0
 FAST = {"contract", "nsz", "arcp"}
 _MATH = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "tan", "atan", "copysign")
 
@@ -38,11 +41,20 @@ def cache_folder() -> Path:
     base = os.environ.get("DAMPYR_CACHE") or _user_cache()
     folder = Path(base) / f"kernels-{digest.hexdigest()[:16]}"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        if not folder.is_dir():
+            folder.mkdir(parents=True, exist_ok=True)
+            _forget_old(folder.parent)
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except OSError:
         return Path(tempfile.mkdtemp(prefix="dampyr-kernels-"))
+
+
+def _forget_old(base: Path) -> None:
+    """Remove the kernels of sources that have not been run for a month."""
+    for other in base.glob("kernels-*"):
+        if time.time() - other.stat().st_mtime > KEPT_SECONDS:
+            shutil.rmtree(other, ignore_errors=True)
 
 
 def _user_cache() -> Path:

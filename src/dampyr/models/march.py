@@ -50,7 +50,7 @@ def along(composition: Composition, t: Array, x: Array, v: Array, values: Array,
     """The force in N along a path: t [s], x [m], v [m/s] of shape (n,), ``values`` (P,) or (n, P); not delayed."""
     out = np.empty(t.size)
     s = _start(composition, state0)
-    bind(march, (composition,))(t, x, v, acceleration(t, v), _rows(values), s, out)
+    bind(march, (composition,))(t, x, v, _acceleration(composition, t, v), _rows(values), s, out)
     return out
 
 
@@ -64,13 +64,14 @@ def along_with_columns(
     D = np.zeros((composition.n_states, width))
     for j in range(composition.n_states):
         D[j, len(composition.parameters) + j] = 1.0
-    bind(march_columns, (composition,))(t, x, v, acceleration(t, v), _rows(values), s, D, out, J)
+    bind(march_columns, (composition,))(t, x, v, _acceleration(composition, t, v), _rows(values), s, D, out, J)
     return out, J
 
 
-def acceleration(t: Array, v: Array) -> Array:
-    """The acceleration by central differences of the velocity."""
-    return np.asarray(np.gradient(v, t))
+def _acceleration(composition: Composition, t: Array, v: Array) -> Array:
+    """The acceleration by central differences of the velocity, or zeros where no part asks for it."""
+    asked = any("a" in p.force.arguments for p in composition.parts if p.force)
+    return np.asarray(np.gradient(v, t)) if asked else np.zeros_like(t)
 
 
 def _start(composition: Composition, state0: Array | None) -> Array:

@@ -12,6 +12,7 @@ from dampyr.models.flow import flow, flow_by_c, flow_by_n, flow_by_y, rate
 from dampyr.models.formula import intrinsic
 
 MOST_ITERATIONS = 100
+CLOSE = 1e-9  # of a step that converges quadratically: the next would be below rounding
 
 
 def mean_state(y: float, xi: float, n: float, c: float) -> float:
@@ -70,15 +71,17 @@ def drawn(y: float, delta: float, beta: float, n: float, c: float) -> float:
     high = delta
     xi = 0.0
     for _ in range(MOST_ITERATIONS):
-        excess = xi + beta * (mean_state(y, xi, n, c) - y) - delta
+        half = flow(y, 0.5 * xi, n, c)
+        end = flow(y, xi, n, c)
+        excess = xi + beta * ((y + 4.0 * half + end) / 6.0 - y) - delta
         if excess > 0.0:
             high = xi
         else:
             low = xi
-        step = excess / steepness(xi, y, beta, n, c)
-        if abs(step) <= 1e-15 * delta:
-            break
+        step = excess / (1.0 + beta * (2.0 * rate(half, n, c) + rate(end, n, c)) / 6.0)
         xi = xi - step
+        if abs(step) <= CLOSE * xi:
+            break
         if xi < low:
             xi = 0.5 * (low + high)
         if xi > high:

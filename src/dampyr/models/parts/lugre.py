@@ -9,14 +9,15 @@ static fs down to Coulomb's fc; here :math:`e = f_s/f_c - 1` is the excess of th
 :math:`w = \sigma_0 z/f_s` stays in [-1, 1], :math:`\rho = \sigma_0/f_c`, and what the source multiplies by :math:`\dot z` is in
 the first bracket. With e = 0 and sigma1 = 0 it is the Dahl model, rho and all. It dissipates whatever the motion if
 :math:`\sigma_2 \ge e\,\sigma_1` (Barabanov and Ortega); with more sigma1 it may make energy at high speed.
+A sine passes the low speeds quickly and holds e and vs only weakly: fit records of several frequencies together.
 
 Along a piece of path the equation is linear in w; its target h is taken as linear and its rate as the mean over the
 piece by Simpson's rule, the velocity being linear between v0 and v1. Exact at constant speed, however long the piece;
 otherwise of second order in the step.
 
 Canudas de Wit, Olsson, Astrom and Lischinsky (1995), IEEE Transactions on Automatic Control 40, 419;
-Barabanov and Ortega (2000), the same 45, 830; for magnetorheological
-dampers: Jimenez and Alvarez-Icaza (2005), Structural Control and Health Monitoring 12, 91.
+Barabanov and Ortega (2000), the same 45, 830; for magnetorheological dampers: Jimenez and Alvarez-Icaza (2005), Structural
+Control and Health Monitoring 12, 91.
 """
 
 from collections.abc import Iterator

@@ -99,7 +99,11 @@ def equations(published: Published) -> Part:
         ),
         FigureBlock(_figure(published, applied, rho_0), "The cubics (4.6)-(4.8) and the means of Tables 4.2 to 4.5."),
         _nodes(published, applied, printed, rho_0),
-        findings_table(everything),
+        findings_table(
+            everything,
+            "Coefficients: ours pass through the means at the applied voltages. “Printed voltages”: published "
+            "is the cubic there, ours the mean.",
+        ),
     ]
     return Part("Equations (4.6) to (4.8)", everything, blocks, ERRATA)
 
@@ -110,7 +114,7 @@ def recovered(published: Published, applied: Sequence[float], rho_0: float) -> l
     for name in PARAMETERS:
         ours = through(applied, table_means(published, name, rho_0))
         for power, (theirs, value) in enumerate(zip(published.cubics[name], ours, strict=True)):
-            quantity = f"{LETTER[name]}: coefficient of v{POWERS[power]}, through the means at the applied voltages"
+            quantity = f"{LETTER[name]}: coefficient of v{POWERS[power]}"
             found.append(judge(EQUATION[name], quantity, theirs, float(value), _per_volt(name, power), RECOVERED))
     return found
 
@@ -130,9 +134,7 @@ def at_printed_voltages(
             at_true = law(published, name, true)
             off = 100 * abs(at_true / mean - 1)
             otherwise = f"at the applied {true:g} V the cubic gives {at_true:.6g}, {off:.1g} % from the mean"
-            quantity = (
-                f"{LETTER[name]} at the printed {shown:g} V (published: the cubic; ours: the mean of Table {table})"
-            )
+            quantity = f"{LETTER[name]} at the printed {shown:g} V, against Table {table}"
             found.append(
                 judge(
                     "Printed voltages",

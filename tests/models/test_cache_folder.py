@@ -1,0 +1,30 @@
+"""The folder of compiled kernels forgets what is old."""
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from dampyr.models import kernels
+
+
+def test_kernels_of_old_sources_go_and_all_else_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    old, young, other = tmp_path / "kernels-0000", tmp_path / "kernels-1111", tmp_path / "notes"
+    for folder in (old, young, other):
+        folder.mkdir()
+        (folder / "file").write_text("x")
+    month_ago = time.time() - 31 * 86400
+    os.utime(old, (month_ago, month_ago))
+    os.utime(other, (month_ago, month_ago))
+    monkeypatch.setenv("DAMPYR_CACHE", str(tmp_path))
+    kernels.cache_folder.cache_clear()
+    try:
+        made = kernels.cache_folder()
+    finally:
+        kernels.cache_folder.cache_clear()
+    assert made.parent == tmp_path
+    assert made.is_dir()
+    assert not old.exists()
+    assert young.exists()
+    assert other.exists()
