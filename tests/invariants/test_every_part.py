@@ -18,9 +18,11 @@ TYPICAL = {
     "N s/m": 700.0,
     "N/m": 900.0,
     "1/m": 1500.0,
+    "m": 0.05,
     "m/s": 0.01,
     "1/s": 0.4,
     "s": 0.006,
+    "kg": 3.0,
     "": 1.4,
 }
 
@@ -36,6 +38,15 @@ def path(n: int = 400) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return t, x, 0.072 * np.cos(9.0 * t) + 0.062 * np.cos(31.0 * t)
 
 
+KINKED = {"maxwell_slip"}  # a slip may fall inside the step of a numeric difference
+
+
+def agree(name: str, ours: np.ndarray, numeric: np.ndarray) -> None:
+    """Equal; of a part with kinks one sample in a hundred may not be."""
+    off = np.abs(ours - numeric) > 1e-6 * max(np.abs(numeric).max(), 1e-2) + 1e-7 * np.abs(numeric)
+    assert off.mean() <= (0.01 if name in KINKED else 0.0)
+
+
 @pytest.mark.parametrize("name", FORCEFUL)
 def test_the_derived_gradient_is_the_gradient(name: str) -> None:
     composition = compose(name)
@@ -49,13 +60,13 @@ def test_the_derived_gradient_is_the_gradient(name: str) -> None:
         up[k] += h
         down[k] -= h
         numeric = (along(composition, t, x, v, up, s) - along(composition, t, x, v, down, s)) / (2 * h)
-        np.testing.assert_allclose(J[:, k], numeric, atol=1e-6 * max(np.abs(numeric).max(), 1e-9))
+        agree(name, J[:, k], numeric)
     for j in range(composition.n_states):
         up, down = s.copy(), s.copy()
         up[j] += 1e-6
         down[j] -= 1e-6
         numeric = (along(composition, t, x, v, p, up) - along(composition, t, x, v, p, down)) / 2e-6
-        np.testing.assert_allclose(J[:, len(p) + j], numeric, atol=1e-6 * max(np.abs(numeric).max(), 1e-9))
+        agree(name, J[:, len(p) + j], numeric)
 
 
 @pytest.mark.parametrize("name", FORCEFUL)
@@ -103,6 +114,11 @@ def test_the_c_export_walks_the_same_path(name: str, tmp_path: pytest.TempPathFa
     laws = typical(name) | ({} if part(name).force else typical("dahl"))
     damper = Damper(parts, laws)
     t, x, v = path()
+    force = part(name).force
+    if force and "a" in force.arguments:
+        with pytest.raises(InputError, match="acceleration"):
+            export(damper, "c", tmp_path)
+        return
     np.testing.assert_allclose(run_c(damper, tmp_path, t, x, v), damper.force(t, x, voltage=0.0, velocity=v), rtol=1e-9)
 
 

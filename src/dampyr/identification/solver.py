@@ -140,7 +140,9 @@ class System:
         step = np.linalg.lstsq(A, b, rcond=1e-12)[0] * scale
         low, high = self.low[chosen], self.high[chosen]
         if np.any(step < low) or np.any(step > high):
-            step = _bounded(A, b, low / scale, high / scale) * scale
+            with np.errstate(divide="ignore", invalid="ignore"):  # scale 0: the records do not see it
+                low, high = low / scale, high / scale
+            step = _bounded(A, b, low, high) * scale
         out = np.zeros(self.matrix.shape[1])
         out[chosen] = step
         return out

@@ -104,4 +104,11 @@ def part(name: str) -> Part:
     module = member(SHELF, name)
     wanted = name.replace("_", "")
     cls = next(c for n, c in vars(module).items() if isinstance(c, type) and n.lower() == wanted)
-    return Part(name, cls, module)
+    found = Part(name, cls, module)
+    motion = {"x0", "x1", "v0", "v1", "dt"} if found.states else {"x", "v", "a"}
+    taken = sorted(motion & {*found.parameters, *found.states})
+    if taken:
+        raise TypeError(
+            f"{name}: {taken[0]!r} means the motion in its formulas, so no parameter or state can have this name"
+        )
+    return found

@@ -18,6 +18,11 @@ def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = F
     """Write ``name.h`` and ``name.c``; see the header for how to call it."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
         raise InputError(f"{name!r} cannot name a C function; use letters, digits and underscores, a letter first")
+    for p in damper.composition.parts:
+        if p.force and "a" in p.force.arguments:
+            raise InputError(
+                f"{p.name} needs the acceleration, which the C code is not given; export damper.without({p.name!r})"
+            )
     folder.mkdir(parents=True, exist_ok=True)
     header, source = folder / f"{name}.h", folder / f"{name}.c"
     header.write_text(_header(damper, name), encoding="utf-8")
