@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,11 +123,16 @@ def fit(
     if not any(column.size for column in made):
         raise InputError("every parameter is fixed; leave at least one free")
     problem = Problem(composition, made, pieces, offset=not composition.static)
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(1, "blas"):  # thousands of small factorisations: threads would only wait for one another
+    with _threads().limit(limits=1, user_api="blas"):  # thousands of small factorisations: threads would only wait for one another
         outcome = search(problem, begin(problem), progress)
         return _report(problem, outcome, tuple(listed), bandwidth)
+
+
+@lru_cache(maxsize=1)
+def _threads() -> Any:
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
 
 
 def _composition(model: str | Composition) -> Composition:
