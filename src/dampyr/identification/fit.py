@@ -123,7 +123,7 @@ def fit(
     if not any(column.size for column in made):
         raise InputError("every parameter is fixed; leave at least one free")
     problem = Problem(composition, made, pieces, offset=not composition.static)
-    with _threads().limit(limits=1, user_api="blas"):  # thousands of small factorisations: threads would only wait for one another
+    with _threads().limit(limits=1, user_api="blas"):  # small factorisations: threads would only wait
         outcome = search(problem, begin(problem), progress)
         return _report(problem, outcome, tuple(listed), bandwidth)
 
