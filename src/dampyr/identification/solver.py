@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from dampyr.models import Composition
 Array = NDArray[np.float64]
 MOST_ITERATIONS = 80
 TOLERANCE = 1e-8
+SMALL_STEP = 1e-4  # of the sum of squares that a step of the linear unknowns alone has gained
 ROUNDING = 1e-18  # of each sample's variance: records without noise are met to a billionth
 
 
@@ -264,12 +265,20 @@ def search(problem: Problem, point: Point, progress: Callable[[int, float], None
 
 
 def _settled(problem: Problem, point: Point) -> tuple[Point, System, float]:
-    """``point`` with its linear unknowns at their optimum, and the system around it."""
+    """``point`` with its linear unknowns at their optimum, and the system around it.
+
+    The residual there is exact, the force being affine in these unknowns. Where their step was small, so are the changes of
+    the other columns, and what was evaluated before it is kept.
+    """
     here = system(problem, point)
     step = here.solve(here.linear)
-    point = moved(problem, point, step)
-    here = system(problem, point)
-    return point, here, 0.5 * float(np.sum(here.target**2))
+    before, point = here.cost(np.zeros_like(step)), moved(problem, point, step)
+    there = replace(here, target=here.target - here.matrix @ step, low=here.low - step, high=here.high - step)
+    cost = there.cost(np.zeros_like(step))
+    if before - cost > SMALL_STEP * cost:
+        there = system(problem, point)
+        cost = there.cost(np.zeros_like(step))
+    return point, there, cost
 
 
 def _at_limit(problem: Problem, point: Point) -> tuple[int, ...]:
