@@ -196,3 +196,40 @@ def test_a_free_run_of_the_fit_scores_like_the_fit() -> None:
     assert found.damper is not None
     for record in records:
         assert score(found.damper, record).l1 == pytest.approx(found.scores[record.name].l1, rel=0.02)
+
+
+def test_clustered_errors_are_those_of_the_mean_of_independent_records() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    gains = 1.0 + 0.02 * np.array([-1.3, 0.4, 0.9, -0.2, 1.6, -1.4])
+    records = []
+    for k, gain in enumerate(gains):
+        record = sine(truth, 0.0, f"r{k}", offset=0.0)
+        records.append(record.replace(note="another gain", force=record.force * gain))
+    fixed = {"dahl.kx": 0.0, "dahl.rho": 2500.0}
+    pure = [
+        r.replace(note="friction only", force=(r.force - gain * 900.0 * r.velocity))
+        for r, gain in zip(records, gains, strict=True)
+    ]
+    found = fit("dahl", pure, fixed=fixed)
+    assert found.clusters == "record"
+    assert found.stderr["dahl.kw"] == pytest.approx(70.0 * np.std(gains, ddof=1) / np.sqrt(gains.size), rel=0.03)
+
+
+def test_errors_pay_for_the_offset() -> None:
+    rng = np.random.default_rng(5)
+    t = np.arange(0.0, 20.0, 0.01)
+    x = 0.05 + 0.01 * np.sin(2 * np.pi * t)
+    force = 4000.0 * x + rng.normal(0.0, 2.0, t.size)
+    found = fit("spring", Record(t, x, force, velocity=np.gradient(x, t), voltage=0.0))
+    exact = 2.0 / np.sqrt(np.sum((x - x.mean()) ** 2))
+    assert found.naive_stderr["spring.k0"] == pytest.approx(exact, rel=0.06)
+    assert found.parameters["spring.k0"] == pytest.approx(4000.0, abs=4 * exact)
+
+
+def test_the_cost_that_the_search_follows_is_the_true_one() -> None:
+    truth = Damper("dahl", TRUTH)
+    found = fit("dahl", campaign(truth, noise=3.0))
+    residuals = [
+        one.weight * (one.force - force) for one, force in zip(found.problem.pieces, found.forces, strict=True)
+    ]
+    assert found.outcome.cost == pytest.approx(0.5 * sum(float(r @ r) for r in residuals), rel=1e-9)

@@ -71,3 +71,13 @@ def test_the_wrong_input_is_refused() -> None:
     record = sine(DAHL, 0.0).replace(note="", voltage=None, current=0.2)
     with pytest.raises(InputError, match="pass voltage="):
         score(DAHL, record)
+
+
+def test_the_force_is_measured_from_the_middle_of_its_range() -> None:
+    t = np.arange(800) * 0.01
+    force = np.where((t % 2.0) < 0.5, 100.0, -50.0)
+    record = Record(t, 0.01 * np.sin(np.pi * t), force, voltage=0.0, name="uneven")
+    error = np.where(np.arange(record.n) % 2 == 0, 7.5, -7.5)
+    found = compare(record, force + error, window=(0.0, 7.99))
+    assert found.l1 == pytest.approx(7.5 / 75.0)
+    assert found.pointwise == pytest.approx(7.5 / 75.0)

@@ -62,7 +62,7 @@ def test_the_ultimate_state_of_figure_2_2() -> None:
 
 
 @pytest.mark.parametrize("n", [1.0, 1.3, 2.0, 3.7])
-@pytest.mark.parametrize("sigma", [0.5, 1.0, 1.9, 8.0])
+@pytest.mark.parametrize("sigma", [0.5, 1.0, 1.9, 8.0, 600.0])
 def test_bouc_wen_along_a_path_against_an_independent_solver(n: float, sigma: float) -> None:
     from scipy.integrate import solve_ivp
 

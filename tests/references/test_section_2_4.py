@@ -66,3 +66,12 @@ def test_an_offset_that_hides_the_zero_is_named() -> None:
     x, force, v = branch(0.0)
     with pytest.raises(InputError, match="does not cross zero"):
         limit_cycle(x, force + 100.0, v, kx=KX)
+
+
+def test_the_second_point_is_chosen_on_the_rise_even_where_theta_falls_again() -> None:
+    x, force, v = branch(0.0)
+    falling = force - 0.5 * KW * (x - x[0]) / (x[-1] - x[0])
+    found = limit_cycle(x, falling, v, kx=KX)
+    assert found.x_star1 < -A + 3.0 / RHO
+    assert found.rho == pytest.approx(RHO, rel=0.05)
+    assert found.rho_range == pytest.approx((RHO, RHO), rel=0.05)
