@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dampyr.identification import fit, plastic_region, score
+from dampyr.identification import cross_validate, fit, plastic_region, score
 from dampyr.models import Interpolation, Polynomial
 from dampyr.records import campaign_rows, read_campaign
 
@@ -45,6 +45,14 @@ def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:  # 
         fixed={"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0},
     )
     assert 100 * np.mean([s.l1 for s in found.scores.values()]) < 6.2
+
+
+def test_records_that_it_never_saw_are_predicted_as_the_readme_says(records) -> None:  # type: ignore[no-untyped-def]
+    fixed = {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}
+    done = cross_validate("dahl + hyperbolic_tangent + spring + delay", records, fixed=fixed, bandwidth=8.0)
+    for voltage, printed in ((0.0, 7.9), (0.8712, 5.1), (1.98, 5.0), (3.212, 5.1)):
+        group = [100 * done.scores[r.name].l1 for r in records if r.voltage == pytest.approx(voltage)]
+        assert np.mean(group) == pytest.approx(printed, abs=0.06)
 
 
 def test_the_plastic_region_gives_the_published_friction_without_a_window(records) -> None:  # type: ignore[no-untyped-def]

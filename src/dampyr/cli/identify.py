@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,8 @@ from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit
+    from dampyr.identification import Fit, Validation
+    from dampyr.records import Record
 
 
 @click.command()
@@ -22,6 +24,13 @@ if TYPE_CHECKING:
 @click.option("--law", "laws", multiple=True, metavar="[NAME=]KIND", help="constant, interpolation, polynomial:DEGREE.")
 @click.option("--fix", "fixed", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in SI units.")
 @click.option("--bandwidth", type=float, metavar="HZ", help="Derive the velocity with this bandwidth.")
+@click.option(
+    "--predict",
+    "splits",
+    multiple=True,
+    metavar="SPLIT",
+    help="Cross-validate by record, input, frequency or amplitude.",
+)
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
@@ -33,6 +42,7 @@ def command(
     laws: tuple[str, ...],
     fixed: tuple[str, ...],
     bandwidth: float | None,
+    splits: tuple[str, ...],
     each: bool,
     save: Path | None,
     report: Path | None,
@@ -42,13 +52,17 @@ def command(
     """Identify a damper from records by least squares.
 
     PATHS are record files or campaign folders (of which the records for fitting are taken). All records are fitted
-    together, each parameter following the voltage, unless --each is given.
+    together, each parameter following the voltage, unless --each is given. --predict says how well the model predicts
+    records that it was not fitted on: five random parts of the records, one input left out at a time, or five parts in
+    the order of frequency or stroke.
     """
-    from dampyr.identification import fit
+    from dampyr.identification import cross_validate, fit
 
     records = gather(paths, "fit", reading)
-    if each and (save or report):
-        raise InputError("--each makes one fit per record and no card; leave out --save and --report, or --each")
+    if each and (save or report or splits):
+        raise InputError(
+            "--each makes one fit per record and no card; leave out --save, --report and --predict, or --each"
+        )
     options: dict[str, Any] = {"laws": _laws(laws), "fixed": _numbers(fixed), "bandwidth": bandwidth}
     groups = [[record] for record in records] if each else [records]
     fits = []
@@ -61,13 +75,22 @@ def command(
             progress("identifying", k / len(groups))
             fits.append(fit(model, group, **options, progress=show))
         progress("identifying", 1.0)
+        checks = []
+        for split in splits:
+
+            def share(done: float, split: str = split) -> None:
+                progress(f"predicting by {split}", done)
+
+            checks.append(cross_validate(model, records, split, progress=share, **options))
     if as_json:
-        told = [_told(f) for f in fits]
+        told = [_told(f) | ({"predictions": checks} if checks else {}) for f in fits]
         print_json(told if each else told[0])
     elif each:
         _print_each(fits)
     else:
         _print(fits[0])
+        for check in checks:
+            _print_prediction(check, records)
     if save:
         _save(fits[0], save)
     if report:
@@ -127,18 +150,27 @@ def _print(fit: Fit) -> None:
     notes = [f"The search {fit.reason}.", *(f"{note}." for note in fit.notes)]
     names = ["parameter", "value", "standard error", "naive error", "unit"]
     print_table(f"{fit.problem.composition}, {len(fit.records)} records", names, rows, digits=5, notes=notes)
+    title = "How well it describes what it was fitted to (no prediction)"
+    _print_groups(title, list(fit.records), {name: s.l1 for name, s in fit.scores.items()})
+
+
+def _print_prediction(check: Validation, records: list[Record]) -> None:
+    """The scores of records that the model was not fitted on, by input."""
+    title = f"How well it predicts records that it was not fitted on, {len(check.folds)} parts by {check.split}"
+    notes = [f"a part of {len(f.fitted_on)} records gave no damper: {f.reason}" for f in check.folds if not f.scores]
+    notes += [f"a fit on {len(f.fitted_on)} records {f.reason}" for f in check.folds if f.scores and not f.converged]
+    _print_groups(title, records, {name: s.l1 for name, s in check.scores.items()}, notes)
+
+
+def _print_groups(title: str, records: list[Record], l1: dict[str, float], notes: Sequence[str] = ()) -> None:
+    """Mean and worst L1 over the records of each input that have a score."""
     groups: dict[float | None, list[float]] = {}
-    for record in fit.records:
-        groups.setdefault(record.input_value, []).append(fit.scores[record.name].l1)
+    for record in records:
+        if record.name in l1:
+            groups.setdefault(record.input_value, []).append(l1[record.name])
     rows = [[u, len(values), 100 * sum(values) / len(values), 100 * max(values)] for u, values in groups.items()]
-    unit = fit.records[0].input or ""
-    print_table(
-        "How well it describes what it was fitted to (no prediction)",
-        ["input", "records", "mean L1", "worst L1"],
-        rows,
-        [unit, "", "%", "%"],
-        digits=3,
-    )
+    names, units = ["input", "records", "mean L1", "worst L1"], [records[0].input or "", "", "%", "%"]
+    print_table(title, names, rows, units, digits=3, notes=notes)
 
 
 def _print_each(fits: list[Fit]) -> None:
