@@ -46,6 +46,13 @@ def test_leaving_an_input_out_predicts_only_between_others(records: list[Record]
     assert max(s.l1 for s in done.scores.values()) < 0.05
 
 
+def test_what_lies_beyond_the_fitted_records_is_told(records: list[Record]) -> None:
+    done = cross_validate("dahl", records, split="amplitude", folds=3)
+    told = {name: text for fold in done.folds for name, text in fold.outside.items()}
+    assert {name.partition("-")[2] for name in told} == {"2"}
+    assert all("displacement reaches 0.008 m" in text for text in told.values())
+
+
 def test_folds_repeat_by_seed(records: list[Record]) -> None:
     one, same, other = (cross_validate("dahl", records, folds=3, seed=s) for s in (1, 1, 2))
     assert [f.fitted_on for f in one.folds] == [f.fitted_on for f in same.folds]

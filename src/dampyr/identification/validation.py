@@ -6,15 +6,17 @@ the offset is taken, and every score says what the damper was fitted on.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from dampyr.errors import InputError
+from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import fit
 from dampyr.identification.score import Score, score
+from dampyr.models import Damper
 from dampyr.records import Record, measure
 
 SPLITS = ("record", "input", "frequency", "amplitude")
@@ -22,12 +24,16 @@ SPLITS = ("record", "input", "frequency", "amplitude")
 
 @dataclass(frozen=True)
 class Fold:
-    """One part of the split: what was fitted, what was predicted, and how well (nothing where the fit gave no damper)."""
+    """One part of the split: what was fitted, what was predicted, and how well (nothing where the fit gave no damper).
+
+    ``outside`` says which predicted records go beyond what the fitted ones covered, and by how much.
+    """
 
     fitted_on: tuple[str, ...]
     scores: dict[str, Score]
     converged: bool
     reason: str
+    outside: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -88,14 +94,22 @@ def _fold(model: str, records: list[Record], part: list[int], options: dict[str,
     held = set(part)
     rest = [record for k, record in enumerate(records) if k not in held]
     found = fit(model, rest, **options)
-    scores = {}
+    scores: dict[str, Score] = {}
+    outside: dict[str, str] = {}
     if found.damper is not None:
-        low, high = found.damper.range
         for record in (records[k] for k in part):
-            u = record.input_value
-            inside = u is not None and low <= u <= high
-            scores[record.name] = score(found.damper, record, allow_extrapolation=not inside)
-    return Fold(tuple(r.name for r in rest), scores, found.converged, found.reason)
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always", DampyrWarning)
+                scores[record.name] = _predicted(found.damper, record)
+            if told:
+                outside[record.name] = "; ".join(str(w.message) for w in told)
+    return Fold(tuple(r.name for r in rest), scores, found.converged, found.reason, outside)
+
+
+def _predicted(damper: Damper, record: Record) -> Score:
+    low, high = damper.range
+    u = record.input_value
+    return score(damper, record, allow_extrapolation=u is not None and not low <= u <= high)
 
 
 def _parts(records: list[Record], split: str, folds: int, seed: int) -> list[list[int]]:
