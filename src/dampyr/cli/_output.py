@@ -64,7 +64,7 @@ def print_table(
     from rich.markup import escape
     from rich.table import Table
 
-    table = Table(box=box.SIMPLE_HEAD)
+    table = Table(box=box.SIMPLE_HEAD, show_header=any(columns))
     for k, name in enumerate(columns):
         unit = f"\n[dim]{escape(units[k])}[/dim]" if units and any(units) else ""
         filled = [row[k] for row in rows if row[k] is not None]
