@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 import tokenize
+import warnings
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from dampyr.errors import InputError
+from dampyr.errors import DampyrWarning, InputError
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,8 @@ class Quantity:
     """What a number means: its SI unit and the range that is allowed.
 
     Used as an annotation, ``kx: Annotated[float, Quantity("N s/m", low=0)]``. ``low`` and ``high`` are
-    inclusive unless ``open_low``. ``linear`` says that a force is proportional to this parameter.
+    inclusive unless ``open_low``. ``linear`` says that a force is proportional to this parameter. Below ``usual`` a value is
+    allowed but doubtful, and ``words`` say why.
     """
 
     unit: str
@@ -30,6 +32,7 @@ class Quantity:
     high: float = math.inf
     open_low: bool = False
     linear: bool = False
+    usual: float = -math.inf
     words: str = ""
 
     def check(self, name: str, value: float) -> None:
@@ -37,6 +40,15 @@ class Quantity:
         below = value <= self.low if self.open_low else value < self.low
         if not math.isfinite(value) or below or value > self.high:
             raise InputError(f"{name} = {value:g} {self.unit} is not allowed; it must be {self.range_in_words()}")
+
+    def doubt(self, name: str, value: float) -> None:
+        """Warn (:class:`~dampyr.errors.DampyrWarning`) where ``value`` is allowed but not usual."""
+        if value < self.usual:
+            warnings.warn(
+                f"{name} = {value:g} {self.unit}".rstrip() + f" is below {self.usual:g}: {self.words}",
+                DampyrWarning,
+                stacklevel=4,
+            )
 
     def range_in_words(self) -> str:
         """The allowed range, as a person would say it."""

@@ -140,6 +140,9 @@ def test_bouc_wen_checks_its_shape() -> None:
         BoucWen(1.0, 1.0, 1.0, 1.0, 0.0, 1.0)
     with pytest.warns(DampyrWarning, match="bulges|bulge"):
         BoucWen(1.0, 1.0, 1.0, 1.0, 0.3, 1.0)
+    laws = {"bouc_wen.c0": 1.0, "bouc_wen.k0": 0.0, "bouc_wen.kw": 9.0, "bouc_wen.rho": 100.0, "bouc_wen.n": 1.0}
+    with pytest.warns(DampyrWarning, match=r"bouc_wen\.sigma .* = 0\.3 is below 0\.5"):
+        Damper("bouc_wen", laws | {"bouc_wen.sigma": Polynomial((0.6, -0.1), 0.0, 3.0)})
     with pytest.raises(InputError, match="makes energy"):
         from_printed(0.0, 0.0, 1.0, 1.0, beta=3.0, gamma=-1.0, n=1.5)
     with pytest.raises(InputError, match="without bound"):

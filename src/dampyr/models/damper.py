@@ -63,6 +63,7 @@ class Damper:
             where = f"{name} between {laws[name].low:g} and {laws[name].high:g} {self.input}"
             quantity.check(where, low)
             quantity.check(where, high)
+            quantity.doubt(where, low)
         self._check_covariance()
 
     composition: Composition = field(init=False, repr=False)

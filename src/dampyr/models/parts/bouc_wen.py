@@ -13,17 +13,17 @@ The letters of equations (2.1) and (2.2) of Raminelli (2020) come and go with `f
 Bouc (1971); Wen (1976); the normalised form: Ikhouane and Rodellar (2007).
 """
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import copysign
 from typing import Annotated
 
-from dampyr.errors import DampyrWarning, InputError
+from dampyr.errors import InputError
 from dampyr.models.flow import flow
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
+BULGING = "stable, but its loops bulge the wrong way for a damper"
 STATES = {"w": (-1.0, 1.0)}
 
 
@@ -36,17 +36,8 @@ class BoucWen:
     k0: Annotated[float, Quantity("N/m", linear=True)]
     kw: Annotated[float, Quantity("N", low=0, open_low=True, linear=True)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
-    sigma: Annotated[float, Quantity("", low=0, open_low=True)]
+    sigma: Annotated[float, Quantity("", low=0, open_low=True, usual=0.5, words=BULGING)]
     n: Annotated[float, Quantity("", low=1)]
-
-    def __post_init__(self) -> None:
-        if 0 < self.sigma < 0.5:
-            warnings.warn(
-                f"BoucWen.sigma = {self.sigma:g} is below 1/2: stable, but its loops bulge the wrong way "
-                "for a damper; a physical loop has sigma >= 0.5",
-                DampyrWarning,
-                stacklevel=3,
-            )
 
 
 def advance(w: float, x0: float, x1: float, rho: float, sigma: float, n: float) -> float:

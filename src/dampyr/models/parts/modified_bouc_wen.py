@@ -18,13 +18,12 @@ force (rms) at 200 samples per second and 0.06 % at 1000. With vc -> 0 the model
 Spencer, Dyke, Sain and Carlson (1997), Journal of Engineering Mechanics 123, 230.
 """
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import copysign, inf
 from typing import Annotated
 
-from dampyr.errors import DampyrWarning, InputError
+from dampyr.errors import InputError
 from dampyr.models.flow import flow
 from dampyr.models.part import Scale, checked
 from dampyr.models.parts import bouc_wen
@@ -45,17 +44,8 @@ class ModifiedBoucWen:
     r: Annotated[float, Quantity("", low=0)]
     kappa: Annotated[float, Quantity("1/m", low=0)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
-    sigma: Annotated[float, Quantity("", low=0, open_low=True)]
+    sigma: Annotated[float, Quantity("", low=0, open_low=True, usual=0.5, words=bouc_wen.BULGING)]
     n: Annotated[float, Quantity("", low=1)]
-
-    def __post_init__(self) -> None:
-        if 0 < self.sigma < 0.5:
-            warnings.warn(
-                f"ModifiedBoucWen.sigma = {self.sigma:g} is below 1/2: stable, but its loops bulge the wrong way "
-                "for a damper; a physical loop has sigma >= 0.5",
-                DampyrWarning,
-                stacklevel=3,
-            )
 
 
 def advance(
