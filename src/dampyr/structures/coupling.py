@@ -21,7 +21,7 @@ from dampyr.structures.arithmetic import past, peak, put, solve, times, turning
 
 
 def _unbound(*_: Any) -> Any:
-    raise NotImplementedError("bound to the dampers by dampyr.models.kernels.bind")
+    raise TypeError("a driver runs only after dampyr.models.kernels.bind has given it its dampers")
 
 
 advance = force = slopes = _unbound

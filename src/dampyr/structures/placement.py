@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.models.damper import INPUTS
 from dampyr.structures.building import Building
 
 Array = NDArray[np.float64]
 SHORTEST_DELAY = 2e-5
-_WORDS = {"V": "voltage", "A": "current"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,17 +84,17 @@ def _input(storey: int, damper: Any, voltage: Any, current: Any) -> float:
     if isinstance(value, Mapping):
         value = value.get(storey)
     if value is None and other is not None:
-        wrong = _WORDS["A" if kind == "V" else "V"]
+        wrong = INPUTS["A" if kind == "V" else "V"]
         raise InputError(
-            f"{wrong}= is given, but the damper in storey {storey} takes a {_WORDS[kind]}; write {_WORDS[kind]}="
+            f"{wrong}= is given, but the damper in storey {storey} takes a {INPUTS[kind]}; write {INPUTS[kind]}="
         )
     if value is None:
         raise InputError(
-            f"the damper in storey {storey} has no {_WORDS[kind]}; write {_WORDS[kind]}=, a number in {kind} (0 is one)"
+            f"the damper in storey {storey} has no {INPUTS[kind]}; write {INPUTS[kind]}=, a number in {kind} (0 is one)"
         )
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise InputError(
-            f"{_WORDS[kind]} = {value!r} in storey {storey} is not a finite number; write a constant in {kind}"
+            f"{INPUTS[kind]} = {value!r} in storey {storey} is not a finite number; write a constant in {kind}"
         )
     return float(value)
 
