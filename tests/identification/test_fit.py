@@ -233,3 +233,13 @@ def test_the_cost_that_the_search_follows_is_the_true_one() -> None:
         one.weight * (one.force - force) for one, force in zip(found.problem.pieces, found.forces, strict=True)
     ]
     assert found.outcome.cost == pytest.approx(0.5 * sum(float(r @ r) for r in residuals), rel=1e-9)
+
+
+def test_intervals_are_students() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    found = fit("dahl", [sine(truth, 0.0, f"r{k}", noise=3.0, seed=k) for k in range(6)])
+    assert found.freedom["dahl.kw"] == pytest.approx(5.0, abs=0.1)
+    low, high = found.intervals(0.95)["dahl.kw"]
+    assert (high - low) / 2 == pytest.approx(2.5706 * found.stderr["dahl.kw"], rel=0.02)
+    with pytest.raises(InputError, match="between 0 and 1"):
+        found.intervals(95)

@@ -39,7 +39,8 @@ class Fit:
     make no damper. ``parameters``, ``stderr`` and ``naive_stderr`` are in SI units, by labels such as ``dahl.kx @ 1.98 V``;
     an infinite error means that the records do not determine the number, NaN that it stands at its limit.
     ``correlation`` (m, m) follows the same order. ``converged`` and ``reason`` say how the search ended;
-    ``notes`` what a reader should know besides.
+    ``notes`` what a reader should know besides. ``clusters`` are what the errors were clustered by ("record" or "cycle"),
+    ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that speak of it.
     """
 
     damper: Damper | None
@@ -52,11 +53,29 @@ class Fit:
     reason: str
     notes: tuple[str, ...]
     clusters: str
+    freedom: dict[str, float]
     nuisances: dict[str, Nuisance]
     iterations: int
     problem: Problem = field(repr=False)
     outcome: Outcome = field(repr=False)
     records: tuple[Record, ...] = field(repr=False)
+
+    def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
+        """Confidence intervals at ``level``, by label, in SI units.
+
+        Estimate and standard error with Student's t of ``freedom``. They hold the truth where the model does; where it misses
+        the damper's behaviour they describe the fit. Infinite where the records do not determine the number, NaN where it
+        stands at its limit.
+        """
+        if not 0.0 < level < 1.0:
+            raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+        from scipy.stats import t
+
+        found = {}
+        for label, value in self.parameters.items():
+            reach = float(t.ppf(0.5 + 0.5 * level, self.freedom[label])) * self.stderr[label]
+            found[label] = (value - reach, value + reach)
+        return found
 
     @cached_property
     def forces(self) -> list[Array]:
@@ -172,6 +191,7 @@ def _report(problem: Problem, outcome: Outcome, records: tuple[Record, ...], ban
         reason=trouble or outcome.reason,
         notes=tuple(_notes(problem, outcome, known, labels)),
         clusters=known.clusters,
+        freedom=dict(zip(labels, map(float, known.freedom), strict=True)),
         nuisances={
             p.name: Nuisance(s.offset, dict(zip(states, map(float, s.states), strict=True)))
             for p, s in zip(problem.pieces, outcome.point.starts, strict=True)

@@ -7,7 +7,8 @@ one) is far too small. The errors given here are the sandwich
 
 over clusters g that are independent of one another: the records in a joint fit, the cycles where there are fewer than
 `FEWEST_RECORDS` records to a coefficient. J is what is left of the derivatives after each record's nuisances have taken
-their part. A direction that the records do not determine has an infinite error, not a small one.
+their part, and G the effective number of clusters. A direction that the records do not determine has an infinite error, not
+a small one.
 
 Liang and Zeger (1986); Cameron and Miller (2015).
 """
@@ -26,16 +27,19 @@ Array = NDArray[np.float64]
 FEWEST_RECORDS = 5
 FEWEST_CYCLES = 3
 BLIND = 1e-7
+TINY = 1e-100
 
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Covariances (m, m) of the coefficients; what they were clustered by; how many clusters each coefficient has."""
+    """Covariances (m, m) of the coefficients; what they were clustered by; how many clusters speak of each coefficient, and the
+    degrees of freedom that makes (fewer where a few clusters say most of it)."""
 
     covariance: Array
     naive: Array
     clusters: str
     counts: Array
+    freedom: Array
     blind: tuple[int, ...]
 
 
@@ -53,14 +57,14 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
     bread, blind = _inverse(information, held)
     squares = sum(float(r @ r) for _, r, _ in reduced)
     naive = bread * squares / max(samples - problem.size, 1)
-    by_record, counts = _scores_by_record(reduced, information)
+    scores, counts, freedom = _scores_by_record(reduced, information)
     clusters = "record"
     if np.any(np.delete(counts, [*held, *blind]) < FEWEST_RECORDS):
         clusters = "cycle"
-        by_record, counts = _scores_by_cycle(reduced, information)
-    covariance = _sandwich(bread, by_record, counts)
+        scores, counts, freedom = _scores_by_cycle(reduced, information)
+    covariance = _sandwich(bread, scores, freedom)
     blind = tuple(sorted({*blind, *(k for k in map(int, np.flatnonzero(counts < FEWEST_CYCLES)) if k not in held)}))
-    return Uncertainty(_blinded(covariance, blind), _blinded(naive, blind), clusters, counts, blind)
+    return Uncertainty(_blinded(covariance, blind), _blinded(naive, blind), clusters, counts, freedom, blind)
 
 
 def _without(J: Array, nuisance: Array) -> Array:
@@ -88,11 +92,11 @@ def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[in
 Reduced = list[tuple[Array, Array, NDArray[np.int64]]]
 
 
-def _scores_by_record(reduced: Reduced, information: Array) -> tuple[Array, Array]:
+def _scores_by_record(reduced: Reduced, information: Array) -> tuple[Array, Array, Array]:
     return _counted([(J.T @ r, J) for J, r, _ in reduced], information)
 
 
-def _scores_by_cycle(reduced: Reduced, information: Array) -> tuple[Array, Array]:
+def _scores_by_cycle(reduced: Reduced, information: Array) -> tuple[Array, Array, Array]:
     parts = []
     for J, r, cycle in reduced:
         for k in np.unique(cycle):
@@ -101,17 +105,22 @@ def _scores_by_cycle(reduced: Reduced, information: Array) -> tuple[Array, Array
     return _counted(parts, information)
 
 
-def _counted(parts: list[tuple[Array, Array]], information: Array) -> tuple[Array, Array]:
-    """The scores (G, m), and how many clusters speak of each coefficient."""
+def _counted(parts: list[tuple[Array, Array]], information: Array) -> tuple[Array, Array, Array]:
+    """The scores (G, m), how many clusters speak of each coefficient, and its degrees of freedom.
+
+    These are one less than the effective number of clusters, 1 / sum of the squared shares of the information: G equal
+    clusters count as G, and one that says all counts as one.
+    """
     scores = np.array([score for score, _ in parts])
-    shares = np.array([np.einsum("ij,ij->j", J, J) for _, J in parts])
-    total = np.maximum(np.diag(information), 1e-300)
-    return scores, np.sum(shares > 1e-3 * total, axis=0)
+    told = np.array([np.einsum("ij,ij->j", J, J) for _, J in parts])
+    total = np.diag(information)
+    shares = np.where(total > TINY, told / np.where(total > TINY, total, 1.0), 0.0)
+    effective = 1.0 / np.maximum(np.sum(shares**2, axis=0), TINY)
+    return scores, np.sum(shares > 1e-3, axis=0), np.maximum(np.minimum(effective, len(parts)), 1.5) - 1.0
 
 
-def _sandwich(bread: Array, scores: Array, counts: Array) -> Array:
-    grow = np.sqrt(counts / np.maximum(counts - 1.0, 1.0))
-    influence = (scores @ bread) * grow
+def _sandwich(bread: Array, scores: Array, freedom: Array) -> Array:
+    influence = (scores @ bread) * np.sqrt((freedom + 1.0) / freedom)
     return np.asarray(influence.T @ influence)
 
 

@@ -50,8 +50,9 @@ def _told(error: float, factor: float) -> float | str:
 
 def law_figure(fit: Fit, damper: Damper) -> Figure:
     """Each parameter over the input: the law, the fitted values with 95 % intervals, the calibrated range."""
-    low, high = damper.range
-    inputs = np.linspace(low, high, 200)
+    start, end = damper.range
+    inputs = np.linspace(start, end, 200)
+    intervals = fit.intervals()
     panels = []
     short = [column.name.partition(".")[2] for column in fit.problem.columns]
     for column, span in zip(fit.problem.columns, fit.problem.slices, strict=True):
@@ -59,10 +60,11 @@ def law_figure(fit: Fit, damper: Damper) -> Figure:
             continue
         unit, factor = for_people(column.quantity.unit)
         name = column.name.partition(".")[2]
-        errors = [1.96 * fit.stderr[label] for label in column.labels(damper.input)]
+        spans = [intervals[label] for label in column.labels(damper.input)]
+        errors = [0.5 * (high - low) for low, high in spans]
         points = (np.array(column.knots), fit.outcome.point.theta[span])
         if column.size == 1:
-            points = (np.array([0.5 * (low + high)]), points[1])
+            points = (np.array([0.5 * (start + end)]), points[1])
         panels.append(
             Law(
                 Axis(name if short.count(name) == 1 else column.name, unit, factor),
@@ -71,7 +73,7 @@ def law_figure(fit: Fit, damper: Damper) -> Figure:
                 error=np.where(np.isfinite(errors), errors, 0.0),
             )
         )
-    return parameters_against_input(panels, (low, high), VOLTAGE if damper.input == "V" else CURRENT)
+    return parameters_against_input(panels, (start, end), VOLTAGE if damper.input == "V" else CURRENT)
 
 
 def score_table(scores: dict[str, Score], caption: str) -> Table:
