@@ -10,8 +10,8 @@ Needs the campaign's files (``dampyr datasets fetch labcontrol``). Writes the ca
     dahl.kw @ 0 V        53.98 +- 1.29 N
     dahl.kw @ 0.8712 V  175.71 +- 3.54 N
     dahl.kw @ 1.98 V    252.11 +- 8.64 N
-    dahl.kw @ 3.212 V   326.00 +- 13.10 N
-    dahl.rho @ 0 V       31.00 +- 1.68 1/mm
+    dahl.kw @ 3.212 V   326.00 +- 13.12 N
+    dahl.rho @ 0 V       31.00 +- 1.69 1/mm
     dahl.rho @ 0.8712 V  25.50 +- 0.51 1/mm
     dahl.rho @ 1.98 V    17.01 +- 0.21 1/mm
     dahl.rho @ 3.212 V    9.64 +- 0.16 1/mm
