@@ -14,9 +14,11 @@ HEAD = """# Models
 A damper is made of parts, written as `"dahl + spring + delay"`. Each part is one file of `dampyr/models/parts`, and this
 page is written from these files. The force is the sum over the parts, late by the `delay` where there is one. x is the
 displacement in m (extension positive), v the velocity in m/s; a positive force opposes positive velocity. Each parameter
-follows the coil's voltage (or current) by a law: see [card](card.md).
+follows the coil's voltage (or current) by a law: see [card](card.md). `compliance` and `free_play` have no force of their
+own: they stand in series with all other parts, which then feel the motion less the stretch.
 
-A parameter is *linear* where the force is proportional to it; a fit solves for these inside. A state is 0 at rest.
+A parameter is *linear* where the force is proportional to it; a fit solves for these inside (in series with a stretch
+none is). A state is 0 at rest.
 
 What goes together: most parts have a dashpot of their own, and two of them in one composition are one too many. Hold one,
 such as `--fix hyperbolic_tangent.c=0` beside `dahl.kx`; likewise `bouc_wen.k0` and `spring.k0` are the same spring. A fit

@@ -119,6 +119,7 @@ def from_si(values: Any, unit: str, si: str) -> Any:
 _FOR_PEOPLE = {
     "N s/m": ("N s/mm", 1e-3),
     "N/m": ("N/mm", 1e-3),
+    "m/N": ("mm/kN", 1e6),
     "1/m": ("1/mm", 1e-3),
     "m": ("mm", 1e3),
     "m/s": ("mm/s", 1e3),

@@ -9,7 +9,8 @@ import numpy as np
 
 from dampyr.identification.design import Column
 from dampyr.identification.pieces import Piece, Start
-from dampyr.identification.solver import Point, Problem, projected_cost
+from dampyr.identification.solver import Point, Problem, projected_cost, search
+from dampyr.models import Composition
 from dampyr.models.part import Scale
 
 MOST_STARTS = 48
@@ -17,7 +18,12 @@ SCANNED_SAMPLES = 4000
 
 
 def begin(problem: Problem) -> Point:
-    """From where the search begins: the best of the parts' proposals, tried at each input apart."""
+    """From where the search begins: the best of the parts' proposals, tried at each input apart.
+
+    Parts in series with something that stretches begin where they end without it.
+    """
+    if problem.composition.in_series:
+        return _from_rigid(problem)
     neutral = _neutral(problem)
     groups: dict[float, list[int]] = {}
     for k, one in enumerate(problem.pieces):
@@ -33,6 +39,30 @@ def begin(problem: Problem) -> Point:
             if column.kind == "constant":
                 theta[span] = float(np.median(values))
     return replace(neutral, theta=theta)
+
+
+def _from_rigid(problem: Problem) -> Point:
+    """The fit without what stretches, and a stretch that is small beside the stroke."""
+    soft = [p.name for p in problem.composition.parts if p.stretch]
+    chosen = [k for k, c in enumerate(problem.columns) if c.name.partition(".")[0] not in soft]
+    inner = Composition(tuple(name for name in problem.composition.names if name not in soft))
+    rigid = Problem(inner, _as_in(inner, [problem.columns[k] for k in chosen]), problem.pieces, problem.offset)
+    found = search(rigid, begin(rigid)).point
+    theta = _neutral(problem).theta
+    slices = problem.slices
+    for k, span in zip(chosen, rigid.slices, strict=True):
+        theta[slices[k]] = found.theta[span]
+    proposal = _proposals(problem, problem.pieces)[0]
+    for column, span in zip(problem.columns, slices, strict=True):
+        if column.size and column.name.partition(".")[0] in soft:
+            theta[span] = proposal[column.name]
+    starts = tuple(Start(start.offset, np.append(start.states, 0.0)) for start in found.starts)
+    return Point(theta, starts)
+
+
+def _as_in(composition: Composition, columns: list[Column]) -> list[Column]:
+    """The columns with the quantities of another composition, where the force may be proportional to them."""
+    return [replace(column, quantity=composition.quantities[column.name]) for column in columns]
 
 
 def _neutral(problem: Problem) -> Point:

@@ -5,12 +5,14 @@ The text is what the kernels compile (see ``dampyr.models.kernels``); print ``co
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 from dampyr.errors import InputError
+from dampyr.models import series
 from dampyr.models.formula import Formula, partials_of, read, tangent, tangents
 from dampyr.models.part import Part, part
 from dampyr.units import Quantity
@@ -29,8 +31,17 @@ class Composition:
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """Flat parameter names such as ``dahl.kx`` -> what they mean, in the order of the parameter vector."""
-        return {f"{p.name}.{key}": q for p in self.parts for key, q in p.parameters.items()}
+        """Flat parameter names such as ``dahl.kx`` -> what they mean, in the order of the parameter vector.
+
+        In series with something that stretches, the force is proportional to no parameter.
+        """
+        found = {f"{p.name}.{key}": q for p in self.parts for key, q in p.parameters.items()}
+        return {n: replace(q, linear=False) for n, q in found.items()} if self.in_series else found
+
+    @cached_property
+    def in_series(self) -> bool:
+        """Whether the parts stand in series with something that stretches under the force."""
+        return any(p.stretch for p in self.parts)
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:
@@ -40,7 +51,8 @@ class Composition:
     @cached_property
     def states(self) -> dict[str, tuple[float, float]]:
         """Flat state names such as ``dahl.w`` -> their bounds."""
-        return {f"{p.name}.{key}": bounds for p in self.parts for key, bounds in p.states.items()}
+        found = {f"{p.name}.{key}": bounds for p in self.parts for key, bounds in p.states.items()}
+        return found | ({series.STATE: (-math.inf, math.inf)} if self.in_series else {})
 
     @property
     def n_states(self) -> int:
@@ -55,7 +67,7 @@ class Composition:
     @property
     def path_only(self) -> bool:
         """Whether every state depends on the path alone."""
-        return all(p.path_only for p in self.parts)
+        return not self.in_series and all(p.path_only for p in self.parts)
 
     @cached_property
     def delay(self) -> int | None:
@@ -88,7 +100,7 @@ class Composition:
         """What the parts compute, intrinsics first, each name once."""
         found: dict[str, Formula] = {}
         for p in self.parts:
-            for formula in (p.advance, p.force):
+            for formula in (p.advance, p.force, p.stretch):
                 if formula is not None:
                     found.update((n, read(f, n)) for n, f in formula.intrinsics().items())
                     found[formula.name] = formula
@@ -99,7 +111,9 @@ class Composition:
         texts = {f.name: f.source for f in self.formulas()}
         for p in self.parts:
             texts.update(_tangents(p))
-        glue = [write(self, site) for write in (_advance, _force, _slopes, _columns, _spread)]
+            texts.update(series.towards(p) if self.in_series else {})
+        writers = (_advance, _force, _slopes, _columns, _spread)
+        glue = series.sources(self, site) if self.in_series else [write(self, site) for write in writers]
         return "\n\n".join([*texts.values(), *glue])
 
 
@@ -114,6 +128,8 @@ def compose(names: str | Iterable[str]) -> Composition:
     composition = Composition(tuple(listed))
     if not any(p.force for p in composition.parts):
         raise InputError(f"{composition} makes no force; add a part that does, such as dahl")
+    if composition.in_series and all(series.outside(p) for p in composition.parts if p.force):
+        raise InputError(f"{composition} has nothing that stretches it; add a part such as dahl")
     return composition
 
 

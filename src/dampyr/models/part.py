@@ -79,6 +79,11 @@ class Part:
         return read(self.module.force, f"{self.name}_force") if hasattr(self.module, "force") else None
 
     @property
+    def stretch(self) -> Formula | None:
+        """The formula of what gives way in series with the other parts, if the part is such a thing."""
+        return read(self.module.stretch, f"{self.name}_stretch") if hasattr(self.module, "stretch") else None
+
+    @property
     def delay(self) -> str | None:
         """The name of the parameter that delays the whole damper, if this part is a delay."""
         return getattr(self.module, "DELAY", None)
@@ -106,7 +111,7 @@ def part(name: str) -> Part:
     wanted = name.replace("_", "")
     cls = next(c for n, c in vars(module).items() if isinstance(c, type) and n.lower() == wanted)
     found = Part(name, cls, module)
-    motion = {"x0", "x1", "v0", "v1", "dt"} if found.states else {"x", "v", "a"}
+    motion = {"x0", "x1", "v0", "v1", "dt"} if found.states else {"x", "v", "a", "f"}
     taken = sorted(motion & {*found.parameters, *found.states})
     if taken:
         raise TypeError(

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from dampyr.errors import InputError
+from dampyr.export import c_series
 from dampyr.export.c_text import function, number
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
@@ -85,8 +86,7 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool) -> str:
                 *laws,
                 _values(damper, prefix),
                 *functions,
-                _advance(damper, prefix),
-                _force(damper, prefix),
+                *_motion(damper, prefix),
                 _in_range(damper, prefix, allow_extrapolation),
                 *([_late(damper, prefix)] if damper.composition.has_delay else []),
                 _calls(damper, prefix),
@@ -140,6 +140,13 @@ def _places(damper: Damper) -> list[tuple[Part, dict[str, str], int]]:
         found.append((p, states | values, j))
         i, j = i + len(values), j + len(states)
     return found
+
+
+def _motion(damper: Damper, prefix: str) -> list[str]:
+    """The functions ``advance`` and ``force`` of the whole damper."""
+    if damper.composition.in_series:
+        return c_series.functions(damper.composition, prefix)
+    return [_advance(damper, prefix), _force(damper, prefix)]
 
 
 def _advance(damper: Damper, prefix: str) -> str:

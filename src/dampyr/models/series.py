@@ -1,0 +1,295 @@
+r"""The functions of a composition whose parts stand in series with something that stretches.
+
+The parts feel the motion less the stretch, which the force itself makes:
+
+.. math:: F_1 = \Phi(F_1), \qquad \Phi(F) = \sum_\text{parts} F_k\big(x_1 - z(F),\; v_1 - \frac{z(F) - z(F_0)}{\Delta t}\big)
+
+Phi falls as F rises, wherever the parts resist the motion, so the equation has one root, no farther from F than F - Phi(F).
+It is found by regula falsi with Illinois weights; derivatives are those of the implicit function. The force is a state, the
+last one. A force that needs the acceleration acts beside the whole, at the outer end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from dampyr.models.formula import Formula, tangents
+
+if TYPE_CHECKING:
+    from dampyr.models.composition import Composition
+    from dampyr.models.part import Part
+
+STATE = "series.f"
+MOTION = ("x0", "x1", "v0", "v1", "dt")
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A part with its places: states s[j], parameters p[i]."""
+
+    part: Part
+    states: dict[str, int]
+    values: dict[str, int]
+
+
+def outside(p: Part) -> bool:
+    """Whether the part acts beside the series, because its force needs the acceleration."""
+    return p.force is not None and "a" in p.force.arguments
+
+
+def slots(composition: Composition) -> Iterator[Slot]:
+    """The parts in their order."""
+    i, j = 0, 0
+    for p in composition.parts:
+        yield Slot(
+            p,
+            {n: j + k for k, n in enumerate(p.states)},
+            {n: i + k for k, n in enumerate(p.parameters)},
+        )
+        i, j = i + len(p.parameters), j + len(p.states)
+
+
+def sources(composition: Composition, site: int) -> list[str]:
+    """The text of ``solve``, ``advance``, ``force``, ``slopes``, ``columns`` and ``spread``."""
+    makers: list[Callable[[Composition], tuple[str, list[str]]]] = [_phi, _solve, _advance, _force, _slopes]
+    makers += [_columns, _spread]
+    return [_define(*maker(composition), site) for maker in makers]
+
+
+def towards(p: Part) -> dict[str, str]:
+    """Each formula of a part with its derivative along any direction of its arguments."""
+    texts = {}
+    for formula in (p.advance, p.force, p.stretch):
+        if formula is not None:
+            texts[_along(formula)] = tangents(formula, _along(formula), _active(formula), [None])
+    return texts
+
+
+def _along(formula: Formula) -> str:
+    return f"{formula.name}_towards"
+
+
+def _active(formula: Formula) -> list[str]:
+    return [a for a in formula.arguments if a != "dt"]
+
+
+def _define(name: str, lines: list[str], site: int) -> str:
+    head, _, arguments = name.partition("(")
+    body = [line.replace("_SITE(", f"_{site}(") for line in lines]
+    return "\n    ".join([f"def {head}_{site}({arguments}:", *body])
+
+
+def _last(composition: Composition) -> int:
+    return composition.n_states - 1
+
+
+def _inner(composition: Composition) -> list[Slot]:
+    return [slot for slot in slots(composition) if not outside(slot.part)]
+
+
+def _stretch(composition: Composition, f: str) -> str:
+    """The whole stretch under the force ``f``."""
+    terms = []
+    for slot in slots(composition):
+        if slot.part.stretch:
+            names = {"f": f} | {n: f"p[{k}]" for n, k in slot.values.items()}
+            terms.append(f"{slot.part.stretch.name}({', '.join(names[a] for a in slot.part.stretch.arguments)})")
+    return " + ".join(terms)
+
+
+SHRUNK = ["a0, a1 = x0 - z0, x1 - z1", "r = (z1 - z0)/dt if dt > 0.0 else 0.0", "u0, u1 = v0 - r, v1 - r"]
+INNER = {"x0": "a0", "x1": "a1", "v0": "u0", "v1": "u1", "dt": "dt", "x": "a1", "v": "u1", "a": "0.0"}
+
+
+def _ends(composition: Composition) -> list[str]:
+    """Lines that put the states at the end of a piece into e0, e1, ..."""
+    lines = []
+    for slot in _inner(composition):
+        if slot.part.advance:
+            places = INNER | _states(slot, "s[{}]") | _values(slot)
+            targets = ", ".join(f"e{k}" for k in slot.states.values())
+            lines.append(f"{targets} = {_called(slot.part.advance, places)}")
+    return lines
+
+
+def _called(formula: Formula, places: dict[str, str]) -> str:
+    return f"{formula.name}({', '.join(places[a] for a in formula.arguments)})"
+
+
+def _states(slot: Slot, form: str) -> dict[str, str]:
+    return {n: form.format(k) for n, k in slot.states.items()}
+
+
+def _values(slot: Slot) -> dict[str, str]:
+    return {n: f"p[{k}]" for n, k in slot.values.items()}
+
+
+def _phi(composition: Composition) -> tuple[str, list[str]]:
+    terms = []
+    for slot in _inner(composition):
+        if slot.part.force:
+            terms.append(_called(slot.part.force, INNER | _states(slot, "e{}") | _values(slot)))
+    lines = [f"z1 = {_stretch(composition, 'f')}", *SHRUNK, *_ends(composition), f"return {' + '.join(terms)}"]
+    return "phi(s, z0, f, x0, x1, v0, v1, dt, p)", lines
+
+
+def _solve(composition: Composition) -> tuple[str, list[str]]:
+    phi = "phi_SITE(s, z0, {}, x0, x1, v0, v1, dt, p)"
+    lines = f"""
+f0 = s[{_last(composition)}]
+if dt <= 0.0: return f0
+z0 = {_stretch(composition, "f0")}
+g0 = f0 - {phi.format("f0")}
+if g0 == 0.0: return f0
+reach = g0
+f1 = f0 - reach
+g1 = f1 - {phi.format("f1")}
+for _ in range(60):
+    if g0*g1 <= 0.0: break
+    reach = 2.0*reach
+    f1 = f0 - reach
+    g1 = f1 - {phi.format("f1")}
+f = f1
+for _ in range(200):
+    f = f1 - g1*(f1 - f0)/(g1 - g0) if g1 != g0 else f1
+    g = f - {phi.format("f")}
+    if abs(g) <= 1e-13*abs(f) + 1e-12: break
+    if g*g1 < 0.0:
+        f0, g0 = f1, g1
+    else:
+        g0 = 0.5*g0
+    f1, g1 = f, g
+return f"""
+    return "solve(s, x0, x1, v0, v1, dt, p)", lines.strip().split("\n")
+
+
+def _found(composition: Composition) -> list[str]:
+    """Lines that find the force ``f1`` at the end of a piece, the motion that is left, and the states there."""
+    return [
+        f"f0 = s[{_last(composition)}]",
+        "f1 = solve_SITE(s, x0, x1, v0, v1, dt, p)",
+        f"z0 = {_stretch(composition, 'f0')}",
+        f"z1 = {_stretch(composition, 'f1')}",
+        *SHRUNK,
+        *_ends(composition),
+    ]
+
+
+def _advance(composition: Composition) -> tuple[str, list[str]]:
+    lines = [*_found(composition), *_kept(composition), "return"]
+    return "advance(s, x0, x1, v0, v1, dt, p)", lines
+
+
+def _kept(composition: Composition) -> list[str]:
+    lines = []
+    for slot in _inner(composition):
+        lines += [f"s[{k}] = e{k}" for k in slot.states.values()]
+    return [*lines, f"s[{_last(composition)}] = f1"]
+
+
+def _beside(composition: Composition) -> list[tuple[Slot, Formula]]:
+    return [(slot, slot.part.force) for slot in slots(composition) if slot.part.force and outside(slot.part)]
+
+
+def _force(composition: Composition) -> tuple[str, list[str]]:
+    places = {"x": "x", "v": "v", "a": "a"}
+    terms = [f"s[{_last(composition)}]"]
+    terms += [_called(formula, places | _values(slot)) for slot, formula in _beside(composition)]
+    return "force(s, x, v, a, p)", [f"return {' + '.join(terms)}"]
+
+
+@dataclass(frozen=True)
+class Direction:
+    """Seeds of a derivative: expressions by what they are the tangent of."""
+
+    motion: dict[str, str]
+    states: str
+    values: str
+
+    def lines(self, composition: Composition, out: str) -> list[str]:
+        """Lines that leave the tangents of the states in ``out0, ...`` and the one of Phi in ``out``."""
+        lines, terms = [], []
+        for slot in _inner(composition):
+            places = INNER | _states(slot, "s[{}]") | _values(slot)
+            seeds = (
+                self.motion | _states(slot, self.states) | {n: self.values.format(k) for n, k in slot.values.items()}
+            )
+            if slot.part.advance:
+                count = len(slot.states)
+                targets = [f"_{k}" for k in range(count)] + [f"{out}{k}" for k in slot.states.values()]
+                lines.append(f"{', '.join(targets)} = {_towards(slot.part.advance, places, seeds)}")
+            if slot.part.force:
+                places |= _states(slot, "e{}")
+                seeds |= _states(slot, out + "{}") | {"x": self.motion["x1"], "v": self.motion["v1"]}
+                terms.append(f"{_towards(slot.part.force, places, seeds)}[1]")
+        return [*lines, f"{out} = {' + '.join(terms)}"]
+
+
+def _towards(formula: Formula, places: dict[str, str], seeds: dict[str, str]) -> str:
+    plain = [places[a] for a in formula.arguments]
+    return f"{_along(formula)}({', '.join([*plain, *(seeds[a] for a in _active(formula))])})"
+
+
+def _stretched(composition: Composition, f: str, df: str, values: str) -> str:
+    """The tangent of the whole stretch."""
+    terms = []
+    for slot in slots(composition):
+        if slot.part.stretch:
+            places = {"f": f} | _values(slot)
+            seeds = {"f": df} | {n: values.format(k) for n, k in slot.values.items()}
+            terms.append(f"{_towards(slot.part.stretch, places, seeds)}[1]")
+    return " + ".join(terms)
+
+
+def _by_force(composition: Composition) -> list[str]:
+    """Lines for ``b`` = dPhi/dF and the tangents b0, ... of the states by F."""
+    unit = Direction({"x0": "0.0", "x1": "-dz", "v0": "-dz*q", "v1": "-dz*q"}, "0.0", "0.0")
+    return [
+        "q = 1.0/dt if dt > 0.0 else 0.0",
+        f"dz = {_stretched(composition, 'f1', '1.0', '0.0')}",
+        *unit.lines(composition, "b"),
+    ]
+
+
+def _slopes(composition: Composition) -> tuple[str, list[str]]:
+    by_x = Direction({"x0": "0.0", "x1": "1.0", "v0": "0.0", "v1": "0.0"}, "0.0", "0.0")
+    by_v = Direction({"x0": "0.0", "x1": "0.0", "v0": "0.0", "v1": "1.0"}, "0.0", "0.0")
+    lines = [*_found(composition), *_by_force(composition), *by_x.lines(composition, "h"), "fx = h/(1.0 - b)"]
+    lines += [*by_v.lines(composition, "h"), "fv = h/(1.0 - b)"]
+    for slot, formula in _beside(composition):
+        places = {"x": "x1", "v": "v1", "a": "0.0"} | _values(slot)
+        zeros = dict.fromkeys([*slot.values, "x", "v", "a"], "0.0")
+        lines += [f"f{axis} += {_towards(formula, places, zeros | {axis: '1.0'})}[1]" for axis in "xv"]
+    return "slopes(s, x0, x1, v0, v1, dt, p)", [*lines, "return fx, fv"]
+
+
+def _columns(composition: Composition) -> tuple[str, list[str]]:
+    width = len(composition.parameters) + composition.n_states
+    lines = [f"for m in range({width}):", f"    J[m] = D[{_last(composition)}, m]"]
+    for slot, formula in _beside(composition):
+        places = {"x": "x", "v": "v", "a": "a"} | _values(slot)
+        zeros = dict.fromkeys([*slot.values, "x", "v", "a"], "0.0")
+        lines += [f"J[{k}] += {_towards(formula, places, zeros | {name: '1.0'})}[1]" for name, k in slot.values.items()]
+    return "columns(s, D, x, v, a, p, J)", [*lines, "return"]
+
+
+def _spread(composition: Composition) -> tuple[str, list[str]]:
+    last = _last(composition)
+    width = len(composition.parameters) + composition.n_states
+    unit = "(1.0 if m == {} else 0.0)"
+    any_way = Direction({"x0": "-c0", "x1": "-c1", "v0": "-c", "v1": "-c"}, "D[{}, m]", unit)
+    loop = [
+        f"c0 = {_stretched(composition, 'f0', f'D[{last}, m]', unit)}",
+        f"c1 = {_stretched(composition, 'f1', '0.0', unit)}",
+        "c = (c1 - c0)*q",
+        *any_way.lines(composition, "h"),
+        "df = h/(1.0 - b)",
+    ]
+    for slot in _inner(composition):
+        loop += [f"D[{k}, m] = h{k} + b{k}*df" for k in slot.states.values()]
+    loop.append(f"D[{last}, m] = df")
+    lines = [*_found(composition), *_by_force(composition), f"for m in range({width}):"]
+    lines += ["    " + line for line in loop]
+    return "spread(s, D, x0, x1, v0, v1, dt, p)", [*lines, *_kept(composition), "return"]
