@@ -2,9 +2,11 @@
 
 A *part* is one model or add-on (`names`), a *damper* is a composition of parts with one *law* per parameter over the coil's
 voltage or current. `Damper.force` gives the force along a path, `Damper.load` and `Damper.save` read and write its card.
+`published` holds parameter sets from the literature.
 """
 
 from dampyr.catalogue import names as _names
+from dampyr.models import published
 from dampyr.models.composition import Composition, compose
 from dampyr.models.damper import Damper
 from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
@@ -20,6 +22,7 @@ __all__ = [
     "compose",
     "names",
     "part",
+    "published",
 ]
 
 
