@@ -21,14 +21,16 @@ import pytest
 from dampyr import catalogue
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
-from dampyr.models import Constant, Damper, names, part
+from dampyr.models import Constant, Damper, Polynomial, names, part
 from dampyr.records.columns import WORDS
 from dampyr.records.record import CHANNELS
 
+Array = np.ndarray
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.rglob("*.md"))]
-RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), DOCS / "how-to" / "read-your-own-files.md"]
+HOW_TO = [DOCS / "how-to" / name for name in ("read-your-own-files.md", "another-laboratory.md")]
+RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -101,6 +103,38 @@ def write_own_file(folder: Path, text: str) -> None:
     (folder / "test.csv").write_text("\n".join([header, *lines]), encoding="utf-8")
 
 
+def write_laboratory(folder: Path, text: str) -> None:
+    """The files that "another laboratory" shows: twelve sines at four currents, and a motion like an earthquake's."""
+    [header, first, *_] = text.splitlines()
+    rng = np.random.default_rng(7)
+    t = np.arange(0.0, 6.0, 0.002)
+    for current in (0.0, 0.5, 1.0, 1.5):
+        for amplitude, frequency in ((5.0, 1.0), (10.0, 0.5), (10.0, 1.0)):
+            x = amplitude * np.sin(2.0 * np.pi * frequency * t)
+            name = f"sine_{amplitude:g}mm_{frequency:g}Hz_{current:g}A.txt"
+            write_test(folder / name, header, t, x, current, rng)
+    t = np.arange(0.0, 12.0, 0.002)
+    frequencies = np.linspace(0.2, 4.0, 40)
+    waves = np.sin(2.0 * np.pi * np.outer(t, frequencies) + rng.uniform(0.0, 2.0 * np.pi, 40)) / frequencies
+    x = waves.sum(axis=1) * np.minimum(1.0, t / 2.0) * np.exp(-np.maximum(0.0, t - 6.0) / 3.0)
+    write_test(folder / "earthquake_1A.txt", header, t, 9.0 * x / np.abs(x).max(), 1.0, rng)
+    assert first.count("\t") == header.count("\t")
+
+
+def write_test(path: Path, header: str, t: Array, x: Array, current: float, rng: np.random.Generator) -> None:
+    """One test of that laboratory, mm and N, with noise on the force and on the current."""
+    over = (0.0, 1.5)
+    laws = {"kx": (900.0, 700.0), "kw": (60.0, 420.0), "rho": (4000.0, -1200.0)}
+    dahl = Damper("dahl", {f"dahl.{key}": Polynomial(c, *over) for key, c in laws.items()}, input="A")
+    v = np.gradient(x, t)
+    force = dahl.force(t, 1e-3 * x, velocity=1e-3 * v, current=current)
+    force = force + (20.0 + 150.0 * current) * np.tanh(v / 10.0) + 35.0 + rng.normal(0.0, 2.0, t.size)
+    measured = current + rng.normal(0.0, 0.004, t.size)
+    rows = zip(t, x, v, force, measured, strict=True)
+    lines = [f"{a:.3f}\t{b:.4f}\t{c:.3f}\t{d:.2f}\t{e:.3f}" for a, b, c, d, e in rows]
+    path.write_text("\n".join([header, *lines]), encoding="utf-8")
+
+
 def steps(page: Path) -> Iterator[tuple[str, str]]:
     """The blocks of a page that a reader runs, in order."""
     for info, text in FENCE.findall(page.read_text(encoding="utf-8")):
@@ -121,6 +155,8 @@ def test_what_a_page_has_its_reader_do_works(
     for kind, block in steps(page):
         if kind == "text" and "Stroke LVDT" in block:
             write_own_file(tmp_path, block)
+        elif kind == "text" and "Displacement" in block:
+            write_laboratory(tmp_path, block)
         elif kind == "python":
             desk.execute(block)
             done += 1
