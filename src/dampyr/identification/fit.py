@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from dampyr.identification.starting import begin
 from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.models import Composition, Damper, compose
 from dampyr.records import Record, cycles
+
+if TYPE_CHECKING:
+    from dampyr.identification.residuals import Residuals
 
 Array = NDArray[np.float64]
 
@@ -95,6 +98,13 @@ class Fit:
             whole = np.concatenate((np.full(record.n - force.size, force[0]), force))
             found[record.name] = compare(record, whole)
         return found
+
+    @cached_property
+    def residuals(self) -> Residuals:
+        """What the fit leaves of the measured force, analysed: see `dampyr.identification.residuals`."""
+        from dampyr.identification.residuals import residuals
+
+        return residuals(self)
 
 
 def fit(

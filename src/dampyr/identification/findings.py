@@ -1,0 +1,204 @@
+"""What an analysis of residuals found, in words: trends by rank correlation, findings and warnings as sentences.
+
+A trend is Spearman's rank correlation of a record's relative residual with its frequency or stroke, among the records at one
+input, and with the input over all. Many are tried, so one counts only below a p of `CHANCE` over the number tried
+(Bonferroni): of a hundred campaigns without any trend, five or fewer are told of one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dampyr.identification.residuals import RecordResidual, Residuals
+
+CHANCE = 0.05
+FEWEST_RECORDS = 5
+CONFOUNDED = 0.7
+ALIKE = 1.1
+SHIFTED = 0.5
+UNEVEN = 1 / 3
+INDEPENDENT = 0.7
+REPEATED = 0.2
+
+
+@dataclass(frozen=True)
+class Trend:
+    """How the relative residual goes with ``quantity`` ("frequency", "stroke", "input"), at one input or over all (None).
+
+    ``rank`` is Spearman's correlation, ``p`` its probability by chance, ``counts`` whether that is small enough given how
+    many trends were tried; ``confounded`` is the rank correlation of frequency and stroke among the same records.
+    """
+
+    quantity: str
+    input_value: float | None
+    rank: float
+    p: float
+    records: int
+    confounded: float
+    counts: bool
+
+
+def trends(found: Residuals) -> tuple[Trend, ...]:
+    """All trends that the records allow to try: five records or more, their values not all the same."""
+    tried = []
+    for group in found.groups:
+        members = [r for r in found.records if r.name in set(group.records)]
+        tried += [(name, group.input_value, members) for name in ("frequency", "stroke")]
+    tried.append(("input", None, list(found.records)))
+    made = [made for name, u, members in tried if (made := _trend(name, u, members)) is not None]
+    limit = CHANCE / max(len(made), 1)
+    return tuple(Trend(*one, counts=one[3] <= limit) for one in made)
+
+
+def _trend(
+    name: str, u: float | None, members: Sequence[RecordResidual]
+) -> tuple[str, float | None, float, float, int, float] | None:
+    from scipy.stats import spearmanr
+
+    x = np.array([r.input_value if name == "input" else getattr(r, name) for r in members])
+    y = np.array([r.relative for r in members])
+    other = np.array([r.stroke if name == "frequency" else r.frequency for r in members])
+    seen = np.isfinite(x) & np.isfinite(y)
+    if seen.sum() < FEWEST_RECORDS or np.ptp(x[seen]) == 0.0 or np.ptp(y[seen]) == 0.0:
+        return None
+    rank, p = spearmanr(x[seen], y[seen])
+    both = seen & np.isfinite(other)
+    bound = float("nan")
+    if name != "input" and both.sum() > 2 and np.ptp(other[both]) > 0.0:
+        bound = float(spearmanr(x[both], other[both])[0])
+    return name, u, float(rank), float(p), int(seen.sum()), bound
+
+
+def findings(found: Residuals) -> tuple[str, ...]:
+    """What was found, one sentence each, without its full stop."""
+    return (_size(found), *_directions(found), _memory(found), *_repetition(found), *_trend_words(found))
+
+
+def warnings_of(found: Residuals) -> tuple[str, ...]:
+    """What a reader must know before trusting the numbers: misfit, and residuals that differ between the directions."""
+    told = []
+    if found.misfits:
+        told.append(
+            f"the model misses more than noise in {len(found.misfits)} of {len(found.records)} records: the intervals describe "
+            "the fit (how far it would move with other records of the same kind) and need not hold the truth"
+        )
+    return (*told, *_shifted(found), *_uneven(found))
+
+
+def _size(found: Residuals) -> str:
+    relative = float(np.median([r.relative for r in found.records]))
+    return (
+        f"the residual is {found.whole.rms:.3g} N rms, in the median record {100 * relative:.2g} % of the force's spread; the "
+        f"differences of successive samples allow for {found.noise:.2g} N of noise at most"
+    )
+
+
+def _directions(found: Residuals) -> list[str]:
+    out, back = found.whole.sides["out"], found.whole.sides["in"]
+    if not (np.isfinite(out.rms) and np.isfinite(back.rms)):
+        return []
+    high, low = max(out.rms, back.rms), min(out.rms, back.rms)
+    if high <= ALIKE * low:
+        pair = f"{out.rms:.3g} N rms when the damper is pulled, {back.rms:.3g} N when pushed"
+        return [f"the residual is alike in both directions: {pair}"]
+    way = "pulled" if out.rms > back.rms else "pushed"
+    return [f"the residual is larger when the damper is {way}: {high:.3g} N against {low:.3g} N rms"]
+
+
+def _memory(found: Residuals) -> str:
+    if found.effective >= INDEPENDENT * found.samples:
+        count = f"{_count(found.samples)} samples speak like {_count(found.effective)}"
+        return f"successive residuals are nearly independent: {count}"
+    factor = np.sqrt(found.samples / found.effective)
+    return (
+        f"residuals are correlated over {found.correlation_time:.2g} s: {_count(found.samples)} samples speak like "
+        f"{_count(found.effective)} at most, which alone makes naive errors {factor:.2g} times too small"
+    )
+
+
+def _count(number: float) -> str:
+    """Two digits are enough for an estimate, and thousands stand apart."""
+    rounded = number if isinstance(number, int) else float(f"{number:.2g}")
+    return f"{rounded:,.0f}".replace(",", "\N{NO-BREAK SPACE}")
+
+
+def _repetition(found: Residuals) -> list[str]:
+    known = [r.repeats for r in found.records if np.isfinite(r.repeats)]
+    if not known:
+        return []
+    share = float(np.median(known))
+    if share < REPEATED:
+        return ["little of it repeats from cycle to cycle"]
+    return [
+        f"{100 * share:.0f} % of its variance (the median record) comes again in each cycle: that is the model's shape and "
+        "not noise, and no number of samples averages it out"
+    ]
+
+
+def _trend_words(found: Residuals) -> list[str]:
+    tried = trends(found)
+    seen = {one.input_value for one in tried if one.counts and one.quantity == "frequency" and _confounded(one)}
+    told = [
+        _told(one, found.unit)
+        for one in tried
+        if one.counts and not (one.quantity == "stroke" and one.input_value in seen)
+    ]
+    if not tried or told:
+        return told
+    return [
+        f"the residual has no trend beyond chance with input, frequency or stroke ({len(tried)} rank correlations tried)"
+    ]
+
+
+def _told(one: Trend, unit: str) -> str:
+    way = "grows" if one.rank > 0 else "falls"
+    where = "" if one.input_value is None else f"at {one.input_value:g} {unit} "
+    word = {"V": "voltage", "A": "current"}.get(unit, "input") if one.quantity == "input" else one.quantity
+    text = f"{where}the residual relative to the force {way} with {word} "
+    text += f"(rank correlation {_signed(one.rank)}, p = {one.p:.1g})"
+    if not _confounded(one):
+        return text
+    other = "stroke" if one.quantity == "frequency" else "frequency"
+    return f"{text}, or with {other}: in these records the two go together ({_signed(one.confounded)})"
+
+
+def _confounded(one: Trend) -> bool:
+    return abs(one.confounded) >= CONFOUNDED  # NaN is not
+
+
+def _signed(value: float) -> str:
+    return f"{value:.2f}".replace("-", "−")
+
+
+def _shifted(found: Residuals) -> list[str]:
+    """Inputs at which the mean differs between the directions by more than `SHIFTED` of the rms."""
+    told = []
+    for group in found.groups:
+        out, back = group.sides["out"].mean, group.sides["in"].mean
+        if abs(out - back) > SHIFTED * group.rms > 0.0:
+            told.append(
+                f"at {group.input_value:g} {found.unit} the residual's mean differs between the directions: {_force(out)} "
+                f"when the damper is pulled, {_force(back)} when pushed"
+            )
+    return told
+
+
+def _force(value: float) -> str:
+    return f"{value:.3g} N".replace("-", "−")
+
+
+def _uneven(found: Residuals) -> list[str]:
+    """Inputs at which the even part is more than `UNEVEN` of the rms, and more than twice what chance would make it."""
+    odd = [g for g in found.groups if g.unevenness > max(UNEVEN, 2.0 * g.chance) * g.rms > 0.0]
+    if not odd:
+        return []
+    shares = sorted(100 * (g.unevenness / g.rms) ** 2 for g in odd)
+    span = f"{shares[0]:.0f} to {shares[-1]:.0f}" if len(shares) > 1 else f"{shares[0]:.0f}"
+    where = ", ".join(f"{g.input_value:g}" for g in odd)
+    return [
+        f"at {where} {found.unit}, {span} % of the residual's variance does not change its sign with the direction: the damper "
+        "(or its motion) is not the same when pulled and when pushed, and this model does not follow that"
+    ]

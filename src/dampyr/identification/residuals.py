@@ -1,0 +1,238 @@
+r"""What a model leaves of the measured force, and what that says about the model.
+
+The residual is measured less modelled force, :math:`r = F - \hat F` in N, sample by sample of each record; fits and
+free runs are treated alike. Definitions, for one record of n samples at the median interval :math:`\Delta t`:
+
+- **directions**: see `dampyr.identification.directions`.
+- **autocorrelation** :math:`\rho_k = \sum_i r_i r_{i+k} / \sum_i r_i^2`, the record's mean taken off.
+- **correlation time** :math:`\tau = \Delta t\,(1 + 2\sum_{k \ge 1} \rho_k)`, the sum of pairs :math:`\rho_{2m} + \rho_{2m+1}`
+  ended where the first is not positive [Geyer1992]_, never below one interval. White noise has :math:`\tau = \Delta t`.
+- **effective samples** :math:`n \Delta t / \tau`: as many independent ones would tell the mean as well. An upper bound, as
+  what repeats from cycle to cycle returns after the sum has ended.
+- **repeats**: :math:`\rho` at one period of the motion, unbiased: the share of the residual's variance that comes again in
+  each cycle. Noise does not; a model's wrong shape does.
+- **noise**: :math:`\text{rms}(r_{i+1} - r_i)/\sqrt 2`, the size that a residual without memory would have [vonNeumann1941]_;
+  at most that, as a smooth residual has differences too.
+- **misfit**: the residual is not noise alone where :math:`\tau` exceeds `MISFIT_INTERVALS` intervals, or its rms exceeds
+  `MISFIT_NOISE` times the noise.
+
+References
+----------
+.. [Geyer1992] C. J. Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7 (1992) 473-483.
+.. [vonNeumann1941] J. von Neumann, "Distribution of the ratio of the mean square successive difference to the variance",
+   Annals of Mathematical Statistics 12 (1941) 367-395.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import InputError
+from dampyr.identification.directions import Group, group
+from dampyr.records import Record, cycles
+from dampyr.records.measure import peak_to_peak
+
+if TYPE_CHECKING:
+    from dampyr.identification.fit import Fit
+
+Array = NDArray[np.float64]
+MISFIT_INTERVALS = 5.0
+MISFIT_NOISE = 2.0
+LONGEST_LAG = 3.0
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One record as it is analysed: arrays (n,) in s, m, m/s, N, N; its mean input in V or A.
+
+    ``stroke`` is peak to peak in m, ``frequency`` in Hz or NaN where there is no whole cycle.
+    """
+
+    name: str
+    time: Array
+    displacement: Array
+    velocity: Array
+    force: Array
+    residual: Array
+    input_value: float
+    stroke: float
+    frequency: float
+
+    def __post_init__(self) -> None:
+        sizes = {np.shape(a) for a in (self.time, self.displacement, self.velocity, self.force, self.residual)}
+        if len(sizes) > 1 or self.time.ndim != 1 or self.time.size < 8:
+            raise InputError(
+                f"{self.name}: its channels have the shapes {sorted(sizes)}; give vectors of one length, 8 or more"
+            )
+        if not np.all(np.isfinite(self.residual)):
+            raise InputError(f"{self.name}: its residual holds a value that is not finite, so it cannot be analysed")
+
+    @cached_property
+    def dt(self) -> float:
+        """The median interval in s."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def periods(self) -> float:
+        """How many periods of the motion it lasts; NaN without frequency."""
+        return self.time.size * self.dt * self.frequency
+
+
+@dataclass(frozen=True)
+class RecordResidual:
+    """The numbers of one record, see the head of this file. N, s, m, Hz; ``relative`` is rms over the force's standard
+    deviation; ``autocorrelation`` is by ``lags``; ``repeats`` NaN where there are fewer than three periods."""
+
+    name: str
+    input_value: float
+    stroke: float
+    frequency: float
+    samples: int
+    duration: float
+    rms: float
+    relative: float
+    noise: float
+    correlation_time: float
+    effective: float
+    repeats: float
+    misfit: bool
+    lags: Array = field(repr=False)
+    autocorrelation: Array = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """The analysis of all records; ``unit`` is the input's, "V" or "A"."""
+
+    unit: str
+    records: tuple[RecordResidual, ...]
+    whole: Group
+    groups: tuple[Group, ...]
+
+    @property
+    def samples(self) -> int:
+        """Of all records."""
+        return sum(r.samples for r in self.records)
+
+    @property
+    def effective(self) -> float:
+        """Effective samples of all records."""
+        return float(sum(r.effective for r in self.records))
+
+    @property
+    def correlation_time(self) -> float:
+        """All records' duration over their effective samples, s."""
+        return float(sum(r.duration for r in self.records)) / self.effective
+
+    @property
+    def noise(self) -> float:
+        """The noise of all records in N, rms."""
+        return float(np.sqrt(np.average([r.noise**2 for r in self.records], weights=[r.samples for r in self.records])))
+
+    @property
+    def misfits(self) -> tuple[str, ...]:
+        """The records whose residual is not noise alone."""
+        return tuple(r.name for r in self.records if r.misfit)
+
+
+def residuals(fit: Fit) -> Residuals:
+    """The analysis of what a fit leaves, over all samples that were fitted."""
+    traces = [
+        Trace(p.name, p.t, p.x, p.v, p.force, p.force - force, float(np.mean(p.u)), *motion(record))
+        for p, force, record in zip(fit.problem.pieces, fit.forces, fit.records, strict=True)
+    ]
+    return analyse(traces, fit.problem.pieces[0].unit)
+
+
+def motion(record: Record) -> tuple[float, float]:
+    """Stroke (peak to peak per cycle, m) and frequency (Hz) of a record; without whole cycles its range, and NaN."""
+    found = cycles(record)
+    if not found:
+        return float(np.ptp(record.displacement)), float("nan")
+    lasting = float(record.time[found[-1][1]] - record.time[found[0][0]])
+    return peak_to_peak(record, found), len(found) / lasting
+
+
+def analyse(traces: Sequence[Trace], unit: str = "V") -> Residuals:
+    """The analysis of any residuals. Raises :class:`~dampyr.errors.InputError` without traces, or for values not finite."""
+    if not traces:
+        raise InputError("there are no residuals to analyse; give one trace or more")
+    found = {one.name: _record(one) for one in traces}
+    if len(found) < len(traces):
+        raise InputError("two traces have the same name; rename one, so that results can be told apart")
+    inputs: dict[float, list[Trace]] = {}
+    for one in sorted(traces, key=lambda one: one.input_value):
+        inputs.setdefault(round(one.input_value, 9), []).append(one)
+
+    def of(some: Sequence[Trace], u: float | None) -> Group:
+        return group(some, sum(found[one.name].effective for one in some), u)
+
+    return Residuals(unit, tuple(found.values()), of(traces, None), tuple(of(some, u) for u, some in inputs.items()))
+
+
+def autocorrelation(residual: ArrayLike) -> Array:
+    """The autocorrelation (n,) by lags of 0 to n - 1 samples, the mean taken off; a constant has 1 and then 0."""
+    r = np.asarray(residual, dtype=float)
+    r = r - r.mean()
+    power = np.abs(np.fft.rfft(r, 2 * r.size)) ** 2
+    products = np.fft.irfft(power)[: r.size]
+    out = np.zeros(r.size)
+    out[0] = 1.0
+    return products / products[0] if products[0] > 0.0 else out
+
+
+def correlation_intervals(rho: Array) -> float:
+    """The correlation time in intervals, 1 or more, from the autocorrelation (n,)."""
+    pairs = rho[: 2 * (rho.size // 2)].reshape(-1, 2).sum(axis=1)
+    ends = np.flatnonzero(pairs <= 0.0)
+    positive = pairs[: ends[0]] if ends.size else pairs
+    return max(2.0 * float(np.sum(positive)) - 1.0, 1.0)
+
+
+def noise_of(residual: ArrayLike) -> float:
+    """The noise in N by successive differences: the standard deviation, if the samples are independent."""
+    return float(np.sqrt(0.5 * np.mean(np.diff(np.asarray(residual, dtype=float)) ** 2)))
+
+
+def _record(one: Trace) -> RecordResidual:
+    rho = autocorrelation(one.residual)
+    intervals = correlation_intervals(rho)
+    rms, noise = _rms(one.residual), noise_of(one.residual)
+    kept = min(one.time.size // 4, round(LONGEST_LAG / one.dt)) + 1
+    spread = float(np.std(one.force))
+    return RecordResidual(
+        name=one.name,
+        input_value=one.input_value,
+        stroke=one.stroke,
+        frequency=one.frequency,
+        samples=one.time.size,
+        duration=one.time.size * one.dt,
+        rms=rms,
+        relative=rms / spread if spread > 0.0 else float("nan"),
+        noise=noise,
+        correlation_time=intervals * one.dt,
+        effective=one.time.size / intervals,
+        repeats=_repeats(rho, one),
+        misfit=bool(intervals > MISFIT_INTERVALS or rms > MISFIT_NOISE * noise > 0.0),
+        lags=np.linspace(0.0, one.dt * (kept - 1), kept),
+        autocorrelation=rho[:kept],
+    )
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _repeats(rho: Array, one: Trace) -> float:
+    """The autocorrelation after one period, unbiased."""
+    if not one.periods >= 3.0:
+        return float("nan")
+    lag = 1.0 / (one.frequency * one.dt)
+    unbiased = rho * rho.size / (rho.size - np.arange(rho.size))
+    return float(np.interp(lag, np.arange(rho.size), unbiased))

@@ -1,0 +1,250 @@
+"""What is left: residuals of known character are recognised for what they are."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from scipy.stats import spearmanr
+from tests.identification.synthetic import sine
+
+from dampyr.errors import InputError
+from dampyr.identification import Residuals, Trace, analyse, findings, fit, trends, warnings_of
+from dampyr.identification.directions import SIDES
+from dampyr.identification.residuals import autocorrelation, correlation_intervals, motion, noise_of
+from dampyr.models import Damper
+
+DT, F = 0.005, 1.25
+N = 8000  # 50 whole periods
+T = DT * np.arange(N)
+X = 0.01 * np.sin(2 * np.pi * F * T) + 4e-4 * T  # drifts by more than its amplitude
+V = 0.01 * 2 * np.pi * F * np.cos(2 * np.pi * F * T)
+RNG = np.random.default_rng(7)
+NOISE = RNG.normal(0.0, 2.0, N)
+
+
+def trace(residual: np.ndarray, name: str = "a", u: float = 1.0, **changes: object) -> Trace:
+    known = {"stroke": 0.02, "frequency": F} | changes
+    return Trace(name, T, X, V, 100.0 * np.sign(V) + residual, residual, u, **known)  # type: ignore[arg-type]
+
+
+def ar1(phi: float, sigma: float, n: int = N, seed: int = 3) -> np.ndarray:
+    """Noise of standard deviation ``sigma`` with the autocorrelation phi**k."""
+    white = np.random.default_rng(seed).normal(0.0, sigma * np.sqrt(1 - phi**2), n + 500)
+    return np.asarray(lfilter([1.0], [1.0, -phi], white)[500:])
+
+
+def test_white_noise_is_noise_and_nothing_else() -> None:
+    found = analyse([trace(NOISE)])
+    (one,) = found.records
+    assert one.rms == pytest.approx(2.0, rel=0.03)
+    assert one.noise == pytest.approx(one.rms, rel=0.03)
+    assert one.correlation_time == pytest.approx(DT, rel=0.15)
+    assert found.effective == pytest.approx(N, rel=0.15)
+    assert abs(one.repeats) < 0.05
+    assert not one.misfit
+    assert warnings_of(found) == ()
+    told = " ".join(findings(found))
+    assert "nearly independent" in told
+    assert "alike in both directions" in told
+    assert "little of it repeats" in told
+
+
+@pytest.mark.parametrize("phi", [0.5, 0.9, 0.97])
+def test_the_memory_of_an_autoregression_is_its_closed_form(phi: float) -> None:
+    r = ar1(phi, 3.0, 200_000)
+    intervals = correlation_intervals(autocorrelation(r))
+    assert intervals == pytest.approx((1 + phi) / (1 - phi), rel=0.1)
+    assert noise_of(r) == pytest.approx(3.0 * np.sqrt(1 - phi), rel=0.02)
+    np.testing.assert_allclose(autocorrelation(r)[:6], phi ** np.arange(6), atol=0.02)
+
+
+def test_effective_samples_tell_the_mean_as_well_as_they_claim() -> None:
+    """The spread of the mean over many series is sigma / sqrt(effective samples)."""
+    means = [float(np.mean(ar1(0.9, 1.0, 2000, seed))) for seed in range(400)]
+    effective = np.mean([2000 / correlation_intervals(autocorrelation(ar1(0.9, 1.0, 2000, s))) for s in range(40)])
+    assert np.std(means) == pytest.approx(1.0 / np.sqrt(effective), rel=0.15)
+
+
+def test_the_autocorrelation_is_the_plain_sum() -> None:
+    r = RNG.normal(1.0, 2.0, 65)
+    d = r - r.mean()
+    np.testing.assert_allclose(autocorrelation(r), [d[: 65 - k] @ d[k:] / (d @ d) for k in range(65)], atol=1e-12)
+    np.testing.assert_array_equal(autocorrelation(np.full(9, 4.0)), np.eye(9)[0])
+
+
+def test_what_comes_again_in_each_cycle_is_told_from_noise() -> None:
+    shape = 3.0 * np.sin(6 * np.pi * F * T + 0.4)
+    (one,) = analyse([trace(shape + NOISE)]).records
+    assert one.repeats == pytest.approx(4.5 / (4.5 + 4.0), abs=0.03)
+    (pure,) = analyse([trace(shape)]).records
+    assert pure.repeats == pytest.approx(1.0, abs=0.01)
+    assert pure.misfit
+    (short,) = analyse([trace(shape, frequency=2.0 / T[-1])]).records
+    assert np.isnan(short.repeats)
+
+
+def test_the_criterion_of_misfit_is_the_one_that_is_stated() -> None:
+    """An autoregression has tau = (1 + phi)/(1 - phi) intervals and rms over noise 1/sqrt(1 - phi)."""
+    (mild,) = analyse([trace(ar1(0.5, 1.0))]).records
+    (long,) = analyse([trace(ar1(0.8, 1.0))]).records
+    (large,) = analyse([trace(20.0 * np.sin(2 * np.pi * 40.0 * T))]).records
+    assert (mild.misfit, long.misfit, large.misfit) == (False, True, False)
+
+
+def test_sides_have_the_means_that_were_put_in() -> None:
+    found = analyse([trace(np.where(V > 0, 5.0, -3.0))])
+    sides = found.groups[0].sides
+    assert (sides["out"].mean, sides["in"].mean) == (5.0, -3.0)
+    assert (sides["out"].rms, sides["in"].rms) == (5.0, 3.0)
+    assert sides["out"].samples + sides["in"].samples == pytest.approx(N * (1 - 2 * np.arcsin(0.02) / np.pi), abs=60)
+    assert any(
+        "mean differs between the directions: 5 N when the damper is pulled, −3 N when pushed" in w
+        for w in warnings_of(found)
+    )
+    assert any("larger when the damper is pulled: 5 N against 3 N rms" in text for text in findings(found))
+
+
+def test_each_quarter_of_the_cycle_has_its_own_side_in_spite_of_drift() -> None:
+    phase = (F * T) % 1.0  # 0: the middle on the way out, 0.25 the upper turning point
+    quarter = np.select([phase < 0.25, phase < 0.5, phase < 0.75], [1.0, 2.0, 3.0], 4.0)
+    sides = analyse([trace(quarter)]).whole.sides
+    told = {name: side.mean for name, side in sides.items() if "," in name}
+    expected = dict(zip(SIDES[2:], (4.0, 1.0, 2.0, 3.0), strict=True))
+    assert told == pytest.approx(expected, abs=0.08)
+
+
+def test_a_part_that_does_not_turn_round_is_uneven_and_one_that_does_is_not() -> None:
+    """A dashpot harder in one direction leaves c|v|: both means are 0 once the offset is taken, and it is still found."""
+    harder = 200.0 * np.abs(V)
+    harder -= harder.mean()
+    found = analyse([trace(harder + 0.2 * NOISE)])
+    group = found.groups[0]
+    assert abs(group.sides["out"].mean - group.sides["in"].mean) < 0.2
+    assert group.unevenness == pytest.approx(np.std(harder), rel=0.05)
+    assert any("at 1 V" in text and "does not change its sign" in text for text in warnings_of(found))
+    odd = analyse([trace(4000.0 * V**3 + 0.2 * NOISE)])
+    assert odd.groups[0].unevenness < 0.1 * odd.whole.rms
+    assert not any("does not change its sign" in text for text in warnings_of(odd))
+
+
+def test_chance_alone_seldom_looks_uneven() -> None:
+    odd = [analyse([trace(ar1(0.95, 1.0, seed=s))]) for s in range(40)]
+    assert sum("change its sign" in text for found in odd for text in warnings_of(found)) <= 2
+
+
+def test_curves_hold_the_quartiles() -> None:
+    curve = analyse([trace(100.0 * V + NOISE)]).whole.curves["before the middle"]
+    known = np.isfinite(curve.median)
+    assert known.sum() >= 20
+    np.testing.assert_allclose(curve.median[known], 100.0 * curve.velocity[known], atol=1.2)
+    spread = np.median((curve.upper - curve.lower)[known])
+    assert spread == pytest.approx(2 * 0.6745 * 2.0, rel=0.15)
+
+
+def campaign(
+    sizes: np.ndarray, frequencies: np.ndarray, inputs: np.ndarray, strokes: np.ndarray | None = None
+) -> Residuals:
+    """Records of the given rms over spread; the series themselves are all alike."""
+    strokes = 0.02 + 0.0 * frequencies if strokes is None else strokes
+    named = [f"r{k}" for k in range(sizes.size)]
+    base = analyse([trace(NOISE[:N], name, u=float(u)) for name, u in zip(named, inputs, strict=True)])
+    records = tuple(
+        replace(r, relative=float(s), frequency=float(f), stroke=float(x))
+        for r, s, f, x in zip(base.records, sizes, frequencies, strokes, strict=True)
+    )
+    return replace(base, records=records)
+
+
+def test_a_trend_is_spearmans_and_is_told_with_its_probability() -> None:
+    f = np.linspace(0.5, 1.4, 10)
+    size = np.array([5, 4, 6, 7, 9, 8, 10, 12, 11, 13.0]) / 100
+    found = campaign(size, f, np.zeros(10))
+    (one,) = trends(found)
+    expected = spearmanr(f, size)
+    assert (one.rank, one.p, one.records) == (pytest.approx(expected[0]), pytest.approx(expected[1]), 10)
+    assert one.counts
+    assert any(
+        "at 0 V the residual relative to the force grows with frequency (rank correlation 0.96" in t
+        for t in findings(found)
+    )
+
+
+def test_what_goes_together_in_the_records_is_not_told_apart() -> None:
+    f = np.linspace(0.5, 1.4, 10)
+    found = campaign(0.05 + 0.02 * f, f, np.zeros(10), strokes=0.03 / f)
+    told = [text for text in findings(found) if "rank correlation" in text]
+    assert len(told) == 1
+    assert "grows with frequency" in told[0]
+    assert "or with stroke: in these records the two go together (−1.00)" in told[0]
+
+
+def test_among_campaigns_without_trend_few_are_told_of_one() -> None:
+    rng = np.random.default_rng(11)
+    base = campaign(np.ones(32), np.ones(32), np.repeat([0.0, 1.0, 2.0, 3.0], 8))
+    alarms = 0
+    for _ in range(150):
+        drawn = rng.uniform(size=(32, 3))
+        records = tuple(
+            replace(r, relative=a, frequency=b, stroke=c)
+            for r, (a, b, c) in zip(base.records, drawn.tolist(), strict=True)
+        )
+        found = trends(replace(base, records=records))
+        assert len(found) == 9
+        alarms += any(one.counts for one in found)
+    assert alarms <= 14  # 7.5 are expected of 150 at 5 %; 15 or more by chance in 1 %
+
+
+def test_few_records_make_no_trend() -> None:
+    found = campaign(np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]), np.arange(4.0))
+    assert trends(found) == ()
+
+
+def test_groups_are_the_inputs_and_the_whole_is_all() -> None:
+    found = analyse([trace(NOISE, "b", 2.0), trace(2 * NOISE, "a", 0.0), trace(3 * NOISE, "c", 2.0)], "A")
+    assert [(g.input_value, g.records) for g in found.groups] == [(0.0, ("a",)), (2.0, ("b", "c"))]
+    assert found.whole.records == ("b", "a", "c")
+    assert found.samples == 3 * N
+    assert found.correlation_time == pytest.approx(found.samples * DT / found.effective)
+    assert found.noise == pytest.approx(noise_of(NOISE) * np.sqrt(14 / 3))
+
+
+@pytest.mark.parametrize(
+    ("traces", "words"),
+    [
+        (lambda: [], "no residuals to analyse"),
+        (lambda: [trace(NOISE), trace(NOISE)], "the same name"),
+        (lambda: [trace(np.where(T > 1.0, np.nan, 0.0))], "not finite"),
+        (lambda: [replace(trace(NOISE), residual=NOISE[:-1])], "vectors of one length"),
+    ],
+)
+def test_what_cannot_be_analysed_is_refused(traces: object, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        analyse(traces())  # type: ignore[operator]
+
+
+DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 120.0, "dahl.rho": 2000.0})
+MIXED = Damper(
+    "dahl + hyperbolic_tangent",
+    {
+        "dahl.kx": 300.0, "dahl.kw": 60.0, "dahl.rho": 400.0, "hyperbolic_tangent.ft": 120.0, "hyperbolic_tangent.v0": 0.01,
+        "hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0,
+    },
+)  # fmt: skip
+
+
+def test_a_fit_of_the_true_model_leaves_noise_and_one_of_another_does_not() -> None:
+    true = [sine(DAHL, 0.0, f"t{k}", 0.006 + 0.002 * k, 1.2 - 0.1 * k, noise=2.0, seed=k) for k in range(4)]
+    right = fit("dahl", true).residuals
+    assert right.misfits == ()
+    assert right.whole.rms == pytest.approx(2.0, rel=0.05)
+    other = [sine(MIXED, 0.0, f"m{k}", 0.006 + 0.002 * k, 1.2 - 0.1 * k, noise=1.0, seed=k) for k in range(4)]
+    wrong = fit("dahl", other).residuals
+    assert wrong.misfits == ("m0", "m1", "m2", "m3")
+    assert any("misses more than noise in 4 of 4 records" in text for text in warnings_of(wrong))
+
+
+def test_the_motion_is_that_of_whole_cycles() -> None:
+    stroke, frequency = motion(sine(DAHL, 0.0, amplitude=0.006, frequency=1.25))
+    assert stroke == pytest.approx(0.012, rel=0.01)
+    assert frequency == pytest.approx(1.25, rel=0.01)
