@@ -9,6 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from dampyr import report
+from dampyr.errors import InputError
 from dampyr.report.style import ACCELERATION, Axis
 from dampyr.report.svg import inline_svg
 
@@ -23,6 +24,8 @@ LAWS = [
     report.Law(RHO, (T, 4e4 - T), others={"published": ([0.0], [42744.8])}),
     report.Law(KW),
 ]
+POINTS = {"0 V": ([0.5, 1.2], [0.02, 0.008]), "1 V": ([np.nan], [0.01])}
+RANGES = {"displacement": (0.0, 0.02), "velocity": (0.0, 0.07), "frequency": (0.5, 1.2)}
 
 MAKERS: dict[str, Callable[[], Figure]] = {
     "loops": lambda: report.loops(X, V, F, {"Dahl": 0.9 * F}, title="Loops"),
@@ -35,6 +38,11 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "motion": lambda: report.ground_motion(T, 3.1266 * np.cos(T)),
     "theta": lambda: report.theta(X, F, {"x*": (0.0, 0.0)}, (X, F)),
     "phase": lambda: report.phase_portrait(Axis("x", "1"), Axis("z", "1"), {"z": (X, V)}, {"bound": 0.5}),
+    "memory": lambda: report.memory([(T, np.exp(-T)), (T[:200], np.cos(9 * T[:200]))], 0.31),
+    "sizes": lambda: report.residual_sizes({"0 V": ([0, 0], [0.02, 0.01], [1, np.nan], [0.1, 0.2])}),
+    "velocity": lambda: report.residual_velocity({f"{u} V": {"before": (T, -T, T, 2 * T)} for u in range(3)}),
+    "calibrated": lambda: report.calibrated(POINTS, RANGES),
+    "calibrated_without_damper": lambda: report.calibrated(POINTS),
     "scores": lambda: report.scores({"0 V": [0.05, 0.1], "1.98 V": [0.12]}, {"published": {"0 V": 0.109}}),
 }
 
@@ -95,6 +103,58 @@ def test_peaks_of_a_building_are_told() -> None:
 
 def test_the_peak_of_a_motion_is_told_in_g() -> None:
     assert "peak 3.127 m/s² = 0.3188 g at 0 s" in lines(MAKERS["motion"]())
+
+
+def test_the_calibrated_box_and_the_greatest_speed_are_in_mm_and_hz() -> None:
+    fig = MAKERS["calibrated"]()
+    (box,) = fig.axes[0].patches
+    assert box.get_bbox().bounds == pytest.approx((0.5, 0.0, 0.7, 20.0))
+    known = lines(fig)
+    np.testing.assert_allclose(known["0 V"], [[0.5, 1.2], [20.0, 8.0]])
+    f, amplitude = known["greatest speed, 70 mm/s"]
+    np.testing.assert_allclose(2 * np.pi * f * amplitude, 70.0)
+
+
+def test_the_mean_memory_is_over_the_records_that_have_the_lag() -> None:
+    lag, mean = lines(MAKERS["memory"]())["mean"]
+    np.testing.assert_allclose(mean[lag < 1.9], 0.5 * (np.exp(-T) + np.cos(9 * T))[T < 1.9], atol=1e-12)
+    np.testing.assert_allclose(mean[lag > 2.0], np.exp(-T[T > 2.0]), atol=1e-12)
+
+
+MATRIX = np.array([[1.0, -0.95, np.nan], [-0.95, 1.0, 0.4], [np.nan, 0.4, 1.0]])
+
+
+def test_a_correlation_is_a_cell_below_the_diagonal() -> None:
+    fig = report.correlation(MATRIX, ["a", "b", "c"])
+    panel = fig.axes[0]
+    cells = {(round(p.get_x() + 0.46), round(p.get_y() + 0.46)): p for p in panel.patches}
+    assert set(cells) == {(0, 1), (1, 2)}, "column, row; the unknown one has no colour"
+    negative, positive = cells[0, 1], cells[1, 2]
+    assert negative.get_facecolor()[0] > negative.get_facecolor()[2]
+    assert positive.get_facecolor()[2] > positive.get_facecolor()[0]
+    assert negative.get_alpha() > positive.get_alpha()
+    assert [text.get_text() for text in panel.texts] == ["−.95", "–", ".40"]
+    svg = inline_svg(fig, "correlation", "f1")
+    assert set(re.findall(r"(?:fill|stroke): (#\w+)", svg)) <= {"#ffffff"}
+    assert "<image" not in svg
+
+
+@pytest.mark.parametrize("m", [2, 10, 28, 60])
+def test_names_beside_a_correlation_stay_inside_the_figure(m: int) -> None:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    fig = report.correlation(np.full((m, m), -0.95), [f"hyperbolic_tangent.v0 @ 0.{k:04d} V" for k in range(m)])
+    FigureCanvasAgg(fig).draw()
+    boxes = [label.get_window_extent() for label in fig.axes[0].get_yticklabels()]
+    assert min(box.x0 for box in boxes) >= 0.0
+    assert max(box.x1 for box in boxes) <= fig.bbox.x1
+
+
+def test_strong_pairs_come_by_strength_and_unknown_ones_not_at_all() -> None:
+    assert report.strong_pairs(MATRIX, "abc", 0.3) == [("a", "b", -0.95), ("b", "c", 0.4)]
+    assert report.strong_pairs(MATRIX, "abc") == [("a", "b", -0.95)]
+    with pytest.raises(InputError, match=r"shape \(3, 3\) for 2 names"):
+        report.correlation(MATRIX, ["a", "b"])
 
 
 def test_an_axis_scales_from_si() -> None:

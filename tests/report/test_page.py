@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dampyr.errors import InputError
-from dampyr.report import FigureBlock, Section, Table, Text, Verdict, loops, page, write_page
+from dampyr.report import FigureBlock, Section, Table, Text, Verdict, loops, page, sentence, write_page
 from dampyr.report.page import number
 
 VOID = {"meta", "br", "use", "path"}
@@ -123,6 +123,23 @@ def test_light_dark_paper_and_phone_are_provided_for() -> None:
     light, dark, paper = (set(re.findall(r"(--[\w-]+):", block)) for block in blocks)
     assert used <= light
     assert light - {"--font"} == dark == paper
+
+
+def test_counts_are_whole_however_large() -> None:
+    reader = Reader(page("t", [Section("s", [Table(["n"], [[65721], [-3], [65721.4]], digits=3)])]))
+    assert reader.inside("td") == ["65721", "−3", "6.57·10⁴"]
+
+
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        ("the search ended", "The search ended."),
+        ("delay.tau @ 1 V stands", "delay.tau @ 1 V stands."),
+        ("at 0 V", "At 0 V."),
+    ],
+)
+def test_a_note_becomes_a_sentence(text: str, read: str) -> None:
+    assert sentence(text) == read
 
 
 @given(value=st.floats(allow_nan=False, allow_infinity=False), digits=st.integers(1, 12))

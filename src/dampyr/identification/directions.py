@@ -5,11 +5,11 @@ The middle is a straight line through the displacement, so that a drift moves no
 record's greatest speed belong to no side.
 
 A model that is the same in both directions has a residual :math:`m(v)` that changes its sign with the mirrored motion. Its
-even part :math:`e(v) = (m(v) + m(-v))/2`, of the medians binned over velocity before and beyond the middle, less the mean that
-each record's offset takes, is what such a model cannot follow; **unevenness** is its rms over the samples in N. By chance alone
-it is about rms :math:`\sqrt{b/n}` for b bins and n effective samples. The damper may be the cause, or a motion that is not
-alike in both directions. A friction that differs between the directions is an offset, and no analysis of these residuals
-can see it.
+even part :math:`e(v) = (m(v) + m(-v))/2`, of the medians binned over velocity before and beyond the middle, less the mean
+that each record's offset takes, is what such a model cannot follow; **unevenness** is its rms over the samples in N. By chance
+alone its share of the residual's variance is at most about b/n for b bins and n effective samples. The damper may be the
+cause, or a motion that is not alike in both directions. A friction that differs between the directions is an offset, and no
+analysis of these residuals can see it.
 """
 
 from __future__ import annotations
@@ -60,7 +60,8 @@ class Curve:
 class Group:
     """The records at one input, or all of them (``input_value`` None).
 
-    ``rms`` and ``unevenness`` in N; ``chance`` is what the latter would be of the former by chance, without unit; ``sides``
+    ``rms`` and ``unevenness`` in N; ``chance`` is the share of the variance
+    that the latter may have by chance; ``sides``
     by `SIDES`, ``curves`` by `BRANCHES`.
     """
 
@@ -91,7 +92,7 @@ def group(traces: Sequence[Trace], effective: float, input_value: float | None =
         sides={name: _side(r[mask]) for name, mask in joined.items()},
         curves=curves,
         unevenness=_unevenness(list(curves.values())),
-        chance=float(np.sqrt(BINS / effective)),
+        chance=BINS / effective,
     )
 
 

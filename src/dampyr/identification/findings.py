@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dampyr.identification.directions import Group
 from dampyr.identification.residuals import RecordResidual, Residuals
 
 CHANCE = 0.05
@@ -19,7 +20,9 @@ FEWEST_RECORDS = 5
 CONFOUNDED = 0.7
 ALIKE = 1.1
 SHIFTED = 0.5
-UNEVEN = 1 / 3
+UNEVEN = 0.1
+TIMES_CHANCE = 2.5
+PLAIN = 0.75
 INDEPENDENT = 0.7
 REPEATED = 0.2
 
@@ -191,14 +194,22 @@ def _force(value: float) -> str:
 
 
 def _uneven(found: Residuals) -> list[str]:
-    """Inputs at which the even part is more than `UNEVEN` of the rms, and more than twice what chance would make it."""
-    odd = [g for g in found.groups if g.unevenness > max(UNEVEN, 2.0 * g.chance) * g.rms > 0.0]
+    """Inputs at which the even part has more than `UNEVEN` of the variance, and clearly more than chance would give it.
+
+    That is `TIMES_CHANCE` times as much, or `PLAIN` of it: a long memory makes large shares likely, but none so large.
+    """
+    odd = [g for g in found.groups if _share(g) > max(UNEVEN, min(TIMES_CHANCE * g.chance, PLAIN))]
     if not odd:
         return []
-    shares = sorted(100 * (g.unevenness / g.rms) ** 2 for g in odd)
+    shares = sorted(100 * _share(g) for g in odd)
     span = f"{shares[0]:.0f} to {shares[-1]:.0f}" if len(shares) > 1 else f"{shares[0]:.0f}"
     where = ", ".join(f"{g.input_value:g}" for g in odd)
     return [
         f"at {where} {found.unit}, {span} % of the residual's variance does not change its sign with the direction: the damper "
         "(or its motion) is not the same when pulled and when pushed, and this model does not follow that"
     ]
+
+
+def _share(group: Group) -> float:
+    """Of the residual's variance that is even."""
+    return (group.unevenness / group.rms) ** 2 if group.rms > 0.0 else 0.0

@@ -10,13 +10,18 @@ A figure takes plain arrays in SI, shows them in the units people read (mm, N, s
     write_page("out/damper.html", html)
 """
 
-from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.figures.building import building_response
+from dampyr.report.figures.calibrated import calibrated
+from dampyr.report.figures.correlation import correlation, strong_pairs
 from dampyr.report.figures.ground_motion import ground_motion
 from dampyr.report.figures.history import history
 from dampyr.report.figures.laws import Law, parameters_against_input
 from dampyr.report.figures.loops import loops
+from dampyr.report.figures.memory import memory
 from dampyr.report.figures.phase_portrait import phase_portrait
+from dampyr.report.figures.residual_sizes import residual_sizes
+from dampyr.report.figures.residual_velocity import residual_velocity
 from dampyr.report.figures.scores import scores
 from dampyr.report.figures.theta import theta
 from dampyr.report.page import page, write_page
@@ -42,4 +47,11 @@ __all__ = [
     "theta",
     "phase_portrait",
     "scores",
+    "correlation",
+    "strong_pairs",
+    "calibrated",
+    "memory",
+    "residual_sizes",
+    "residual_velocity",
+    "sentence",
 ]

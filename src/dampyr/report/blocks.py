@@ -84,3 +84,10 @@ class Section:
 
     title: str
     blocks: Sequence[Block]
+
+
+def sentence(text: str) -> str:
+    """A clause, such as a finding or a note, with a capital and a full stop; a name at its head keeps its letters."""
+    first = text.partition(" ")[0]
+    head = text if {".", "_", "@"} & set(first) else text[:1].upper() + text[1:]
+    return f"{head}."

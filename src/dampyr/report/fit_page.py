@@ -1,69 +1,129 @@
-"""The page of one fit."""
+"""The page of one fit: what the damper is, and how far to trust it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from dampyr.identification import Fit
-from dampyr.report.blocks import FigureBlock, Section, Text
-from dampyr.report.figures.history import history
-from dampyr.report.figures.loops import loops
+import dampyr
+from dampyr.identification import Fit, Validation, findings, warnings_of
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
+from dampyr.report.extremes import by_input, extremes, record_section
 from dampyr.report.figures.scores import scores
-from dampyr.report.fitted import fit_blocks, score_table
+from dampyr.report.fitted import correlation_blocks, fit_blocks, score_table
 from dampyr.report.page import page, write_page
+from dampyr.report.prediction_section import mean_l1, prediction_section
+from dampyr.report.range_section import range_section
+from dampyr.report.residual_section import residual_section
 
 
-def write_fit_page(fit: Fit, path: Path) -> Path:
-    """Write the page of a fit: parameters, laws, scores, and the best and the worst record as loops and over time."""
+def write_fit_page(
+    fit: Fit,
+    path: Path,
+    sections: Sequence[Section] = (),
+    validation: Validation | Sequence[Validation] | None = None,
+) -> Path:
+    """Write the page of a fit and return its path.
+
+    It holds, in short, what was found; ``sections`` of the caller's; parameters with intervals, laws and correlations; the
+    calibrated range; how well it describes its records; with ``validation`` (one or several), how well it predicts others;
+    the analysis of residuals; the best and the worst record.
+    """
+    checks = [validation] if isinstance(validation, Validation) else list(validation or ())
     html = page(
         f"Identified: {fit.problem.composition}",
         [
+            _short(fit, checks),
+            *sections,
             Section("Parameters", fit_blocks(fit)),
-            Section("How well it describes the records", _scores(fit)),
-            *(_record(fit, words, name) for words, name in _extremes(fit)),
+            Section("How the parameters hang together", correlation_blocks(fit)),
+            range_section(fit),
+            _scores(fit),
+            *([prediction_section(fit, checks)] if checks else []),
+            residual_section(fit.residuals),
+            *(_record(fit, words, name) for words, name in extremes(fit.scores)),
         ],
-        subtitle=f"{len(fit.records)} records, fitted together by least squares over their whole motion.",
-        provenance={} if fit.damper is None else dict(fit.damper.provenance),
+        subtitle=f"{_counted(len(fit.records), 'record')} by least squares over the whole motion.",
+        provenance=_provenance(fit),
     )
     write_page(path, html)
     return path
 
 
-def _scores(fit: Fit) -> list[Text | FigureBlock]:
-    groups: dict[str, list[float]] = {}
-    for record in fit.records:
-        groups.setdefault(f"{record.input_value:g} {record.input}", []).append(fit.scores[record.name].l1)
-    return [
-        Text(
-            "These records were fitted, so what follows is a description and no prediction. The intervals above "
-            "describe the fit; where the model misses the damper's behaviour they do not hold the truth."
-        ),
-        FigureBlock(scores(groups), "L1 ratio of each record, by input."),
-        score_table(fit.scores, "From 2 s after the motion starts, each record's own offset taken."),  # type: ignore[list-item]
+def _counted(number: int, noun: str) -> str:
+    return f"One {noun}, fitted" if number == 1 else f"{number} {noun}s, fitted together"
+
+
+def _provenance(fit: Fit) -> dict[str, str]:
+    if fit.damper is not None:
+        return dict(fit.damper.provenance)
+    return {"records": ", ".join(record.name for record in fit.records), "dampyr": dampyr.__version__}
+
+
+def _short(fit: Fit, checks: Sequence[Validation]) -> Section:
+    """What a reader who reads nothing else should know."""
+    l1 = {name: one.l1 for name, one in fit.scores.items()}
+    worst = extremes(fit.scores)[-1][1]
+    rows: list[list[Cell]] = [
+        ["model", str(fit.problem.composition)],
+        ["the search", ("" if fit.converged else "did not converge: ") + fit.reason],
+        ["input", _inputs(fit)],
+        [
+            "describes its records",
+            f"L1 {100 * float(np.mean(list(l1.values()))):.2g} % on average, {100 * l1[worst]:.2g} % in {worst}",
+        ],
     ]
+    for one in checks:
+        told = f"L1 {100 * mean_l1(one):.2g} % on average, {len(one.scores)} records, split by {one.split}"
+        rows.append(["predicts records it never saw", told])
+    if not checks:
+        rows.append(["predicts records it never saw", "not tried here (dampyr identify --predict)"])
+    rows.append(["errors", f"by {fit.clusters}; {_unsure(fit)}"])
+    blocks: list[Block] = [Table(("what", "found"), rows)]
+    doubts = [*warnings_of(fit.residuals), *fit.notes]
+    if doubts:
+        blocks.append(Text("\n\n".join(("Before you trust the numbers:", *map(sentence, doubts)))))
+    else:
+        blocks.append(Text(sentence(findings(fit.residuals)[0])))
+    return Section("In short", blocks)
 
 
-def _extremes(fit: Fit) -> list[tuple[str, str]]:
-    ranked = sorted(fit.scores, key=lambda name: fit.scores[name].l1)
-    if len(ranked) == 1:
-        return [("The record", ranked[0])]
-    return [("The best record", ranked[0]), ("The worst record", ranked[-1])]
+def _inputs(fit: Fit) -> str:
+    found = fit.residuals
+    values = [f"{group.input_value:.5g}" for group in found.groups]
+    if len(values) > 8:
+        return f"{len(values)} values from {values[0]} to {values[-1]} {found.unit}"
+    return f"{', '.join(values)} {found.unit}"
+
+
+def _unsure(fit: Fit) -> str:
+    """How many parameters are well known, and how many are not."""
+    known = [
+        abs(fit.stderr[name]) <= 0.1 * abs(value)
+        for name, value in fit.parameters.items()
+        if np.isfinite(fit.stderr[name])
+    ]
+    blind = len(fit.parameters) - len(known)
+    text = f"{sum(known)} of {len(fit.parameters)} parameters have a standard error of 10 % or less"
+    return f"{text}, of {blind} it is not known" if blind else text
+
+
+def _scores(fit: Fit) -> Section:
+    groups = by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
+    return Section(
+        "How well it describes the records",
+        [
+            Text("These records were fitted, so what follows is a description and no prediction."),
+            FigureBlock(scores(groups), "L1 ratio of each record, by input."),
+            score_table(fit.scores, "From 2 s after the motion starts, each record's own offset taken."),
+        ],
+    )
 
 
 def _record(fit: Fit, words: str, name: str) -> Section:
     k = [record.name for record in fit.records].index(name)
     one, force = fit.problem.pieces[k], fit.forces[k]
     seen = one.t >= fit.scores[name].window.start - 1e-9
-    few = seen & (np.cumsum(seen) <= max(200, round(6.0 / float(np.median(np.diff(one.t))))))
-    return Section(
-        f"{words}: {name}",
-        [
-            FigureBlock(loops(one.x[seen], one.v[seen], one.force[seen], {"fit": force[seen]}), f"{name}: loops."),
-            FigureBlock(
-                history(one.t[few], one.force[few], force[few], name="fit"),
-                f"{name}: the first seconds and what is left.",
-            ),
-        ],
-    )
+    return record_section(words, name, (one.t[seen], one.x[seen], one.v[seen], one.force[seen], force[seen]), "fit")

@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dampyr.identification import Fit, Score
-from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text
+from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text, sentence
+from dampyr.report.figures.correlation import MARKED, correlation, strong_pairs
 from dampyr.report.figures.laws import Law, parameters_against_input
 from dampyr.report.style import CURRENT, VOLTAGE, Axis
 from dampyr.units import for_people
+
+PAIRS = 8
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,24 +23,27 @@ if TYPE_CHECKING:
 
 
 def parameter_table(fit: Fit) -> Table:
-    """Every fitted number with its standard error and the naive one, in units that people read."""
+    """Every fitted number with its 95 % interval, its standard error and the naive one, in units that people read."""
     rows: list[list[Cell]] = []
-    for name, value in fit.parameters.items():
+    for (name, value), (low, high) in zip(fit.parameters.items(), fit.intervals().values(), strict=True):
         unit, factor = for_people(fit.units[name])
         rows.append(
             [
                 name,
                 value * factor,
+                low * factor,
+                high * factor,
                 _told(fit.stderr[name], factor),
                 _told(fit.naive_stderr[name], factor),
                 unit,
             ]
         )
     return Table(
-        columns=("parameter", "value", "standard error", "naive error", "unit"),
+        columns=("parameter", "value", "95 % from", "to", "standard error", "naive error", "unit"),
         rows=rows,
-        caption=f"Errors allow for residuals that are correlated within each {fit.clusters}; the naive ones take every "
-        "sample for independent and are shown for comparison.",
+        align=("left", *("right",) * 5, "left"),
+        caption=f"Errors allow for residuals that are correlated within each {fit.clusters}, intervals take Student's t with "
+        "the effective number of these; the naive errors take every sample for independent and are shown for comparison.",
         digits=4,
     )
 
@@ -46,6 +52,38 @@ def _told(error: float, factor: float) -> float | str:
     if math.isnan(error):
         return "at its limit"
     return error * factor if math.isfinite(error) else "not determined"
+
+
+def correlation_blocks(fit: Fit) -> list[Block]:
+    """The correlations of the fitted numbers: the matrix, and the strong pairs in words."""
+    names = list(fit.parameters)
+    if len(names) < 2:
+        return [Text(f"There is one parameter, {names[0]}, and nothing that it could hang together with.")]
+    pairs = strong_pairs(fit.correlation, names)
+    unknown = [name for name, r in zip(names, np.diag(fit.correlation), strict=True) if not np.isfinite(r)]
+    return [
+        Text(_pairs_in_words(pairs) + _unknown_in_words(unknown)),
+        FigureBlock(
+            correlation(fit.correlation, names),
+            "Correlations of the errors (the covariance, scaled by the standard errors): rows by name, columns by the rows' "
+            "numbers. Blue: both are too large, or too small, together; orange: one makes up for the other.",
+        ),
+    ]
+
+
+def _pairs_in_words(pairs: list[tuple[str, str, float]]) -> str:
+    if not pairs:
+        return f"No two parameters are correlated beyond ±{MARKED:g}: each is known by itself."
+    listed = "; ".join(f"{one} and {other} ({r:.2f})".replace("(-", "(−") for one, other, r in pairs[:PAIRS])
+    more = f"; and {len(pairs) - PAIRS} pairs more" if len(pairs) > PAIRS else ""
+    return (
+        f"Correlated beyond ±{MARKED:g}: {listed}{more}. The records tell each of these pairs as a combination, so change or "
+        "compare them together, never one alone."
+    )
+
+
+def _unknown_in_words(names: list[str]) -> str:
+    return f"\n\nNothing is known of how {', '.join(names)} would go with the others." if names else ""
 
 
 def law_figure(fit: Fit, damper: Damper) -> Figure:
@@ -110,5 +148,5 @@ def fit_blocks(fit: Fit) -> list[Block]:
                 "Parameters over the input: fitted values with 95 % intervals, the laws through them, the calibrated range.",
             )
         )
-    blocks.append(Text("\n\n".join(f"{sentence}." for sentence in (f"The search {fit.reason}", *fit.notes))))
+    blocks.append(Text("\n\n".join(map(sentence, (f"the search {fit.reason}", *fit.notes)))))
     return blocks

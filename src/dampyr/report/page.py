@@ -158,6 +158,8 @@ def _shown(cell: Any, digits: int) -> _Shown:
         return _Shown(cell.text, cell.kind, cell)
     if isinstance(cell, bool):
         return _Shown("yes" if cell else "no", str(int(cell)))
+    if isinstance(cell, int):
+        return _Shown(str(cell).replace("-", "−"), str(cell))
     if _is_number(cell):
         return _Shown(number(float(cell), digits), repr(float(cell)))
     return _Shown(str(cell), str(cell))

@@ -1,0 +1,61 @@
+"""The best and the worst record of some scores, as loops and over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.identification import Score
+from dampyr.records import Record
+from dampyr.report.blocks import FigureBlock, Section
+from dampyr.report.figures.history import history
+from dampyr.report.figures.loops import loops
+
+Array = NDArray[np.float64]
+SECONDS = 6.0
+
+
+def extremes(scores: Mapping[str, Score]) -> list[tuple[str, str]]:
+    """What to call them, and the names of the best and the worst record by L1; one that has no number counts as worst."""
+    ranked = sorted(scores, key=lambda name: scores[name].l1 if math.isfinite(scores[name].l1) else math.inf)
+    if len(ranked) == 1:
+        return [("The record", ranked[0])]
+    return [("The best record", ranked[0]), ("The worst record", ranked[-1])]
+
+
+def record_section(title: str, name: str, channels: tuple[Array, Array, Array, Array, Array], model: str) -> Section:
+    """One record: ``channels`` are time s, displacement m, velocity m/s, measured and modelled force N, each (n,)."""
+    t, x, v, measured, force = channels
+    few = t <= t[0] + SECONDS
+    return Section(
+        f"{title}: {name}",
+        [
+            FigureBlock(loops(x, v, measured, {model: force}), f"{name}: loops."),
+            FigureBlock(
+                history(t[few], measured[few], force[few], name=model),
+                f"{name}: the first {SECONDS:g} s that were scored, and what is left (measured less {model})."
+                if not np.all(few)
+                else f"{name}: measured, {model}, and what is left (measured less {model}).",
+            ),
+        ],
+    )
+
+
+def by_input(records: Iterable[Record], values: Mapping[str, float]) -> dict[str, list[float]]:
+    """The records' values under the words for their input, in its order; records without a value are left out."""
+    groups: dict[str, list[float]] = {}
+    for record in sorted(records, key=lambda r: -math.inf if r.input_value is None else r.input_value):
+        if record.name in values:
+            groups.setdefault(input_words(record), []).append(values[record.name])
+    return groups
+
+
+def input_words(record: Record) -> str:
+    """Such as ``1.98 V``; the mean where the input varies."""
+    if record.input_value is None:
+        return "input not known"
+    varies = np.ptp(record.voltage if record.voltage is not None else record.current) > 1e-9  # type: ignore[arg-type]
+    return f"{record.input_value:.5g} {record.input}" + (" (mean)" if varies else "")

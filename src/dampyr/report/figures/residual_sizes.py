@@ -1,0 +1,36 @@
+"""The size of the residual of each record against its input, its stroke and its frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+from dampyr.report import style
+from dampyr.report.figures.calibrated import FREQUENCY, looks
+from dampyr.report.style import VOLTAGE, Axis
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SIZE = Axis("rms residual / spread", "%", 100.0)
+STROKE = Axis("stroke", "mm", 1e3)
+
+
+def residual_sizes(
+    groups: Mapping[str, tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]], axis: Axis = VOLTAGE, title: str = ""
+) -> Figure:
+    """``groups`` name -> (inputs V or A, strokes m peak to peak, frequencies Hz, rms residual over the force's spread)."""
+    fig, axes = style.figure(2.9, 1, 3, title, sharey=True)
+    with style.style():
+        for look, (name, (*across, size)) in zip(looks(), groups.items(), strict=False):
+            for panel, x, values in zip(axes[0], (axis, STROKE, FREQUENCY), across, strict=True):
+                panel.plot(x.of(values), SIZE.of(size), ls="", ms=4.5, alpha=0.85, label=name, **look)
+        for panel, x in zip(axes[0], (axis, STROKE, FREQUENCY), strict=True):
+            panel.set_xlabel(x.label)
+            panel.margins(x=0.12)
+        axes[0, 0].set_ylim(bottom=0.0)
+        axes[0, 0].set_ylabel(SIZE.label)
+        style.legend(fig, axes[0, 0], columns=5)
+    return fig

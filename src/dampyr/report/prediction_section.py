@@ -1,0 +1,80 @@
+"""How well a model predicts records that it never saw, for the page of a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dampyr.identification import Fit, Validation
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
+from dampyr.report.extremes import by_input
+from dampyr.report.figures.scores import scores
+
+SPLITS = {
+    "record": "random parts of the records",
+    "input": "one input left out at a time, the lowest and the highest excepted",
+    "frequency": "parts in the order of frequency, so that the outer ones lie beyond what was fitted",
+    "amplitude": "parts in the order of stroke, so that the outer ones lie beyond what was fitted",
+}
+
+
+def prediction_section(fit: Fit, validations: Sequence[Validation]) -> Section:
+    """Predicted scores beside the fitted ones; each says what its damper was not fitted on."""
+    blocks: list[Block] = [
+        Text(
+            "Each record is predicted by a damper that was fitted on other records with the same model: a free run, of which "
+            "only the offset is taken from the record. These are not the parameters above, but their like. Beside it stands "
+            "the score of the fit of all records, which has seen it."
+        )
+    ]
+    for validation in validations:
+        blocks += _split(fit, validation)
+    return Section("How well it predicts records that it never saw", blocks)
+
+
+def mean_l1(validation: Validation) -> float:
+    """The mean L1 of the predicted records, NaN without any."""
+    values = [s.l1 for s in validation.scores.values()]
+    return float(np.mean(values)) if values else float("nan")
+
+
+def _split(fit: Fit, validation: Validation) -> list[Block]:
+    what = f"Split by {validation.split}: {SPLITS.get(validation.split, validation.split)}"
+    known = validation.scores
+    if not known:
+        return [Text(f"{what}. No part was predicted."), _parts(validation)]
+    fitted = by_input(fit.records, {name: fit.scores[name].l1 for name in known if name in fit.scores})
+    means = {name: float(np.mean(values)) for name, values in fitted.items()}
+    predicted = by_input(fit.records, {name: one.l1 for name, one in known.items()})
+    references = {"mean of the fit that has seen them": means} if means else None
+    return [
+        FigureBlock(scores(predicted, references), f"{what}. L1 ratio of each predicted record, by input."),
+        Table(
+            ("record", "part", "predicted L1", "fitted L1", "predicted NRMSE", "beyond what that damper was fitted on"),
+            _rows(fit, validation),
+            ("", "", "%", "%", "%", ""),
+            caption=f"{what}; {len(known)} records predicted, mean L1 {100 * mean_l1(validation):.2f} %. "
+            "A record is predicted by a damper that was not fitted on any record of its part.",
+            digits=3,
+        ),
+        _parts(validation),
+    ]
+
+
+def _rows(fit: Fit, validation: Validation) -> list[list[Cell]]:
+    rows: list[list[Cell]] = []
+    for number, fold in enumerate(validation.folds, 1):
+        for name, one in fold.scores.items():
+            seen = fit.scores[name].l1 if name in fit.scores else float("nan")
+            beyond = fold.outside.get(name, "nothing")
+            rows.append([name, number, 100 * one.l1, 100 * seen, 100 * one.nrmse, beyond])
+    return rows
+
+
+def _parts(validation: Validation) -> Table:
+    rows: list[list[Cell]] = [
+        [number, len(fold.fitted_on), ", ".join(fold.scores) or f"no damper: {fold.reason}"]
+        for number, fold in enumerate(validation.folds, 1)
+    ]
+    return Table(("part", "fitted on", "not fitted on"), rows, ("", "records", ""), ("left", "right", "left"))

@@ -1,0 +1,57 @@
+"""Where a damper was calibrated, for its page."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dampyr.identification import Fit
+from dampyr.models import Damper
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
+from dampyr.report.figures.calibrated import calibrated
+
+SHOWN = {
+    "displacement": ("displacement from the middle", "mm", 1e3),
+    "velocity": ("velocity", "mm/s", 1e3),
+    "frequency": ("frequency", "Hz", 1.0),
+}
+
+
+def range_section(fit: Fit) -> Section:
+    """The calibrated ranges, and amplitude against frequency of the records that made them."""
+    found = fit.residuals
+    groups = {}
+    for group in found.groups:
+        members = [r for r in found.records if r.name in group.records]
+        name = f"{group.input_value:.5g} {found.unit}"
+        groups[name] = ([r.frequency for r in members], [0.5 * r.stroke for r in members])
+    blocks: list[Block] = []
+    if fit.damper is None:
+        blocks.append(Text(f"There is no damper, so there is no calibrated range: {fit.reason}."))
+    else:
+        blocks.append(range_table(fit.damper))
+    if any(np.any(np.isfinite(frequencies)) for frequencies, _ in groups.values()):
+        caption = (
+            "Every record by the frequency and the amplitude (half of peak to peak, per cycle) that were measured. Inside the "
+            "box, where there are no records, the damper is interpolated; beyond it, and beyond the dashed line, it is guessed."
+        )
+        blocks.append(FigureBlock(calibrated(groups, fit.damper.ranges if fit.damper else None), caption))
+    else:
+        blocks.append(Text("No record holds a whole cycle, so none has a frequency."))
+    return Section("Where it was calibrated", blocks)
+
+
+def range_table(damper: Damper) -> Table:
+    """The ranges of the card, in the units people read."""
+    low, high = damper.range
+    rows: list[list[Cell]] = [
+        ["voltage" if damper.input == "V" else "current", low, high, damper.input, "refused unless allowed by name"]
+    ]
+    for name, (low, high) in damper.ranges.items():
+        words, unit, factor = SHOWN.get(name, (name, "SI", 1.0))
+        rows.append([words, low * factor, high * factor, unit, "no warning" if name == "frequency" else "one warning"])
+    return Table(
+        ("quantity", "from", "to", "unit", "outside it"),
+        rows,
+        caption="What the records covered, and so what the card answers for.",
+        digits=4,
+    )

@@ -1,0 +1,109 @@
+"""What a model leaves of the measured force, for a page."""
+
+from __future__ import annotations
+
+from dampyr.identification import Residuals, findings, warnings_of
+from dampyr.identification.directions import SIDES, Group
+from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
+from dampyr.report.figures.memory import memory
+from dampyr.report.figures.residual_sizes import residual_sizes
+from dampyr.report.figures.residual_velocity import residual_velocity
+from dampyr.report.style import CURRENT, VOLTAGE
+
+MOST_PANELS = 6
+
+
+def residual_section(found: Residuals) -> Section:
+    """The analysis in words, figures and tables."""
+    return Section("What the model leaves", [*_words(found), *_directions(found), *_memory(found), *_sizes(found)])
+
+
+def _words(found: Residuals) -> list[Block]:
+    told = warnings_of(found)
+    blocks: list[Block] = [
+        Text(
+            "The residual is measured less modelled force, over every sample that was fitted. A model that holds all there is "
+            "to know leaves noise alone: the same in both directions, without memory, and of one size everywhere.\n\n"
+            + " ".join(sentence(text) for text in findings(found))
+        )
+    ]
+    if told:
+        blocks.append(Text("\n\n".join(f"Warning: {text}." for text in told)))
+    criterion = (
+        f"A record counts as misfit where its residual's correlation time exceeds {MISFIT_INTERVALS:g} sampling intervals, or "
+        f"its rms exceeds {MISFIT_NOISE:g} times the noise, that is the rms of the differences of successive residuals over √2."
+    )
+    return [*blocks, Text(criterion)]
+
+
+def _groups(found: Residuals) -> dict[str, Group]:
+    """By input while a page can hold that, else all records as one."""
+    if len(found.groups) > MOST_PANELS:
+        return {"all records": found.whole}
+    return {f"{group.input_value:.5g} {found.unit}": group for group in found.groups}
+
+
+def _directions(found: Residuals) -> list[Block]:
+    groups = _groups(found)
+    panels = {
+        name: {branch: (c.velocity, c.lower, c.median, c.upper) for branch, c in group.curves.items()}
+        for name, group in groups.items()
+    }
+    rows: list[list[Cell]] = [
+        [name, side, group.sides[side].mean, group.sides[side].rms, group.sides[side].samples]
+        for name, group in groups.items()
+        for side in SIDES
+    ]
+    return [
+        FigureBlock(
+            residual_velocity(panels),
+            "The residual over the velocity (positive: the damper is pulled): median and the half of the samples around it, "
+            "before the motion passes the middle of its stroke (speeding up) and beyond it (slowing down).",
+        ),
+        Table(
+            ("input", "moving", "mean", "rms", "samples"),
+            rows,
+            ("", "", "N", "N", ""),
+            ("left", "left", "right", "right", "right"),
+            caption="The residual by direction: out is pulled, in is pushed.",
+            digits=3,
+        ),
+    ]
+
+
+def _memory(found: Residuals) -> list[Block]:
+    return [
+        FigureBlock(
+            memory([(r.lags, r.autocorrelation) for r in found.records], found.correlation_time),
+            "How much of the residual is still there some time later. Noise would fall to 0 at once; what comes again in each "
+            "cycle is the model's.",
+        )
+    ]
+
+
+def _sizes(found: Residuals) -> list[Block]:
+    shown = {}
+    for group in found.groups:
+        members = [r for r in found.records if r.name in group.records]
+        columns = zip(*((r.input_value, r.stroke, r.frequency, r.relative) for r in members), strict=True)
+        shown[f"{group.input_value:.5g} {found.unit}"] = tuple(columns)
+    rows: list[list[Cell]] = [
+        [r.name, f"{r.input_value:.5g}", 1e3 * r.stroke, r.frequency, r.rms, 100 * r.relative, r.noise, r.correlation_time,
+         round(r.effective), 100 * r.repeats, r.misfit]
+        for r in found.records
+    ]  # fmt: skip
+    return [
+        FigureBlock(
+            residual_sizes(shown, VOLTAGE if found.unit == "V" else CURRENT),  # type: ignore[arg-type]
+            "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
+        ),
+        Table(
+            ("record", "input", "stroke", "freq.", "rms", "rel.", "noise", "τ", "like", "repeats", "misfit"),
+            rows,
+            ("", found.unit, "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
+            caption="The residual of each record. Rel.: rms over the force's spread. τ: correlation time. Like: as many "
+            "independent samples. Repeats: the share of its variance that comes again after one cycle.",
+            digits=3,
+        ),
+    ]  # fmt: skip

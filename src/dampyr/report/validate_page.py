@@ -1,0 +1,186 @@
+"""The page of a validation: how well a card predicts records."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification import Score, prediction
+from dampyr.identification.residuals import motion
+from dampyr.models import Damper
+from dampyr.records import Record, with_velocity
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
+from dampyr.report.extremes import by_input, extremes, record_section
+from dampyr.report.figures.calibrated import calibrated
+from dampyr.report.figures.scores import scores as scores_figure
+from dampyr.report.fitted import score_table
+from dampyr.report.page import page, write_page
+from dampyr.report.range_section import SHOWN, range_table
+
+Array = NDArray[np.float64]
+SLACK = 1.01
+SEEN = {True: "fitted", False: "never seen", None: "not known"}
+
+
+def write_validate_page(
+    damper: Damper, records: Sequence[Record], scores: Mapping[str, Score], path: Path, card: str
+) -> Path:
+    """Write the page and return its path: scores, which records the card was fitted on, what lies outside its range, and
+    the best and the worst record.
+
+    ``scores`` are of the ``records``, by name (`dampyr.identification.score`); ``card`` is what the damper is called.
+    Raises :class:`~dampyr.errors.InputError` where a record has no score.
+    """
+    _check(records, scores)
+    known = {record.name: scores[record.name] for record in records}
+    seen = seen_by(damper, records)
+    html = page(
+        f"Validated: {card}",
+        [
+            Section("In short", _short(records, known, seen)),
+            Section("Scores", _scores(records, known, seen)),
+            Section("What lies outside its calibrated range", _outside(damper, records)),
+            *(_record(damper, records, known, words, name) for words, name in extremes(known)),
+        ],
+        subtitle=f"{damper.composition}: a free run along each of {len(records)} records, of which only the offset is taken.",
+        provenance={"card": card, **damper.provenance},
+    )
+    write_page(path, html)
+    return path
+
+
+def seen_by(damper: Damper, records: Sequence[Record]) -> dict[str, bool | None]:
+    """Whether the damper was fitted on each record, by the names on its card; None where the card names no records."""
+    told = damper.provenance.get("records", "")
+    names = {name.strip() for name in told.split(",")} - {""}
+    counted = len(names) == 1 and told.strip().endswith(" records") and told.split()[0].isdigit()
+    if counted or not names:
+        return {record.name: None for record in records}
+    return {record.name: record.name in names for record in records}
+
+
+def _check(records: Sequence[Record], scores: Mapping[str, Score]) -> None:
+    if not records:
+        raise InputError("there are no records to show; give one or more")
+    missing = [record.name for record in records if record.name not in scores]
+    if missing:
+        raise InputError(f"{missing[0]} has no score; score every record that is shown")
+
+
+def _short(records: Sequence[Record], scores: Mapping[str, Score], seen: Mapping[str, bool | None]) -> list[Block]:
+    rows: list[list[Cell]] = []
+    for state, words in SEEN.items():
+        values = [scores[r.name] for r in records if seen[r.name] is state]
+        if values:
+            rows.append(
+                [words, len(values), 100 * _mean(s.l1 for s in values), 100 * max(s.l1 for s in values),
+                 100 * _mean(s.nrmse for s in values)]
+            )  # fmt: skip
+    hint = {
+        True: "These records were fitted, so their scores describe the fit and predict nothing.",
+        False: "None of these records was fitted: the scores are predictions.",
+        None: "The card does not name the records that it was fitted on, so these scores may be no predictions.",
+    }
+    states = set(seen.values())
+    text = (
+        hint[states.pop()] if len(states) == 1 else "Only the records that the card never saw say how well it predicts."
+    )
+    table = Table(
+        ("by the card", "records", "mean L1", "worst L1", "mean NRMSE"), rows, ("", "", "%", "%", "%"), digits=3
+    )
+    return [Text(text), table]
+
+
+def _mean(values: object) -> float:
+    return float(np.mean(list(values)))  # type: ignore[call-overload]
+
+
+def _scores(records: Sequence[Record], scores: Mapping[str, Score], seen: Mapping[str, bool | None]) -> list[Block]:
+    groups: dict[str, list[float]] = {}
+    for state, words in SEEN.items():
+        some = {r.name: scores[r.name].l1 for r in records if seen[r.name] is state}
+        groups |= {f"{name}, {words}": values for name, values in by_input(records, some).items()}
+    rows: list[list[Cell]] = [[r.name, r.input_value, r.input or "", SEEN[seen[r.name]]] for r in records]
+    return [
+        FigureBlock(
+            scores_figure(groups), "L1 ratio of each record, by input and by whether the card was fitted on it."
+        ),
+        score_table(
+            dict(scores), "The window of each score starts after the run-in; the offset was taken from the record."
+        ),
+        Table(
+            ("record", "input", "unit", "by the card"),
+            rows,
+            caption="Which records the card was fitted on, by the names that it bears.",
+        ),
+    ]
+
+
+def _outside(damper: Damper, records: Sequence[Record]) -> list[Block]:
+    rows: list[list[Cell]] = []
+    groups: dict[str, tuple[list[float], list[float]]] = {}
+    for record in records:
+        stroke, frequency = motion(record)
+        known = groups.setdefault(next(iter(by_input([record], {record.name: 0.0}))), ([], []))
+        known[0].append(frequency)
+        known[1].append(0.5 * stroke)
+        rows += [[record.name, *row] for row in beyond(damper, record)]
+    blocks: list[Block] = [range_table(damper)]
+    if rows:
+        columns = ("record", "quantity", "reaches", "calibrated from", "to", "unit")
+        blocks.append(Table(columns, rows, caption="Beyond the range the damper is guessed.", digits=4))
+    else:
+        blocks.append(Text("Nothing does: every record lies inside the range of the card."))
+    if any(np.any(np.isfinite(frequencies)) for frequencies, _ in groups.values()):
+        caption = "The records by the frequency and the amplitude (half of peak to peak, per cycle) that were measured."
+        blocks.append(FigureBlock(calibrated(groups, damper.ranges), caption))
+    return blocks
+
+
+def beyond(damper: Damper, record: Record) -> list[list[Cell]]:
+    """What of a record lies outside the damper's range: quantity, what it reaches, from, to, unit; a row for each."""
+    found: list[list[Cell]] = []
+    u = record.voltage if record.input == "V" else record.current
+    low, high = damper.range
+    for value in sorted({float(np.min(u)), float(np.max(u))}) if u is not None else []:
+        if not low - 1e-9 <= value <= high + 1e-9:
+            found.append(["voltage" if damper.input == "V" else "current", value, low, high, damper.input])
+    reached = {
+        "displacement": 0.5 * float(np.ptp(record.displacement)),
+        "velocity": float(np.max(np.abs(_velocity(damper, record)))),
+        "frequency": motion(record)[1],
+    }
+    for name, (low, high) in damper.ranges.items():
+        value = reached.get(name, float("nan"))
+        if value > SLACK * high or value < low / SLACK:
+            words, unit, factor = SHOWN[name]
+            found.append([words, value * factor, low * factor, high * factor, unit])
+    return found
+
+
+def _velocity(damper: Damper, record: Record) -> Array:
+    if record.velocity is None or damper.bandwidth is not None:
+        record = with_velocity(record, damper.bandwidth)
+    assert record.velocity is not None
+    return record.velocity
+
+
+def _record(damper: Damper, records: Sequence[Record], scores: Mapping[str, Score], words: str, name: str) -> Section:
+    record = next(r for r in records if r.name == name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)  # what they say stands in the table of what lies outside
+        force = prediction(damper, record, allow_extrapolation=True)
+    seen = scores[name].window.slice
+    channels = (
+        record.time[seen],
+        record.displacement[seen],
+        _velocity(damper, record)[seen],
+        record.force[seen],
+        force[seen] + scores[name].offset,
+    )
+    return record_section(words, name, channels, "card")

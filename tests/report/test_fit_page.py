@@ -1,0 +1,191 @@
+"""The page of a fit says what was found and how far to trust it, whatever the fit was."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.identification.synthetic import sine
+from tests.report.test_page import Reader
+
+from dampyr.identification import Fit, Fold, Score, Validation, fit
+from dampyr.models import Damper, Interpolation
+from dampyr.records import Record
+from dampyr.report import Section, Text
+from dampyr.report.fit_page import write_fit_page
+from dampyr.report.fitted import correlation_blocks, parameter_table
+from dampyr.report.prediction_section import prediction_section
+from dampyr.report.range_section import range_section, range_table
+
+VOLTS = (0.0, 1.0, 2.0)
+DAHL = Damper(
+    "dahl",
+    {
+        "dahl.kx": Interpolation(VOLTS, (800.0, 1300.0, 1800.0)),
+        "dahl.kw": Interpolation(VOLTS, (50.0, 200.0, 350.0)),
+        "dahl.rho": 3000.0,
+    },
+)
+
+
+def records(volts: tuple[float, ...] = VOLTS, each: int = 2) -> list[Record]:
+    return [
+        sine(DAHL, u, f"{u:g}V-{k}", 0.004 + 0.002 * k, 1.3 - 0.2 * k, noise=1.0, seed=k)
+        for u in volts
+        for k in range(each)
+    ]
+
+
+@pytest.fixture(scope="module")
+def joint() -> Fit:
+    return fit("dahl", records())
+
+
+def as_current(record: Record) -> Record:
+    return replace(record, current=record.voltage, voltage=None)
+
+
+def unknown(found: Fit) -> Fit:
+    """As where the records hold nothing of one number and another stands at its limit."""
+    first, second, *_ = found.parameters
+    r = found.correlation.copy()
+    r[0, :] = r[:, 0] = np.nan
+    return replace(
+        found,
+        stderr=found.stderr | {first: np.inf, second: np.nan},
+        naive_stderr=found.naive_stderr | {first: np.inf, second: np.nan},
+        correlation=r,
+    )
+
+
+def walk(name: str) -> Record:
+    """A motion without a whole cycle."""
+    t = np.arange(0.0, 5.0, 0.01)
+    x = 0.01 * np.tanh(t - 2.0)
+    v = np.gradient(x, t)
+    noise = np.random.default_rng(1).normal(0.0, 1.0, t.size)
+    return Record(time=t, displacement=x, velocity=v, force=900.0 * v + noise, voltage=1.0, name=name)
+
+
+CASES: dict[str, Callable[[], Fit]] = {
+    "several inputs": lambda: fit("dahl", records()),
+    "a single record": lambda: fit("dahl", records((1.0,), 1)),
+    "one voltage": lambda: fit("dahl", records((2.0,), 3)),
+    "current": lambda: fit("dahl", [as_current(r) for r in records()]),
+    "no damper": lambda: replace(
+        fit("dahl", records()), damper=None, converged=False, reason="the numbers make no damper"
+    ),
+    "unknown errors": lambda: unknown(fit("dahl", records())),
+    "one parameter": lambda: fit("dahl", records((1.0,), 1), fixed={"dahl.kw": 200.0, "dahl.rho": 3000.0}),
+    "no whole cycle": lambda: fit("dahl", [walk("one"), walk("two")], fixed={"dahl.kw": 1.0, "dahl.rho": 3000.0}),
+    "an input each": lambda: fit("dahl", records(tuple(np.linspace(0.0, 2.0, 9)), 1), laws="polynomial:1"),
+    "a varying input": lambda: fit(
+        "dahl", [replace(r, voltage=np.linspace(0.9, 1.1, r.n)) for r in records((1.0,))], laws="constant"
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> None:
+    found = CASES[name]()
+    html = write_fit_page(found, tmp_path / "page.html").read_text("utf-8")
+    reader = Reader(html)
+    assert reader.open == []
+    ids = reader.values("id")
+    assert len(ids) == len(set(ids))
+    titles = reader.inside("h2")
+    for title in ("In short", "Parameters", "Where it was calibrated", "What the model leaves"):
+        assert title in titles
+    assert set(found.parameters) <= set(reader.inside("td"))
+    assert not re.search(r"\bnan\b|\binf\b", " ".join(reader.inside("p") + reader.inside("td") + reader.inside("text")))
+    fixed = set(re.findall(r"(?:fill|stroke): (#\w+)", html))
+    assert fixed <= {"#ffffff"}, "a fixed colour would vanish on a dark page"
+    if name == "current":
+        assert "current [A]" in html
+        assert "voltage [V]" not in html
+        assert "0, 1, 2 A" in html
+
+
+def test_intervals_are_those_of_the_fit_in_the_units_of_people(joint: Fit) -> None:
+    row = next(row for row in parameter_table(joint).rows if row[0] == "dahl.kx @ 1 V")
+    low, high = joint.intervals()["dahl.kx @ 1 V"]
+    assert row[1:4] == pytest.approx([1e-3 * joint.parameters["dahl.kx @ 1 V"], 1e-3 * low, 1e-3 * high])
+    assert row[-1] == "N s/mm"
+
+
+def test_strong_pairs_are_told_in_words(joint: Fit) -> None:
+    m = len(joint.parameters)
+    r = np.eye(m)
+    r[0, 2] = r[2, 0] = -0.97
+    r[1, 3] = r[3, 1] = 0.6
+    names = list(joint.parameters)
+    text = correlation_blocks(replace(joint, correlation=r))[0]
+    assert isinstance(text, Text)
+    assert f"{names[0]} and {names[2]} (−0.97)" in text.text
+    assert names[1] not in text.text
+    text = correlation_blocks(replace(joint, correlation=np.eye(m)))[0]
+    assert isinstance(text, Text)
+    assert "each is known by itself" in text.text
+
+
+def test_the_calibrated_range_is_that_of_the_damper(joint: Fit) -> None:
+    assert joint.damper is not None
+    rows = {row[0]: row[1:4] for row in range_table(joint.damper).rows}
+    assert rows["voltage"] == [0.0, 2.0, "V"]
+    assert rows["displacement from the middle"][1:] == [pytest.approx(6.0, rel=0.02), "mm"]
+    assert rows["frequency"] == [pytest.approx(1.1, rel=0.02), pytest.approx(1.3, rel=0.02), "Hz"]
+    assert len(range_section(joint).blocks) == 2
+
+
+def some_score(template: Score, l1: float) -> Score:
+    return replace(template, l1=l1)
+
+
+def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(joint: Fit, tmp_path: Path) -> None:
+    names = [r.name for r in joint.records]
+    one = joint.scores[names[0]]
+    folds = (
+        Fold(
+            tuple(names[2:]),
+            {names[0]: some_score(one, 0.25), names[1]: some_score(one, 0.35)},
+            True,
+            "",
+            {names[1]: "too fast"},
+        ),
+        Fold(tuple(names[:2]), {}, False, "a law fell below 0", {}),
+    )
+    section = prediction_section(joint, [Validation("record", folds)])
+    table, parts = section.blocks[-2:]
+    assert [list(row) for row in table.rows] == [  # type: ignore[union-attr]
+        [names[0], 1, 25.0, 100 * one.l1, 100 * one.nrmse, "nothing"],
+        [names[1], 1, 35.0, 100 * joint.scores[names[1]].l1, 100 * one.nrmse, "too fast"],
+    ]
+    assert [list(row) for row in parts.rows] == [  # type: ignore[union-attr]
+        [1, len(names) - 2, f"{names[0]}, {names[1]}"],
+        [2, 2, "no damper: a law fell below 0"],
+    ]
+    extra = [Section("Which model", [Text("The leader.")]), Section("Another", [Text("More.")])]
+    path = write_fit_page(joint, tmp_path / "page.html", sections=extra, validation=Validation("record", folds))
+    html = path.read_text("utf-8")
+    titles = Reader(html).inside("h2")
+    assert titles[:4] == ["In short", "Which model", "Another", "Parameters"]
+    first = titles.index("How well it describes the records")
+    assert titles[first + 1] == "How well it predicts records that it never saw"
+    assert "L1 30 % on average, 2 records, split by record" in html
+
+
+def test_a_validation_that_predicted_nothing_is_shown(joint: Fit) -> None:
+    empty = Validation("input", (Fold(("a",), {}, False, "no damper came of it", {}),))
+    text, parts = prediction_section(joint, [empty]).blocks[1:]
+    assert "No part was predicted" in text.text  # type: ignore[union-attr]
+    assert list(parts.rows[0]) == [1, 1, "no damper: no damper came of it"]  # type: ignore[union-attr]
+
+
+def test_a_misfit_is_told_before_anything_else(tmp_path: Path) -> None:
+    skewed = [replace(r, force=r.force + 3000.0 * np.abs(r.velocity)) for r in records()]  # type: ignore[arg-type]
+    reader = Reader(write_fit_page(fit("dahl", skewed), tmp_path / "page.html").read_text("utf-8"))
+    told = " ".join(reader.inside("p"))
+    assert told.index("the intervals describe the fit") < told.index("The search converged")
+    assert "does not change its sign with the direction" in told
