@@ -249,3 +249,16 @@ def test_the_motion_is_that_of_whole_cycles() -> None:
     stroke, frequency = motion(sine(DAHL, 0.0, amplitude=0.006, frequency=1.25))
     assert stroke == pytest.approx(0.012, rel=0.01)
     assert frequency == pytest.approx(1.25, rel=0.01)
+
+
+def test_the_residual_of_a_fit_is_measured_less_modelled() -> None:
+    """A force that is too large at speed, both ways, leaves a residual that is positive there and negative at rest."""
+    records = [sine(DAHL, 0.0, f"t{k}", 0.006 + 0.002 * k, 1.2 - 0.1 * k, noise=1.0, seed=k) for k in range(3)]
+    harder = [replace(r, force=r.force + 900.0 * np.abs(r.velocity)) for r in records]  # type: ignore[arg-type]
+    found = fit("dahl", harder).residuals
+    for curve in found.whole.curves.values():
+        known = np.isfinite(curve.median)
+        fast = known & (np.abs(curve.velocity) > 0.8 * np.abs(curve.velocity[known]).max())
+        slow = known & (np.abs(curve.velocity) < 0.3 * np.abs(curve.velocity[known]).max())
+        assert curve.median[fast].min() > 5.0 > -5.0 > curve.median[slow].max()
+    assert any("does not change its sign" in text for text in warnings_of(found))
