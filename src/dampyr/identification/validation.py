@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import fit
-from dampyr.identification.score import Score, score
-from dampyr.models import Damper
-from dampyr.records import Record, measure
-
-SPLITS = ("record", "input", "frequency", "amplitude")
+from dampyr.identification.score import SETTLING, Score, score
+from dampyr.identification.splits import Target, Task, split_tasks
+from dampyr.models import Composition, Damper
+from dampyr.records import Record, motion_start
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,11 @@ class Fold:
 
 @dataclass(frozen=True)
 class Validation:
-    """All folds of one split."""
+    """All folds of one split; ``inputs`` are those of the predicted records, in V or A, by name."""
 
     split: str
     folds: tuple[Fold, ...]
+    inputs: dict[str, float] = field(default_factory=dict)
 
     @property
     def scores(self) -> dict[str, Score]:
@@ -53,9 +54,22 @@ class Validation:
         """The folds that gave no damper: the first record that was to be predicted -> the reason."""
         return {fold.fitted_on[0]: fold.reason for fold in self.folds if not fold.scores}
 
+    @cached_property
+    def by_input(self) -> dict[float, float]:
+        """The mean L1 ratio of the predicted records of each input, by rising input."""
+        groups: dict[float, list[float]] = {}
+        for name, one in self.scores.items():
+            groups.setdefault(self.inputs.get(name, 0.0), []).append(one.l1)
+        return {u: float(np.mean(groups[u])) for u in sorted(groups)}
+
+    @property
+    def error(self) -> float:
+        """The mean of `by_input`: every input counts the same. Infinite where a fold gave no damper."""
+        return float("inf") if self.failed or not self.by_input else float(np.mean(list(self.by_input.values())))
+
 
 def cross_validate(
-    model: str,
+    model: str | Composition,
     records: Sequence[Record],
     split: str = "record",
     folds: int = 5,
@@ -72,69 +86,57 @@ def cross_validate(
     split
         ``"record"``: ``folds`` random parts by ``seed``; ``"input"``: one voltage (or current) left out at a time, the lowest
         and the highest excepted, which would be extrapolated; ``"frequency"`` or ``"amplitude"``: ``folds`` parts in the
-        order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted.
+        order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted;
+        ``"waveform"``: one kind of motion (`dampyr.records.waveform`) left out at a time; ``"time"``: the first 60 % of every
+        motion fitted, the rest predicted.
     progress
         called with the fraction done.
 
-    Raises :class:`~dampyr.errors.InputError` for an unknown split, fewer records than folds, or fewer than three inputs.
+    Raises :class:`~dampyr.errors.InputError` for an unknown split, fewer records than folds, fewer than three inputs, or a
+    single kind of motion.
     """
     listed = list(records)
-    parts = _parts(listed, split, folds, seed)
+    tasks = split_tasks(listed, split, folds, seed)
     done = []
-    for k, part in enumerate(parts):
+    for k, task in enumerate(tasks):
         if progress:
-            progress(k / len(parts))
-        done.append(_fold(model, listed, part, options))
+            progress(k / len(tasks))
+        done.append(_fold(model, task, options))
     if progress:
         progress(1.0)
-    return Validation(split, tuple(done))
+    return Validation(split, tuple(done), {r.name: float(r.input_value or 0.0) for r in listed})
 
 
-def _fold(model: str, records: list[Record], part: list[int], options: dict[str, Any]) -> Fold:
-    held = set(part)
-    rest = [record for k, record in enumerate(records) if k not in held]
-    found = fit(model, rest, **options)
+def _fold(model: str | Composition, task: Task, options: dict[str, Any]) -> Fold:
+    found = fit(model, list(task.fitted), **options)
+    names = tuple(_named(r, task) for r in task.fitted)
     scores: dict[str, Score] = {}
     outside: dict[str, str] = {}
-    if found.damper is not None:
-        for record in (records[k] for k in part):
-            with warnings.catch_warnings(record=True) as told:
-                warnings.simplefilter("always", DampyrWarning)
-                scores[record.name] = _predicted(found.damper, record)
-            if told:
-                outside[record.name] = "; ".join(str(w.message) for w in told)
-    return Fold(tuple(r.name for r in rest), scores, found.converged, found.reason, outside)
+    if found.damper is None:
+        return Fold(names, scores, found.converged, found.reason, outside)
+    for target in task.predicted:
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always", DampyrWarning)
+            try:
+                scores[target.record.name] = _predicted(found.damper, target)
+            except InputError as problem:  # a law that leaves its allowed values beyond the fitted inputs
+                return Fold(names, {}, False, str(problem), outside)
+        if told:
+            outside[target.record.name] = "; ".join(str(w.message) for w in told)
+    return Fold(names, scores, found.converged, found.reason, outside)
 
 
-def _predicted(damper: Damper, record: Record) -> Score:
+def _named(record: Record, task: Task) -> str:
+    """What was fitted, in words: a name, and until when where the rest of the record is predicted."""
+    again = any(t.record.name == record.name for t in task.predicted)
+    return f"{record.name} until {record.time[-1]:.4g} s" if again else record.name
+
+
+def _predicted(damper: Damper, target: Target) -> Score:
     low, high = damper.range
-    u = record.input_value
-    return score(damper, record, allow_extrapolation=u is not None and not low <= u <= high)
-
-
-def _parts(records: list[Record], split: str, folds: int, seed: int) -> list[list[int]]:
-    """Which records each fold predicts."""
-    if split not in SPLITS:
-        raise InputError(f"{split!r} is no split; choose {', '.join(SPLITS)}")
-    if split == "input":
-        return _by_input(records)
-    if not 2 <= folds <= len(records):
-        raise InputError(f"{folds} folds of {len(records)} records: give at least 2 folds and as many records")
-    if split == "record":
-        order = np.random.default_rng(seed).permutation(len(records))
-        return [sorted(int(i) for i in order[k::folds]) for k in range(folds)]
-    size = [_size(record, split) for record in records]
-    return [[int(i) for i in part] for part in np.array_split(np.argsort(size, kind="stable"), folds)]
-
-
-def _size(record: Record, split: str) -> float:
-    found = measure(record)
-    return found.frequency_hz if split == "frequency" else found.peak_to_peak_m
-
-
-def _by_input(records: list[Record]) -> list[list[int]]:
-    values = [record.input_value for record in records]
-    known = sorted({v for v in values if v is not None})
-    if len(known) < 3:
-        raise InputError(f"leaving an input out needs three or more; the records have {len(known)}")
-    return [[k for k, v in enumerate(values) if v == u] for u in known[1:-1]]
+    record, u = target.record, target.record.input_value
+    window = None
+    if target.first is not None:
+        window = (max(target.first, motion_start(record) + SETTLING), float(record.time[-1]))
+    beyond = u is not None and not low <= u <= high
+    return score(damper, record, window=window, allow_extrapolation=beyond)

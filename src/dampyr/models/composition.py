@@ -24,6 +24,9 @@ class Composition:
 
     names: tuple[str, ...]
 
+    def __reduce__(self) -> tuple[type[Composition], tuple[tuple[str, ...]]]:
+        return Composition, (self.names,)
+
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """The parts."""

@@ -89,6 +89,16 @@ class Part:
         return getattr(self.module, "DELAY", None)
 
     @property
+    def add_on(self) -> bool:
+        """Whether the part belongs beside a model of a damper and is none by itself."""
+        return getattr(self.module, "ADD_ON", False)
+
+    @property
+    def holds(self) -> tuple[str, ...]:
+        """The add-ons that the part has inside already."""
+        return getattr(self.module, "HOLDS", ())
+
+    @property
     def static(self) -> bool:
         """Whether the part is a static force that a building leaves out."""
         return getattr(self.module, "STATIC", False)

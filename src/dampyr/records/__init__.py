@@ -18,6 +18,7 @@ from dampyr.records.motion import motion_start
 from dampyr.records.offset import mean_force, remove_offset
 from dampyr.records.quality import Quality, quality, quantum
 from dampyr.records.record import Label, Record
+from dampyr.records.waveform import waveform
 
 __all__ = [
     "Label",
@@ -52,4 +53,5 @@ __all__ = [
     "quality",
     "quantum",
     "disagreements",
+    "waveform",
 ]

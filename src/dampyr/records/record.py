@@ -146,6 +146,23 @@ class Record:
             raise InputError(f"a record has no field {unknown[0]!r}; choose from {', '.join(kept)}")
         return Record(**(kept | {"history": (*self.history, note)} | changes))
 
+    def until(self, end: float) -> Record:
+        """The record up to the time ``end`` in s, under the same name."""
+        kept = slice(0, int(np.searchsorted(self.time, end, side="right")))
+        if np.size(self.time[kept]) < FEWEST_SAMPLES:
+            raise InputError(f"{self.name}: nothing is left before {end:.3g} s; it starts at {self.time[0]:.3g} s")
+        return self._at(kept, f"cut at {end:.6g} s")
+
+    def thinned(self, stride: int) -> Record:
+        """Every ``stride``-th sample, nothing averaged."""
+        if stride < 1:
+            raise InputError(f"stride = {stride} is not allowed; it must be at least 1")
+        return self if stride == 1 else self._at(slice(None, None, stride), f"every {stride}th sample kept")
+
+    def _at(self, kept: slice, note: str) -> Record:
+        channels = {c: getattr(self, c) for c in CHANNELS}
+        return self.replace(note=note, **{c: v[kept] for c, v in channels.items() if isinstance(v, np.ndarray)})
+
 
 def _rebuilt(values: dict[str, Any]) -> Record:
     return Record(**values)

@@ -24,6 +24,7 @@ from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
 BULGING = "stable, but its loops bulge the wrong way for a damper"
+HOLDS = ("spring",)
 STATES = {"w": (-1.0, 1.0)}
 
 

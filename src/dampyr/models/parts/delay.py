@@ -12,6 +12,7 @@ from typing import Annotated
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
+ADD_ON = True
 DELAY = "tau"
 
 

@@ -18,6 +18,8 @@ from typing import Annotated
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
+ADD_ON = True
+
 
 @checked
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ from dampyr.models.parts import bouc_wen
 from dampyr.models.parts._series import drawn
 from dampyr.units import Quantity
 
+HOLDS = ("spring",)
 STATES = {"w": (-1.0, 1.0), "e": (-inf, inf)}
 
 

@@ -11,6 +11,7 @@ from typing import Annotated
 from dampyr.models.part import checked
 from dampyr.units import Quantity
 
+ADD_ON = True
 STATIC = True
 
 

@@ -12,6 +12,8 @@ from typing import Annotated
 from dampyr.models.part import checked
 from dampyr.units import Quantity
 
+ADD_ON = True
+
 
 @checked
 @dataclass(frozen=True)

@@ -1,0 +1,289 @@
+r"""Which model predicts best: every model of the catalogue, bare and with add-ons, ranked by what it predicts unseen.
+
+First each model is *screened* on a few shortened records: bare, then with the add-on that lowers its error most, then with the
+next, until none lowers it by `WORTH`. Then the best few are fitted and validated on all records. The validation error is
+
+.. math:: E = \tfrac12\,(E_\text{record} + E_\text{input})
+
+the mean L1 ratio of records that were left out, and of whole inputs that were left out (where there are three or more;
+else the first alone), every input counting the same: a damper is used between the inputs of its tests.
+
+Akaike's and Schwarz's criteria are :math:`n \ln(S/N) + 2k` and :math:`n \ln(S/N) + k \ln n` with k parameters of the damper, the
+weighted sum of squares S over N samples, and n the number of samples that are worth one each, residuals being correlated: the same n
+for all, that of the winner.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, as_completed
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from dampyr.errors import InputError
+from dampyr.identification.fit import Fit, fit
+from dampyr.identification.screening import screening_set
+from dampyr.identification.validation import Validation, cross_validate
+from dampyr.models import names, part
+from dampyr.records import Record, default_bandwidth
+
+ADD_ONS = ("spring", "delay", "lag", "compliance")
+FINALISTS = 4
+WORTH = 0.02
+PROBE = "hyperbolic_tangent + spring + compliance"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One model on the screening set: its validation error there, or infinity and the reason."""
+
+    model: str
+    error: float
+    seconds: float
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Screened:
+    """One model of the catalogue: every trial, the bare one first; the best is `best`."""
+
+    base: str
+    trials: tuple[Trial, ...]
+
+    @property
+    def bare(self) -> Trial:
+        """Without add-ons."""
+        return self.trials[0]
+
+    @property
+    def best(self) -> Trial:
+        """With the add-ons that were worth it."""
+        return min(self.trials, key=lambda one: one.error)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A finalist. ``error`` is what the ranking goes by; ``l1``, ``nrmse``, ``pointwise`` and ``energy`` (its size) are means
+    over records that were left out, ``unseen_input`` the mean L1 ratio over inputs that were left out (NaN where there are
+    fewer than three). ``seconds`` is the time of the fit to all records. ``fit`` is None where it made no damper."""
+
+    model: str
+    error: float
+    l1: float
+    nrmse: float
+    pointwise: float
+    energy: float
+    unseen_input: float
+    parameters: int
+    seconds: float
+    converged: bool
+    reason: str
+    validations: tuple[Validation, ...] = field(repr=False)
+    fit: Fit | None = field(repr=False)
+    aic: float = float("nan")
+    bic: float = float("nan")
+
+
+@dataclass(frozen=True)
+class Leaderboard:
+    """The finalists by rising validation error, what was screened before, and what was chosen for all."""
+
+    entries: tuple[Entry, ...]
+    screened: tuple[Screened, ...]
+    bandwidth: float | None
+    left_out: tuple[str, ...]
+    seconds: float
+
+    @property
+    def winner(self) -> Entry:
+        """The lowest validation error."""
+        return self.entries[0]
+
+    @property
+    def runner_up(self) -> Entry | None:
+        """The next one."""
+        return self.entries[1] if len(self.entries) > 1 else None
+
+
+def leaderboard(
+    records: Sequence[Record],
+    models: Sequence[str] | None = None,
+    add_ons: Sequence[str] = ADD_ONS,
+    finalists: int = FINALISTS,
+    seed: int = 0,
+    executor: Executor | None = None,
+    progress: Callable[[str, float], None] | None = None,
+    **options: Any,
+) -> Leaderboard:
+    """Rank models by what they predict of records that they were not fitted on.
+
+    Parameters
+    ----------
+    records
+        five or more, at one input or several.
+    models
+        compositions to begin from; None takes every model of the catalogue that is no add-on.
+    add_ons
+        tried in addition, greedily.
+    finalists
+        how many are validated on all records.
+    executor
+        runs the trials, such as a ``ProcessPoolExecutor``; None runs them one after the other. The result is the same.
+    progress
+        called with what is being done and the fraction done.
+    options
+        of `dampyr.identification.fit`, for every fit. ``bandwidth`` is chosen by a probe where it is not given: as recorded, or
+        derived from the displacement with 15 times the highest test frequency.
+
+    Raises :class:`~dampyr.errors.InputError` for fewer than five records, or where no model could be fitted.
+    """
+    listed = [r for r in records if r.role != "validation"]
+    if len(listed) < 5:
+        raise InputError(f"a leaderboard needs five records or more to fit, not {len(listed)}; name a model instead")
+    begun = time.perf_counter()
+    tell = progress or (lambda what, done: None)
+    small = screening_set(listed)
+    tell("choosing the velocity", 0.0)
+    bandwidth = options.pop("bandwidth", None)
+    if bandwidth is None:
+        bandwidth = chosen_bandwidth(listed, small, options)
+    options["bandwidth"] = bandwidth
+    allowed, left_out = _allowed(add_ons, listed)
+    bases = list(models) if models else [name for name in names() if not part(name).add_on]
+    jobs = [partial(screen, base, small, allowed, seed, options) for base in bases]
+    screened = _ordered(_run(jobs, executor, lambda done: tell("screening models", done)), bases)
+    best = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
+    if not best:
+        raise InputError(f"no model could be fitted; the first said: {screened[0].bare.reason}")
+    finals = [partial(judge, one.model, listed, seed, options) for one in best[:finalists]]
+    entries = list(_run(finals, executor, lambda done: tell("validating the best", done)))
+    ranked = with_criteria(sorted(entries, key=lambda one: (one.error, one.model)))
+    return Leaderboard(tuple(ranked), tuple(screened), bandwidth, left_out, time.perf_counter() - begun)
+
+
+def _ordered(found: Iterator[Screened], bases: list[str]) -> list[Screened]:
+    return sorted(found, key=lambda one: bases.index(one.base))
+
+
+def _run(jobs: list[Callable[[], Any]], executor: Executor | None, tell: Callable[[float], None]) -> Iterator[Any]:
+    """The jobs' results as they come."""
+    tell(0.0)
+    if executor is None:
+        for k, job in enumerate(jobs):
+            yield job()
+            tell((k + 1) / len(jobs))
+        return
+    futures: list[Future[Any]] = [executor.submit(job) for job in jobs]
+    for k, future in enumerate(as_completed(futures)):
+        tell((k + 1) / len(jobs))
+        yield future.result()
+
+
+def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The add-ons that these records can tell about, and why others are left out."""
+    varies = any(np.ndim(r.voltage if r.input == "V" else r.current) for r in records)
+    if "lag" in add_ons and not varies:
+        kept = tuple(a for a in add_ons if a != "lag")
+        return kept, ("lag was not tried: the input is constant in every record, so nothing lags",)
+    return tuple(add_ons), ()
+
+
+def chosen_bandwidth(records: list[Record], small: list[Record], options: dict[str, Any]) -> float | None:
+    """The velocity as recorded (None) or derived, whichever lets the probe predict better."""
+    derived = round(max(default_bandwidth(record) for record in records), 1)
+    if any(record.velocity is None for record in records):
+        return derived
+    errors = {b: trial(PROBE, small, 0, options | {"bandwidth": b}).error for b in (None, derived)}
+    return None if errors[None] < errors[derived] else derived
+
+
+def screen(base: str, small: list[Record], add_ons: Sequence[str], seed: int, options: dict[str, Any]) -> Screened:
+    """One model, bare and with add-ons, on the screening set."""
+    trials = [trial(base, small, seed, options)]
+    model, error = base, trials[0].error
+    left = [a for a in add_ons if a not in _held(base)]
+    while left:
+        tried = [trial(f"{model} + {a}", small, seed, options) for a in left]
+        trials += tried
+        k = int(np.argmin([one.error for one in tried]))
+        if not tried[k].error < (1.0 - WORTH) * error:
+            break
+        model, error = tried[k].model, tried[k].error
+        left.pop(k)
+    return Screened(base, tuple(trials))
+
+
+def _held(base: str) -> set[str]:
+    listed = [name.strip() for name in base.split("+")]
+    return {*listed, *(held for name in listed for held in part(name).holds)}
+
+
+def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -> Trial:
+    """The validation error of one model on the screening set; what cannot be fitted says why."""
+    begun = time.perf_counter()
+    try:
+        error = validation_error(_validations(model, small, 2, seed, options))
+        return Trial(model, error, time.perf_counter() - begun)
+    except (InputError, np.linalg.LinAlgError) as problem:
+        return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))
+
+
+def _validations(model: str, records: list[Record], folds: int, seed: int, options: dict[str, Any]) -> list[Validation]:
+    found = [cross_validate(model, records, "record", folds=folds, seed=seed, **options)]
+    if len({r.input_value for r in records}) > 2:
+        found.append(cross_validate(model, records, "input", seed=seed, **options))
+    return found
+
+
+def validation_error(validations: Sequence[Validation]) -> float:
+    """The mean of the splits' errors."""
+    return float(np.mean([one.error for one in validations]))
+
+
+def judge(model: str, records: list[Record], seed: int, options: dict[str, Any]) -> Entry:
+    """One finalist on all records."""
+    validations = _validations(model, records, min(5, len(records)), seed, options)
+    begun = time.perf_counter()
+    found = fit(model, records, **options)
+    seconds = time.perf_counter() - begun
+    scores = list(validations[0].scores.values())
+
+    def mean(key: str) -> float:
+        values = np.array([abs(getattr(one, key)) for one in scores])
+        return float(np.nanmean(values)) if np.any(np.isfinite(values)) else float("nan")
+
+    return Entry(
+        model=model,
+        error=validation_error(validations) if found.damper is not None else float("inf"),
+        l1=validations[0].error,
+        nrmse=mean("nrmse"),
+        pointwise=mean("pointwise"),
+        energy=mean("energy"),
+        unseen_input=validations[1].error if len(validations) > 1 else float("nan"),
+        parameters=len(found.parameters),
+        seconds=seconds,
+        converged=found.converged,
+        reason=found.reason,
+        validations=tuple(validations),
+        fit=found,
+    )
+
+
+def with_criteria(entries: list[Entry]) -> list[Entry]:
+    """The entries with Akaike's and Schwarz's criteria, n being the effective samples of the first."""
+    first = entries[0].fit
+    if first is None:
+        return entries
+    n = first.residuals.effective
+    done = []
+    for one in entries:
+        assert one.fit is not None
+        samples = sum(p.t.size for p in one.fit.problem.pieces)
+        fitted = n * float(np.log(2.0 * one.fit.outcome.cost / samples))
+        aic, bic = fitted + 2.0 * one.parameters, fitted + one.parameters * float(np.log(n))
+        done.append(replace(one, aic=aic, bic=bic))
+    return done

@@ -1,0 +1,111 @@
+"""How records are split into those that are fitted and those that are predicted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dampyr.errors import InputError
+from dampyr.records import Record, measure, motion_start, waveform
+
+FITTED_SHARE = 0.6
+
+
+@dataclass(frozen=True)
+class Target:
+    """A record that is predicted: where ``first`` is set, only from this time on, in s."""
+
+    record: Record
+    first: float | None = None
+
+
+@dataclass(frozen=True)
+class Task:
+    """One fold: fit these, predict those."""
+
+    fitted: tuple[Record, ...]
+    predicted: tuple[Target, ...]
+
+
+def split_tasks(records: Sequence[Record], split: str, folds: int = 5, seed: int = 0) -> list[Task]:
+    """The folds of a split: see `dampyr.identification.cross_validate`."""
+    if split not in SPLITS:
+        raise InputError(f"{split!r} is no split; choose {', '.join(SPLITS)}")
+    listed = list(records)
+    if split == "time":
+        return [_early(listed)]
+    return [_apart(listed, part) for part in SPLITS[split](listed, folds, seed)]
+
+
+def _apart(records: list[Record], part: list[int]) -> Task:
+    held = set(part)
+    rest = tuple(record for k, record in enumerate(records) if k not in held)
+    return Task(rest, tuple(Target(records[k]) for k in part))
+
+
+def _early(records: list[Record]) -> Task:
+    """Every record's first part is fitted and its last part predicted."""
+    cuts = []
+    for record in records:
+        start, end = motion_start(record), float(record.time[-1])
+        cuts.append(start + FITTED_SHARE * (end - start))
+    fitted = tuple(record.until(cut) for record, cut in zip(records, cuts, strict=True))
+    return Task(fitted, tuple(Target(record, cut) for record, cut in zip(records, cuts, strict=True)))
+
+
+def _enough(records: list[Record], folds: int) -> None:
+    if not 2 <= folds <= len(records):
+        raise InputError(f"{folds} folds of {len(records)} records: give at least 2 folds and as many records")
+
+
+def _by_record(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+    """Random parts; the records of each input are dealt out in turn, so that no part takes all of one."""
+    _enough(records, folds)
+    shuffled = np.random.default_rng(seed).permutation(len(records))
+    order = sorted((int(i) for i in shuffled), key=lambda i: records[i].input_value or 0.0)
+    return [sorted(order[k::folds]) for k in range(folds)]
+
+
+def _by_input(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+    values = [record.input_value for record in records]
+    known = sorted({v for v in values if v is not None})
+    if len(known) < 3:
+        raise InputError(f"leaving an input out needs three or more; the records have {len(known)}")
+    return [[k for k, v in enumerate(values) if v == u] for u in known[1:-1]]
+
+
+def _by_frequency(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+    return _in_order(records, folds, [measure(record).frequency_hz for record in records])
+
+
+def _by_amplitude(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+    return _in_order(records, folds, [measure(record).peak_to_peak_m for record in records])
+
+
+def _in_order(records: list[Record], folds: int, size: list[float]) -> list[list[int]]:
+    _enough(records, folds)
+    return [[int(i) for i in part] for part in np.array_split(np.argsort(size, kind="stable"), folds)]
+
+
+def _by_waveform(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+    kinds = [waveform(record) for record in records]
+    known = sorted(set(kinds))
+    if len(known) < 2:
+        raise InputError(f"leaving a waveform out needs two kinds of motion; all records are of the kind {known[0]}")
+    return [[k for k, kind in enumerate(kinds) if kind == one] for one in known]
+
+
+def _by_time(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+    return [list(range(len(records)))]
+
+
+SPLITS: dict[str, Callable[[list[Record], int, int], list[list[int]]]] = {
+    "record": _by_record,
+    "input": _by_input,
+    "frequency": _by_frequency,
+    "amplitude": _by_amplitude,
+    "waveform": _by_waveform,
+    "time": _by_time,
+}
