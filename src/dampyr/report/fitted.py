@@ -62,7 +62,7 @@ def correlation_blocks(fit: Fit) -> list[Block]:
     pairs = strong_pairs(fit.correlation, names)
     unknown = [name for name, r in zip(names, np.diag(fit.correlation), strict=True) if not np.isfinite(r)]
     return [
-        Text(_pairs_in_words(pairs) + _unknown_in_words(unknown)),
+        Text((_pairs_in_words(pairs) or _strongest_in_words(fit, names)) + _unknown_in_words(unknown)),
         FigureBlock(
             correlation(fit.correlation, names),
             "Correlations of the errors (the covariance, scaled by the standard errors): rows by name, columns by the rows' "
@@ -73,13 +73,22 @@ def correlation_blocks(fit: Fit) -> list[Block]:
 
 def _pairs_in_words(pairs: list[tuple[str, str, float]]) -> str:
     if not pairs:
-        return f"No two parameters are correlated beyond ±{MARKED:g}: each is known by itself."
+        return ""
     listed = "; ".join(f"{one} and {other} ({r:.2f})".replace("(-", "(−") for one, other, r in pairs[:PAIRS])
     more = f"; and {len(pairs) - PAIRS} pairs more" if len(pairs) > PAIRS else ""
     return (
         f"Correlated beyond ±{MARKED:g}: {listed}{more}. The records tell each of these pairs as a combination, so change or "
         "compare them together, never one alone."
     )
+
+
+def _strongest_in_words(fit: Fit, names: list[str]) -> str:
+    """Where no pair is strong."""
+    pairs = strong_pairs(fit.correlation, names, 0.0)
+    told = (
+        f"; the strongest are {pairs[0][0]} and {pairs[0][1]} ({pairs[0][2]:.2f})".replace("(-", "(−") if pairs else ""
+    )
+    return f"No two parameters are correlated beyond ±{MARKED:g}{told}."
 
 
 def _unknown_in_words(names: list[str]) -> str:

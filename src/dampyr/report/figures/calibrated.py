@@ -40,6 +40,7 @@ def calibrated(
         top = _top(groups, ranges or {})
         panel.set_ylim(0.0, 1.12 * top)
         panel.margins(x=0.08)
+        _widen(panel)
         if ranges and "velocity" in ranges:
             _speed(panel, ranges["velocity"][1], top)
         style.name_axes(panel, FREQUENCY, AMPLITUDE)
@@ -60,9 +61,8 @@ def _box(panel: Any, ranges: Mapping[str, tuple[float, float]]) -> None:
     from matplotlib.patches import Rectangle
 
     (left, right), (low, high) = FREQUENCY.of(ranges["frequency"]), AMPLITUDE.of(ranges["displacement"])
-    box = Rectangle(
-        (left, low), right - left, high - low, facecolor=style.SKY, alpha=0.16, lw=0, label="calibrated range"
-    )
+    box = Rectangle((left, low), right - left, high - low, facecolor=style.SKY, alpha=0.16, label="calibrated range")
+    box.set(edgecolor=style.SKY, linewidth=1.0)  # one frequency makes a box without width
     panel.add_patch(box)
 
 
@@ -75,6 +75,14 @@ def _speed(panel: Any, speed: float, top: float) -> None:
     if np.any(seen):
         label = f"greatest speed, {style.VELOCITY.of(speed):.3g} {style.VELOCITY.unit}"
         panel.plot(f[seen], amplitude[seen], color=style.MUTED, ls="--", lw=1, label=label)
+
+
+def _widen(panel: Any) -> None:
+    """Records of one frequency are not drawn as if it were known to a hundredth."""
+    left, right = panel.get_xlim()
+    middle = 0.5 * (left + right)
+    reach = max(0.5 * (right - left), 0.25 * abs(middle))
+    panel.set_xlim(middle - reach, middle + reach)
 
 
 def _top(groups: Mapping[str, tuple[ArrayLike, ArrayLike]], ranges: Mapping[str, tuple[float, float]]) -> float:
