@@ -22,18 +22,19 @@ KINDS = ("constant", "polynomial", "interpolation")
 
 @dataclass(frozen=True)
 class Column:
-    """One parameter in a fit: ``kind`` of law, its ``knots``, or a ``fixed`` value."""
+    """One parameter in a fit: ``kind`` of law, its ``knots``, or a ``fixed`` value, or the parameter it is ``tied`` to."""
 
     name: str
     quantity: Quantity
     kind: str
     knots: tuple[float, ...]
     fixed: float | None = None
+    tied: str | None = None
 
     @property
     def size(self) -> int:
         """How many numbers the fit determines for it."""
-        return 0 if self.fixed is not None else len(self.knots)
+        return 0 if self.fixed is not None or self.tied else len(self.knots)
 
     @property
     def logarithmic(self) -> bool:

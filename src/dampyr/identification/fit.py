@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.identification.design import columns
-from dampyr.identification.pieces import Piece, linearise, piece
+from dampyr.identification.pieces import Piece, piece
+from dampyr.identification.problem import Problem
+from dampyr.identification.products import modelled
 from dampyr.identification.score import Score, compare
-from dampyr.identification.solver import Outcome, Problem, search
+from dampyr.identification.solver import Outcome, search
 from dampyr.identification.starting import begin
 from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.models import Composition, Damper, compose
@@ -83,12 +85,7 @@ class Fit:
     @cached_property
     def forces(self) -> list[Array]:
         """The fitted force along each record from where its motion starts, with its own offset and initial states, N."""
-        found = []
-        theta = self.outcome.point.of(self.problem)
-        for one, start in zip(self.problem.pieces, self.outcome.point.starts, strict=True):
-            local = linearise(self.problem.composition, self.problem.columns, theta, one, start, self.problem.offset)
-            found.append(one.force - local.residual / one.weight)
-        return found
+        return [modelled(self.problem, self.outcome.point, r) for r in range(len(self.records))]
 
     @cached_property
     def scores(self) -> dict[str, Score]:
@@ -151,7 +148,8 @@ def fit(
     made = columns(composition, [p.u for p in pieces], laws, fixed)
     if not any(column.size for column in made):
         raise InputError("every parameter is fixed; leave at least one free")
-    problem = Problem(composition, made, pieces, offset=not composition.static)
+    kept = tuple(name for name in ("offset", "state") if name != "offset" or not composition.static)
+    problem = Problem(composition, made, pieces, kept)
     with _threads().limit(limits=1, user_api="blas"):  # small factorisations: threads would only wait
         outcome = search(problem, begin(problem), progress)
         return _report(problem, outcome, tuple(listed), bandwidth)
@@ -203,8 +201,11 @@ def _report(problem: Problem, outcome: Outcome, records: tuple[Record, ...], ban
         clusters=known.clusters,
         freedom=dict(zip(labels, map(float, known.freedom), strict=True)),
         nuisances={
-            p.name: Nuisance(s.offset, dict(zip(states, map(float, s.states), strict=True)))
-            for p, s in zip(problem.pieces, outcome.point.starts, strict=True)
+            p.name: Nuisance(
+                outcome.point.nuisance(problem, r, "offset"),
+                dict(zip(states, map(float, outcome.point.states(problem, r)), strict=True)),
+            )
+            for r, p in enumerate(problem.pieces)
         },
         iterations=outcome.iterations,
         problem=problem,

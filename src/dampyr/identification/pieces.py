@@ -1,4 +1,4 @@
-"""The records as a fit sees them, and what one record says about the parameters, compressed."""
+"""The records as a fit sees them."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.design import Column
-from dampyr.models import Composition
-from dampyr.models.march import along_with_columns, delayed, delayed_by_tau
 from dampyr.records import Record, cycles, motion_start
 
 Array = NDArray[np.float64]
@@ -18,7 +15,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Piece:
-    """One record from where its motion starts: arrays (n,), the input, a weight, and the clusters of its samples."""
+    """One record from where its motion starts: arrays (n,), the input, and the cluster of each sample.
+
+    ``weight`` is of each sample, or one for all, (1,); ``spread`` the standard deviation of the force in N.
+    """
 
     name: str
     t: Array
@@ -26,9 +26,15 @@ class Piece:
     v: Array
     force: Array
     u: Array | float
-    weight: float
+    weight: Array
+    spread: float
     cycle: NDArray[np.int64]
     unit: str
+
+    @property
+    def ends(self) -> NDArray[np.int64]:
+        """Where each cluster of samples ends."""
+        return np.append(np.flatnonzero(np.diff(self.cycle)) + 1, self.t.size)
 
 
 def piece(record: Record, bandwidth: float | None) -> Piece:
@@ -55,12 +61,13 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
     given: Array | float = np.asarray(u)[kept] if varies else float(np.mean(u))
     return Piece(
         name=record.name,
-        t=record.time[kept],
-        x=record.displacement[kept],
-        v=record.velocity[kept],
-        force=force,
+        t=np.ascontiguousarray(record.time[kept]),
+        x=np.ascontiguousarray(record.displacement[kept]),
+        v=np.ascontiguousarray(record.velocity[kept]),
+        force=np.ascontiguousarray(force),
         u=given,
-        weight=1.0 / spread,
+        weight=np.array([1.0 / spread]),
+        spread=spread,
         cycle=_cycle_numbers(record)[kept],
         unit=record.input,
     )
@@ -72,54 +79,3 @@ def _cycle_numbers(record: Record) -> NDArray[np.int64]:
     if starts.size == 0:
         return np.zeros(record.n, dtype=np.int64)
     return np.maximum(np.searchsorted(starts, np.arange(record.n), side="right") - 1, 0).astype(np.int64)
-
-
-@dataclass(frozen=True)
-class Start:
-    """The nuisances of one record: the offset of its force in N and the states at its start."""
-
-    offset: float
-    states: Array
-
-
-@dataclass(frozen=True)
-class Linearised:
-    """One record around a point: weighted residual (n,), derivatives by parameters (n, P) and by nuisances (n, L)."""
-
-    residual: Array
-    by_parameter: Array
-    by_nuisance: Array
-
-
-def parameters_at(columns: list[Column], theta: list[Array], u: Array | float) -> Array:
-    """The parameter vector (P,), or (n, P) where the input varies."""
-    return np.stack([c.value(th, u) for c, th in zip(columns, theta, strict=True)], axis=-1)
-
-
-def linearise(
-    composition: Composition,
-    columns: list[Column],
-    theta: list[Array],
-    one: Piece,
-    start: Start,
-    offset: bool,
-) -> Linearised:
-    """The residual (measured less model) of one record, and its exact derivatives."""
-    values = parameters_at(columns, theta, one.u)
-    model, J = along_with_columns(composition, one.t, one.x, one.v, values, start.states)
-    k = composition.delay
-    if k is not None:
-        model, J = _delay(one.t, model, J, values[..., k], k)
-    P = len(composition.parameters)
-    local = J[:, P:]
-    if offset:
-        local = np.column_stack((np.ones(one.t.size), local))
-    residual = one.force - model - start.offset
-    return Linearised(one.weight * residual, one.weight * J[:, :P], one.weight * local)
-
-
-def _delay(t: Array, model: Array, J: Array, tau: Array, k: int) -> tuple[Array, Array]:
-    """The force and its columns as they were tau earlier, with the derivative by tau in its place."""
-    late = delayed(t, J, tau).copy()
-    late[:, k] = delayed_by_tau(t, model, tau)
-    return delayed(t, model, tau), late

@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from dampyr.identification.design import Column
-from dampyr.identification.pieces import Piece, Start
-from dampyr.identification.solver import Point, Problem, projected_cost, search
-from dampyr.models import Composition
+from dampyr.identification.pieces import Piece
+from dampyr.identification.problem import Point, Problem
+from dampyr.identification.solver import projected_cost
 from dampyr.models.part import Scale
 
 MOST_STARTS = 48
@@ -18,12 +17,7 @@ SCANNED_SAMPLES = 4000
 
 
 def begin(problem: Problem) -> Point:
-    """From where the search begins: the best of the parts' proposals, tried at each input apart.
-
-    Parts in series with something that stretches begin where they end without it.
-    """
-    if problem.composition.in_series:
-        return _from_rigid(problem)
+    """From where the search begins: the best of the parts' proposals, tried at each input apart."""
     neutral = _neutral(problem)
     groups: dict[float, list[int]] = {}
     for k, one in enumerate(problem.pieces):
@@ -41,37 +35,14 @@ def begin(problem: Problem) -> Point:
     return replace(neutral, theta=theta)
 
 
-def _from_rigid(problem: Problem) -> Point:
-    """The fit without what stretches, and a stretch that is small beside the stroke."""
-    soft = [p.name for p in problem.composition.parts if p.stretch]
-    chosen = [k for k, c in enumerate(problem.columns) if c.name.partition(".")[0] not in soft]
-    inner = Composition(tuple(name for name in problem.composition.names if name not in soft))
-    rigid = Problem(inner, _as_in(inner, [problem.columns[k] for k in chosen]), problem.pieces, problem.offset)
-    found = search(rigid, begin(rigid)).point
-    theta = _neutral(problem).theta
-    slices = problem.slices
-    for k, span in zip(chosen, rigid.slices, strict=True):
-        theta[slices[k]] = found.theta[span]
-    proposal = _proposals(problem, problem.pieces)[0]
-    for column, span in zip(problem.columns, slices, strict=True):
-        if column.size and column.name.partition(".")[0] in soft:
-            theta[span] = proposal[column.name]
-    starts = tuple(Start(start.offset, np.append(start.states, 0.0)) for start in found.starts)
-    return Point(theta, starts)
-
-
-def _as_in(composition: Composition, columns: list[Column]) -> list[Column]:
-    """The columns with the quantities of another composition, where the force may be proportional to them."""
-    return [replace(column, quantity=composition.quantities[column.name]) for column in columns]
-
-
 def _neutral(problem: Problem) -> Point:
     theta = np.concatenate(
         [np.full(c.size, max(c.quantity.low, 0.0) + 1e-9 * c.quantity.open_low) for c in problem.columns]
     )
-    states = np.zeros(problem.composition.n_states)
-    starts = tuple(Start(float(np.mean(p.force)) if problem.offset else 0.0, states) for p in problem.pieces)
-    return Point(theta, starts)
+    local = np.zeros((len(problem.pieces), problem.locals))
+    if "offset" in problem.common:
+        local[:, 0] = [float(np.mean(p.force)) for p in problem.pieces]
+    return Point(theta, local)
 
 
 def _best_start(problem: Problem, neutral: Point, members: list[int]) -> dict[str, float]:
@@ -79,8 +50,8 @@ def _best_start(problem: Problem, neutral: Point, members: list[int]) -> dict[st
     chosen = members[:: max(1, len(members) // 2)][:2]
     pieces = [_shortened(problem.pieces[k]) for k in chosen]
     inputs = [float(np.mean(p.u)) for p in pieces]
-    singles = [Column(c.name, c.quantity, "constant", (inputs[0],), c.fixed) for c in problem.columns]
-    small = Problem(problem.composition, singles, pieces, problem.offset)
+    singles = [replace(c, kind="constant", knots=(inputs[0],)) for c in problem.columns]
+    small = Problem(problem.composition, singles, pieces, problem.nuisances)
     at = _neutral(small)
     best: tuple[float, dict[str, float]] = (np.inf, {})
     for proposal in _proposals(problem, pieces):
@@ -97,7 +68,7 @@ def _best_start(problem: Problem, neutral: Point, members: list[int]) -> dict[st
 def _shortened(one: Piece) -> Piece:
     n = min(one.t.size, SCANNED_SAMPLES)
     u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
-    return Piece(one.name, one.t[:n], one.x[:n], one.v[:n], one.force[:n], u, one.weight, one.cycle[:n], one.unit)
+    return replace(one, t=one.t[:n], x=one.x[:n], v=one.v[:n], force=one.force[:n], u=u, cycle=one.cycle[:n])
 
 
 def _proposals(problem: Problem, pieces: list[Piece]) -> list[dict[str, float]]:

@@ -20,14 +20,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.pieces import linearise
-from dampyr.identification.solver import Point, Problem, expand
+from dampyr.identification.problem import Point, Problem
+from dampyr.identification.products import products, with_priors
 
 Array = NDArray[np.float64]
 FEWEST_RECORDS = 5
 FEWEST_CYCLES = 3
 BLIND = 1e-7
 TINY = 1e-100
+SAME = 1e-13  # of the sums of squares: what is left below it is rounding
 
 
 @dataclass(frozen=True)
@@ -45,35 +46,66 @@ class Uncertainty:
 
 def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> Uncertainty:
     """The covariance of the coefficients at the optimum; those ``held`` at a limit count as known."""
-    theta = point.of(problem)
-    reduced, samples = [], 0
-    for one, start in zip(problem.pieces, point.starts, strict=True):
-        local = linearise(problem.composition, problem.columns, theta, one, start, problem.offset)
-        J = _without(expand(problem, local.by_parameter, one.u), local.by_nuisance)
-        J[:, list(held)] = 0.0
-        reduced.append((J, local.residual, one.cycle))
-        samples += one.t.size - local.by_nuisance.shape[1]
-    information = sum((J.T @ J for J, _, _ in reduced), np.zeros((problem.size,) * 2))
+    reduced = [_reduced(problem, sums, held) for sums in _by_cluster(problem, point)]
+    information = _above_rounding(reduced, problem.size)
+    samples = sum(one.t.size - problem.locals for one in problem.pieces)
     bread, blind = _inverse(information, held)
-    squares = sum(float(r @ r) for _, r, _ in reduced)
-    naive = bread * squares / max(samples - problem.size, 1)
-    scores, counts, freedom = _scores_by_record(reduced, information)
+    naive = bread * sum(one.squares for one in reduced) / max(samples - problem.size, 1)
+    by_record = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
+    scores, counts, freedom = _counted(by_record, information)
     clusters = "record"
     if np.any(np.delete(counts, [*held, *blind]) < FEWEST_RECORDS):
         clusters = "cycle"
-        scores, counts, freedom = _scores_by_cycle(reduced, information)
+        scores, counts, freedom = _counted(reduced, information)
     covariance = _sandwich(bread, scores, freedom)
     blind = tuple(sorted({*blind, *(k for k in map(int, np.flatnonzero(counts < FEWEST_CYCLES)) if k not in held)}))
     return Uncertainty(_blinded(covariance, blind), _blinded(naive, blind), clusters, counts, freedom, blind)
 
 
-def _without(J: Array, nuisance: Array) -> Array:
-    """What is left of the columns of J after projecting out the nuisances."""
-    if nuisance.shape[1] == 0:
-        return J.copy()
-    q, r = np.linalg.qr(nuisance)
-    q = q[:, np.abs(np.diag(r)) > 1e-12 * max(float(np.abs(r).max()), 1e-300)]
-    return np.asarray(J - q @ (q.T @ J))
+@dataclass(frozen=True)
+class Reduced:
+    """One record's clusters once its nuisances have taken their part: J'r (g, G), J'J (g, G, G), its r'r, and J'J (G,) before."""
+
+    scores: Array
+    information: Array
+    squares: float
+    raw: Array
+
+
+def _by_cluster(problem: Problem, point: Point) -> list[Array]:
+    """The sums of products of each record by cluster; what is expected of its nuisances goes with the first."""
+    found = products(problem, point, by_cluster=True)
+    first = with_priors(problem, point, np.stack([sums[0] for sums in found]))
+    for sums, changed in zip(found, first, strict=True):
+        sums[0] = changed
+    return found
+
+
+def _reduced(problem: Problem, sums: Array, held: tuple[int, ...]) -> Reduced:
+    L = problem.locals
+    whole = sums.sum(axis=0)
+    taken = np.vstack((-_taken(whole[:L, :L], whole[:L, L:-1]), np.eye(problem.size)))
+    taken[:, list(held)] = 0.0
+    raw = np.diag(whole)[L:-1]
+    return Reduced(sums[:, :-1, -1] @ taken, taken.T @ sums[:, :-1, :-1] @ taken, float(whole[-1, -1]), raw)
+
+
+def _above_rounding(reduced: list[Reduced], size: int) -> Array:
+    """The information of all records; none where the nuisances took all of a derivative but its rounding."""
+    information = sum((one.information.sum(axis=0) for one in reduced), np.zeros((size, size)))
+    lost = np.diag(information) <= SAME * sum((one.raw for one in reduced), np.zeros(size))
+    information[lost, :] = information[:, lost] = 0.0
+    return np.asarray(information)
+
+
+def _taken(own: Array, across: Array) -> Array:
+    """How far the nuisances follow each coefficient: least squares on what the record determines of them."""
+    d = np.sqrt(np.diag(own))
+    scale = np.where(d > 0, 1.0 / np.where(d > 0, d, 1.0), 0.0)
+    values, vectors = np.linalg.eigh(own * np.outer(scale, scale))
+    seen = values > SAME * max(float(values.max(initial=0.0)), 1e-300)
+    weights = np.where(seen, 1.0 / np.where(seen, values, 1.0), 0.0)
+    return np.asarray(scale[:, None] * (vectors @ (weights[:, None] * (vectors.T @ (scale[:, None] * across)))))
 
 
 def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[int, ...]]:
@@ -89,34 +121,18 @@ def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[in
     return inverse, tuple(sorted(blind))
 
 
-Reduced = list[tuple[Array, Array, NDArray[np.int64]]]
-
-
-def _scores_by_record(reduced: Reduced, information: Array) -> tuple[Array, Array, Array]:
-    return _counted([(J.T @ r, J) for J, r, _ in reduced], information)
-
-
-def _scores_by_cycle(reduced: Reduced, information: Array) -> tuple[Array, Array, Array]:
-    parts = []
-    for J, r, cycle in reduced:
-        for k in np.unique(cycle):
-            here = cycle == k
-            parts.append((J[here].T @ r[here], J[here]))
-    return _counted(parts, information)
-
-
-def _counted(parts: list[tuple[Array, Array]], information: Array) -> tuple[Array, Array, Array]:
-    """The scores (G, m), how many clusters speak of each coefficient, and its degrees of freedom.
+def _counted(parts: list[Reduced], information: Array) -> tuple[Array, Array, Array]:
+    """The scores (g, G) of all clusters, how many clusters speak of each coefficient, and its degrees of freedom.
 
     These are one less than the effective number of clusters, 1 / sum of the squared shares of the information: G equal
     clusters count as G, and one that says all counts as one.
     """
-    scores = np.array([score for score, _ in parts])
-    told = np.array([np.einsum("ij,ij->j", J, J) for _, J in parts])
+    scores = np.concatenate([one.scores for one in parts])
+    told = np.concatenate([np.diagonal(one.information, axis1=1, axis2=2) for one in parts])
     total = np.diag(information)
     shares = np.where(total > TINY, told / np.where(total > TINY, total, 1.0), 0.0)
     effective = 1.0 / np.maximum(np.sum(shares**2, axis=0), TINY)
-    return scores, np.sum(shares > 1e-3, axis=0), np.maximum(np.minimum(effective, len(parts)), 1.5) - 1.0
+    return scores, np.sum(shares > 1e-3, axis=0), np.maximum(np.minimum(effective, len(scores)), 1.5) - 1.0
 
 
 def _sandwich(bread: Array, scores: Array, freedom: Array) -> Array:

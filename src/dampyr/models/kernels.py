@@ -65,7 +65,7 @@ def _user_cache() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dampyr"
 
 
-def jit(function: Callable[..., Any], keep: bool = False) -> Any:
+def jit(function: Callable[..., Any], keep: bool = False, reordered: bool = False) -> Any:
     """``function`` compiled by numba without Python objects; ``keep`` puts the machine code on disk.
 
     Without numba's reference counting (``_nrt``): the kernels make no arrays, and counting every row they look at took half of
@@ -73,7 +73,8 @@ def jit(function: Callable[..., Any], keep: bool = False) -> Any:
     """
     from numba import njit
 
-    compiled = njit(error_model="numpy", fastmath=FAST, _nrt=False)(function)
+    fast = FAST | {"reassoc"} if reordered else FAST
+    compiled = njit(error_model="numpy", fastmath=fast, nogil=True, _nrt=False)(function)
     if keep:
         compiled._cache = _cache_class()(function)
     return compiled
@@ -139,5 +140,5 @@ def _rebound(function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any
     copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
     copy.__qualname__ = f"{function.__module__}.{function.__qualname__}.{key}"
     copy.__module__ = function.__module__
-    done[function] = jit(copy, keep)
+    done[function] = jit(copy, keep, getattr(function, "reordered", False))
     return done[function]

@@ -21,6 +21,7 @@ def _unbound(*_: Any) -> Any:
     raise TypeError("a driver runs only after dampyr.models.kernels.bind has given it a composition")
 
 
+BLOCK = 64  # rows that are kept while their products are summed
 advance = force = columns = spread = _unbound
 
 
@@ -46,11 +47,128 @@ def march_columns(t, x, v, a, p, s, D, out, J):  # type: ignore[no-untyped-def]
         columns(0, s, D, x[i], v[i], a[i], q, J[i])
 
 
+def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, block, products):  # type: ignore[no-untyped-def]
+    """Fill ``products[g]`` with the sums of products of all columns over the samples up to ``ends[g]``.
+
+    A row of `march_columns`, then the force and 1, is picked by ``source``, times ``factor`` and the weight ``w``; the last
+    column is the weighted residual, ``f`` less ``gain`` times the force. Only a block of rows is ever stored.
+    """
+    first = 0
+    for group in range(ends.size):
+        while first < ends[group]:
+            count = min(rows.shape[0], ends[group] - first)
+            for m in range(count):
+                reach(first + m, t, x, v, a, p, s, D, rows[m])
+            picked(first, count, rows, f, w, source, factor, gain, block)
+            summed(block, (count + 7) // 8 * 8, products[group])
+            first += count
+
+
+def march_products_delayed(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, block, products, k, tau, lo, hi):  # type: ignore[no-untyped-def]
+    """As `march_products` with everything ``tau`` later; ``k`` is where the derivative by tau stands."""
+    first = j = 0
+    reach(0, t, x, v, a, p, s, D, lo)
+    reach(1, t, x, v, a, p, s, D, hi)
+    for group in range(ends.size):
+        while first < ends[group]:
+            count = min(rows.shape[0], ends[group] - first)
+            for m in range(count):
+                at = t[first + m] - tau
+                while t[j + 1] < at and j + 2 < t.size:
+                    j += 1
+                    for c in range(lo.size):
+                        lo[c] = hi[c]
+                    reach(j + 1, t, x, v, a, p, s, D, hi)
+                between(t[j], t[j + 1], at, t[0], k, lo, hi, rows[m])
+            picked(first, count, rows, f, w, source, factor, gain, block)
+            summed(block, (count + 7) // 8 * 8, products[group])
+            first += count
+
+
+def reach(i, t, x, v, a, p, s, D, row):  # type: ignore[no-untyped-def]
+    """Walk to sample ``i``: its derivatives and, last but one, its force."""
+    q = p[min(i, p.shape[0] - 1)]
+    if i > 0:
+        spread(0, s, D, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
+    row[row.size - 2] = force(0, s, x[i], v[i], a[i], q)
+    columns(0, s, D, x[i], v[i], a[i], q, row)
+
+
+def between(t0, t1, at, start, k, lo, hi, row):  # type: ignore[no-untyped-def]
+    """The row at the time ``at``, and the derivative of its force by the delay."""
+    part = min(max((at - t0) / (t1 - t0), 0.0), 1.0)
+    for c in range(row.size):
+        row[c] = lo[c] + (hi[c] - lo[c]) * part
+    last = row.size - 2
+    row[k] = -(hi[last] - lo[last]) / (t1 - t0) if at > start else 0.0
+
+
+def picked(first, count, rows, f, w, source, factor, gain, block):  # type: ignore[no-untyped-def]
+    """The columns that are asked for, and the residual, of ``count`` rows, each column in one stretch; zeros after."""
+    C, last = source.size, rows.shape[1] - 2
+    for c in range(C):
+        for m in range(count):
+            block[c, m] = w[min(first + m, w.size - 1)] * rows[m, source[c]]
+            block[c, m] *= factor[min(first + m, factor.shape[0] - 1), c]
+    for m in range(count):
+        block[C, m] = w[min(first + m, w.size - 1)] * (f[first + m] - gain * rows[m, last])
+    for c in range(C + 1):
+        for m in range(count, (count + 7) // 8 * 8):
+            block[c, m] = 0.0
+
+
+def summed(block, full, total):  # type: ignore[no-untyped-def]
+    """Add the products of a block's columns."""
+    for c in range(total.shape[0]):
+        for d in range(c, total.shape[0]):
+            sum_ = 0.0
+            for m in range(full):
+                sum_ += block[c, m] * block[d, m]
+            total[c, d] += sum_
+
+
+summed.reordered = True  # type: ignore[attr-defined]  # its sums may be taken in lanes
+
+
+def products_along(
+    composition: Composition,
+    path: tuple[Array, Array, Array, Array],
+    values: Array,
+    state0: Array,
+    force: Array,
+    weight: Array,
+    source: NDArray[np.int64],
+    factor: Array,
+    gain: float,
+    ends: NDArray[np.int64],
+) -> Array:
+    """Sums of products of a record's columns and its residual, (groups, C + 1, C + 1), without storing the columns.
+
+    ``path`` is t, x, v and the acceleration (see `acceleration`), ``force`` the measured force, ``weight`` (1,) or (n,).
+    Column c is the derivative number ``source[c]`` (parameters, then initial states, then the force itself, then 1) times
+    ``factor[:, c]`` (1 or n rows); the last is the residual ``force - gain * model``. ``ends`` are where groups of samples
+    end. Delayed where the composition delays, which takes constant ``values``: one row.
+    """
+    P, S, C = len(composition.parameters), composition.n_states, source.size
+    D, rows = np.zeros((S, P + S)), np.zeros((BLOCK, P + S + 2))
+    D[:, P:] = np.eye(S)
+    rows[:, -1] = 1.0
+    products, block, p = np.zeros((ends.size, C + 1, C + 1)), np.empty((C + 1, BLOCK)), _rows(values)
+    given = (*path, p, force, weight, source, factor, gain, ends, _start(composition, state0), D, rows, block, products)
+    k = composition.delay
+    if k is None:
+        bind(march_products, (composition,))(*given)
+    else:
+        bind(march_products_delayed, (composition,))(*given, k, float(p[0, k]), rows[0].copy(), rows[1].copy())
+    upper = np.triu(products, 1)
+    return np.asarray(products + upper.swapaxes(1, 2))
+
+
 def along(composition: Composition, t: Array, x: Array, v: Array, values: Array, state0: Array | None = None) -> Array:
     """The force in N along a path: t [s], x [m], v [m/s] of shape (n,), ``values`` (P,) or (n, P); not delayed."""
     out = np.empty(t.size)
     s = _start(composition, state0)
-    bind(march, (composition,))(t, x, v, _acceleration(composition, t, v), _rows(values), s, out)
+    bind(march, (composition,))(t, x, v, acceleration(composition, t, v), _rows(values), s, out)
     return out
 
 
@@ -64,11 +182,11 @@ def along_with_columns(
     D = np.zeros((composition.n_states, width))
     for j in range(composition.n_states):
         D[j, len(composition.parameters) + j] = 1.0
-    bind(march_columns, (composition,))(t, x, v, _acceleration(composition, t, v), _rows(values), s, D, out, J)
+    bind(march_columns, (composition,))(t, x, v, acceleration(composition, t, v), _rows(values), s, D, out, J)
     return out, J
 
 
-def _acceleration(composition: Composition, t: Array, v: Array) -> Array:
+def acceleration(composition: Composition, t: Array, v: Array) -> Array:
     """The acceleration by central differences of the velocity, or zeros where no part asks for it."""
     asked = any("a" in p.force.arguments for p in composition.parts if p.force)
     return np.asarray(np.gradient(v, t)) if asked else np.zeros_like(t)

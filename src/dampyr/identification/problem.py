@@ -1,0 +1,177 @@
+"""What is fitted to what: the unknowns of a fit, their kinds and limits, and where a search stands among them."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.identification.design import Column
+from dampyr.identification.pieces import Piece
+from dampyr.models import Composition
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+VISCOUS = "N s/m"
+#: standard deviation of the logarithm that a fit expects of a record's gain and of its viscosity
+PRIOR = {"gain": 0.05, "temperature": 0.2}
+MISFIT = 0.05  # of the force's spread: against how large an error a prior is weighed
+FURTHEST = 1.0  # how far these logarithms may go
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The parameters' columns, the records' pieces, and which ``nuisances`` each record keeps to itself, in order."""
+
+    composition: Composition
+    columns: list[Column]
+    pieces: list[Piece]
+    nuisances: tuple[str, ...] = ("offset", "state")
+
+    @cached_property
+    def slices(self) -> list[slice]:
+        """Where each parameter's values stand among all coefficients."""
+        ends = np.cumsum([0, *(c.size for c in self.columns)])
+        return [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
+
+    @cached_property
+    def owners(self) -> list[int]:
+        """For each parameter the one whose values it takes: itself, unless it is tied."""
+        names = [c.name for c in self.columns]
+        return [names.index(c.tied) if c.tied else k for k, c in enumerate(self.columns)]
+
+    @cached_property
+    def size(self) -> int:
+        """How many coefficients there are."""
+        return sum(c.size for c in self.columns)
+
+    @cached_property
+    def varying(self) -> bool:
+        """Whether the input varies within a record."""
+        return any(np.ndim(p.u) for p in self.pieces)
+
+    @cached_property
+    def common(self) -> tuple[str, ...]:
+        """The nuisances that are not hysteretic states."""
+        return tuple(name for name in ("offset", "gain", "temperature") if name in self.nuisances)
+
+    @cached_property
+    def states(self) -> list[tuple[float, float]]:
+        """The bounds of the states that each record keeps to itself."""
+        return list(self.composition.states.values()) if "state" in self.nuisances else []
+
+    @cached_property
+    def locals(self) -> int:
+        """How many nuisances a record has."""
+        return len(self.common) + len(self.states)
+
+    @cached_property
+    def is_linear(self) -> Bools:
+        """Which coefficients the force is affine in."""
+        return np.concatenate([np.full(c.size, c.quantity.linear) for c in self.columns]).astype(bool)
+
+    @cached_property
+    def is_local_linear(self) -> Bools:
+        """Which nuisances the force is affine in, whatever the rest."""
+        return np.array([name == "offset" for name in self.common] + [False] * len(self.states), dtype=bool)
+
+    @cached_property
+    def is_logarithmic(self) -> Bools:
+        """Which coefficients are walked in their logarithm."""
+        return np.concatenate([np.full(c.size, c.logarithmic) for c in self.columns]).astype(bool)
+
+    @cached_property
+    def limits(self) -> tuple[Array, Array]:
+        """The lowest and highest value of each coefficient."""
+        low = np.concatenate([np.full(c.size, c.quantity.low) for c in self.columns])
+        high = np.concatenate([np.full(c.size, c.quantity.high) for c in self.columns])
+        return low, high
+
+    @cached_property
+    def local_limits(self) -> tuple[Array, Array]:
+        """The lowest and highest value of each nuisance."""
+        reach = {"offset": np.inf, "gain": FURTHEST, "temperature": FURTHEST}
+        low = [-reach[name] for name in self.common] + [a for a, _ in self.states]
+        high = [reach[name] for name in self.common] + [b for _, b in self.states]
+        return np.array(low, dtype=float), np.array(high, dtype=float)
+
+    def inside(self, theta: Array) -> Array:
+        """Rounding may leave a value a hair outside its limit; an open limit is left by a billionth of an SI unit."""
+        low, high = self.limits
+        open_low = np.concatenate([np.full(c.size, c.quantity.open_low) for c in self.columns]).astype(bool)
+        return np.clip(theta, np.where(open_low & np.isfinite(low), low + 1e-9, low), high)
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where the search stands: all coefficients (G,), and each record's nuisances (M, L), gains by their logarithm."""
+
+    theta: Array
+    local: Array
+
+    def of(self, problem: Problem) -> list[Array]:
+        """The coefficients by parameter; a tied one has those of its owner."""
+        return [self.theta[problem.slices[k]] for k in problem.owners]
+
+    def nuisance(self, problem: Problem, record: int, name: str) -> float:
+        """One nuisance of a record as it enters the equations: 0 N, or the factor 1, where the fit leaves it out."""
+        if name not in problem.common:
+            return 0.0 if name == "offset" else 1.0
+        value = float(self.local[record, problem.common.index(name)])
+        return value if name == "offset" else float(np.exp(value))
+
+    def states(self, problem: Problem, record: int) -> Array:
+        """The states at the start of a record's motion; none kept means no memory."""
+        if not problem.states:
+            return np.array(problem.composition.state0)
+        return self.local[record, len(problem.common) :]
+
+    def coordinates(self, problem: Problem) -> Array:
+        """The coefficients as the search walks them, logarithms where they are."""
+        log = problem.is_logarithmic
+        return np.where(log, np.log(np.where(log, self.theta, 1.0)), self.theta)
+
+
+def values_at(problem: Problem, point: Point, record: int) -> Array:
+    """The parameter vector (P,) of a record, or (n, P) where its input varies, its own viscosity included."""
+    u = problem.pieces[record].u
+    owned = zip(problem.owners, point.of(problem), strict=True)
+    values = np.stack([problem.columns[k].value(theta, u) for k, theta in owned], axis=-1)
+    if "temperature" in problem.common:
+        warmth = point.nuisance(problem, record, "temperature")
+        values = values * np.where(is_viscous(problem), warmth, 1.0)
+    return values
+
+
+def is_viscous(problem: Problem) -> Bools:
+    """Which parameters follow the temperature: viscous friction."""
+    return np.array([c.quantity.unit == VISCOUS for c in problem.columns])
+
+
+@dataclass(frozen=True)
+class Share:
+    """A problem that stands by itself within a larger one: its coefficients and records there."""
+
+    problem: Problem
+    coefficients: list[int]
+    records: list[int]
+
+
+def apart(problem: Problem) -> list[Share]:
+    """The problem as several that share no coefficient: one per input where every law is values at the inputs."""
+    free = [c for c in problem.columns if c.size]
+    knots = sorted({u for c in free for u in c.knots})
+    if problem.varying or any(c.kind != "interpolation" for c in free) or len(knots) < 2:
+        return [Share(problem, list(range(problem.size)), list(range(len(problem.pieces))))]
+    nearest = [int(np.argmin(np.abs(np.array(knots) - p.u))) for p in problem.pieces]
+    return [_share(problem, knots[k], [r for r, at in enumerate(nearest) if at == k]) for k in range(len(knots))]
+
+
+def _share(problem: Problem, knot: float, records: list[int]) -> Share:
+    columns = [replace(c, knots=(knot,)) for c in problem.columns]
+    own = [s.start + c.knots.index(knot) for c, s in zip(problem.columns, problem.slices, strict=True) if c.size]
+    pieces = [problem.pieces[r] for r in records]
+    return Share(Problem(problem.composition, columns, pieces, problem.nuisances), own, records)
