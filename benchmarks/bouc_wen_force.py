@@ -53,8 +53,9 @@ def compiled() -> Callable[..., Any]:
         return s - sigma * abs(w) ** (n - 1.0) * w + (sigma - 1.0) * s * abs(w) ** n
 
     @njit(error_model="numpy")
-    def march(x: Any, rho: float, sigma: float, n: float, substeps: int) -> Any:
-        w, out = 0.0, np.zeros(x.size)
+    def march(x: Any, rho: float, sigma: float, n: float, substeps: int, w: float = 0.0) -> Any:
+        out = np.zeros(x.size)
+        out[0] = w
         for i in range(1, x.size):
             dx = x[i] - x[i - 1]
             s, h = (1.0 if dx >= 0.0 else -1.0), rho * abs(dx) / substeps

@@ -141,18 +141,29 @@ def fit(
     InputError
         a record without input, without motion, with a constant force, or of mixed inputs; an unknown name or law.
     """
-    composition = model.composition if isinstance(model, Damper) else _composition(model)
     listed = [records] if isinstance(records, Record) else list(records)
-    _check(listed)
-    pieces = [piece(record, bandwidth) for record in listed]
+    problem = prepared(model, listed, laws, fixed, bandwidth)
+    with _threads().limit(limits=1, user_api="blas"):  # small factorisations: threads would only wait
+        outcome = search(problem, begin(problem), progress)
+        return _report(problem, outcome, tuple(listed), bandwidth)
+
+
+def prepared(
+    model: str | Composition | Damper,
+    records: Sequence[Record],
+    laws: str | Mapping[str, str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    bandwidth: float | None = None,
+) -> Problem:
+    """What `fit` solves: the records conditioned and the unknowns laid out, before anything is searched."""
+    composition = model.composition if isinstance(model, Damper) else _composition(model)
+    _check(list(records))
+    pieces = [piece(record, bandwidth) for record in records]
     made = columns(composition, [p.u for p in pieces], laws, fixed)
     if not any(column.size for column in made):
         raise InputError("every parameter is fixed; leave at least one free")
     kept = tuple(name for name in ("offset", "state") if name != "offset" or not composition.static)
-    problem = Problem(composition, made, pieces, kept)
-    with _threads().limit(limits=1, user_api="blas"):  # small factorisations: threads would only wait
-        outcome = search(problem, begin(problem), progress)
-        return _report(problem, outcome, tuple(listed), bandwidth)
+    return Problem(composition, made, pieces, kept)
 
 
 @lru_cache(maxsize=1)

@@ -7,6 +7,7 @@ own sums (a Schur complement) and the joint problem is never larger than the coe
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,14 +53,14 @@ class Normal:
     def gain(self, step: Step) -> float:
         """By how much a step lowers the cost, as the linear model has it."""
         d = self._joined(step)
-        H, b = self.sums[:, :-1, :-1], self.sums[:, :-1, -1]
-        return float(np.sum(d * b) - 0.5 * np.einsum("mi,mij,mj->", d, H, d))
+        hd = (self.sums[:, :-1, :-1] @ d[:, :, None])[:, :, 0]
+        return float(np.sum(d * (self.sums[:, :-1, -1] - 0.5 * hd)))
 
     def after(self, step: Step) -> Normal:
         """What holds after a step of unknowns that the force is affine in, where the derivatives by the others stay."""
         d = self._joined(step)
         b = self.sums[:, :-1, -1]
-        hd = np.einsum("mij,mj->mi", self.sums[:, :-1, :-1], d)
+        hd = (self.sums[:, :-1, :-1] @ d[:, :, None])[:, :, 0]
         sums = self.sums.copy()
         sums[:, :-1, -1] = sums[:, -1, :-1] = b - hd
         sums[:, -1, -1] += np.sum(d * (hd - 2.0 * b), axis=1)
@@ -72,12 +73,35 @@ class Normal:
             local_high=self.local_high - step.local,
         )
 
+    def _solve_one(self, only_linear: bool, damping: float, curvature: Array | None) -> Step:
+        """As `solve`, for one record: its nuisances are unknowns like the others."""
+        L = self.local_low.shape[1]
+        H, g = self.sums[0, :-1, :-1], self.sums[0, :-1, -1]
+        if damping:
+            H = H + damping * np.diag(H.diagonal())
+        if curvature is not None and np.any(curvature):
+            H = _bent(H, np.pad(curvature, ((L, 0), (L, 0))))
+        low, high = np.concatenate((self.local_low[0], self.low)), np.concatenate((self.local_high[0], self.high))
+        if only_linear:
+            chosen = np.flatnonzero(np.concatenate((self.local_linear, self.linear)))
+            step = np.zeros(g.size)
+            step[chosen] = bounded(H[np.ix_(chosen, chosen)], g[chosen], low[chosen], high[chosen])
+        else:
+            step = bounded(H, g, low, high)
+        return Step(step[L:], step[None, :L])
+
+    @cached_property
+    def reduced(self) -> Eliminated:
+        """The normal equations of the coefficients, every nuisance that is off its limits eliminated."""
+        free = (self.local_low < -1e-12) & (self.local_high > 1e-12)
+        return eliminated(self.sums, free, np.zeros_like(self.local_low))
+
     def _inward(self, step: Step, free: Bools, only_linear: bool) -> Bools:
         """Which nuisances were stopped at a limit that the cost would rather have them leave."""
         if only_linear or np.all(free):
             return np.zeros_like(free)
         d = self._joined(step)
-        slope = (self.sums[:, :-1, -1] - np.einsum("mij,mj->mi", self.sums[:, :-1, :-1], d))[:, : free.shape[1]]
+        slope = (self.sums[:, :-1, -1] - (self.sums[:, :-1, :-1] @ d[:, :, None])[:, :, 0])[:, : free.shape[1]]
         room = self.local_high - self.local_low > 1e-12
         small = 1e-9 * np.abs(self.sums[:, :-1, -1][:, : free.shape[1]])
         off_low = (step.local <= self.local_low) & (slope > small)
@@ -94,6 +118,8 @@ class Normal:
         equations of the coefficients as far as it leaves them positive definite.
         """
         M, L = self.local_low.shape
+        if M == 1:
+            return self._solve_one(only_linear, damping, curvature)
         free = np.broadcast_to(self.local_linear | (not only_linear), (M, L)).copy()
         chosen = self.linear | (not only_linear)
         fixed = np.zeros((M, L))
@@ -150,9 +176,14 @@ def eliminated(sums: Array, free: Bools, fixed: Array, damping: float = 0.0) -> 
 
 def least(H: Array, g: Array) -> Array:
     """H^-1 g on the directions that are determined."""
-    d = np.sqrt(np.maximum(np.diag(H), 0.0))
-    scale = np.where(d > 0, 1.0 / np.where(d > 0, d, 1.0), 0.0)
-    values, vectors = np.linalg.eigh(H * np.outer(scale, scale))
+    d = H.diagonal()
+    if np.all(d > 0.0):
+        scale = 1.0 / np.sqrt(d)
+        values, vectors = np.linalg.eigh(H * scale * scale[:, None])
+        if values[0] > BLIND * values[-1]:
+            return np.asarray(scale * (vectors @ ((vectors.T @ (scale * g)) / values)))
+    scale = np.where(d > 0, 1.0 / np.sqrt(np.where(d > 0, d, 1.0)), 0.0)
+    values, vectors = np.linalg.eigh(H * scale * scale[:, None])
     seen = values > BLIND * max(float(values.max(initial=0.0)), 1e-300)
     weights = np.where(seen, 1.0 / np.where(seen, values, 1.0), 0.0)
     return np.asarray(scale * (vectors @ (weights * (vectors.T @ (scale * g)))))
@@ -162,6 +193,10 @@ def bounded(H: Array, g: Array, low: Array, high: Array) -> Array:
     """The minimum of s'Hs/2 - g's inside the box, which holds 0: an active set, one limit at a time."""
     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
     s, free = np.zeros(g.size), high - low > 1e-12
+    if np.all(free):
+        wanted = least(H, g)
+        if np.all((wanted >= low) & (wanted <= high)):
+            return wanted
     for _ in range(10 * g.size + 10):
         wanted = s.copy()
         wanted[free] += least(H[np.ix_(free, free)], (g - H @ s)[free])

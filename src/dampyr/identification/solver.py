@@ -15,13 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.normal import Eliminated, Normal, eliminated, moved, normal
+from dampyr.identification.normal import Normal, moved, normal
 from dampyr.identification.problem import Point, Problem, Share, apart
 
 Array = NDArray[np.float64]
 MOST_ITERATIONS = 80
 TOLERANCE = 1e-8
-SMALL_STEP = 1e-4  # of the sum of squares that a step of the linear unknowns alone has gained
+SMALL_STEP = 1e-2  # of the sum of squares that a step of the linear unknowns alone has gained
+SURPRISE = 0.1  # of what a step promised: beyond it the second derivatives are learnt
 ROUNDING = 1e-18  # of each sample's variance: records without noise are met to a billionth
 CONVERGED = "converged: no step lowers the sum of squares by more than 1e-8 of it"
 
@@ -80,18 +81,23 @@ def descend(
     damping, reason, converged = 1e-3, "", False
     curvature = np.zeros((problem.size, problem.size))
     rounding = ROUNDING * sum(one.t.size for one in problem.pieces)
+    all_linear = bool(np.all(here.linear) and np.all(here.local_linear))
     iteration = 0
     for iteration in range(1, MOST_ITERATIONS + 1):
-        promised = here.gain(here.solve())
-        if np.all(here.linear) and np.all(here.local_linear) or promised <= tolerance * here.cost + rounding:
+        step = here.solve(damping=damping, curvature=curvature)
+        promised = here.gain(step)
+        if promised <= tolerance * here.cost + rounding:
+            promised = here.gain(here.solve())
+        if all_linear or promised <= tolerance * here.cost + rounding:
             converged, reason = True, CONVERGED
             break
-        step = here.solve(damping=damping, curvature=curvature)
         new_point, new_here = _settled(problem, moved(problem, point, step))
         if progress:
             progress(iteration, min(here.cost, new_here.cost))
         if new_here.cost < here.cost:
-            curvature = _learnt(curvature, here, new_here, new_point.coordinates(problem) - point.coordinates(problem))
+            if abs(here.cost - new_here.cost - promised) > SURPRISE * promised:
+                walked = new_point.coordinates(problem) - point.coordinates(problem)
+                curvature = _learnt(curvature, here, new_here, walked)
             point, here = new_point, new_here
             damping = max(damping / 10.0, 1e-12)
         else:
@@ -127,7 +133,7 @@ def _learnt(curvature: Array, old: Normal, new: Normal, step: Array) -> Array:
 
     The update of Dennis, Gay and Welsch (1981) with their sizing, on the coefficients with the nuisances eliminated.
     """
-    here, there = _gradient(old), _gradient(new)
+    here, there = old.reduced, new.reduced
     change = here.target - there.target
     left = change - there.matrix @ step
     sized = curvature @ step
@@ -139,11 +145,6 @@ def _learnt(curvature: Array, old: Normal, new: Normal, step: Array) -> Array:
     rest = left - curvature @ step
     update = np.outer(rest, change) + np.outer(change, rest)
     return np.asarray(curvature + update / along - float(step @ rest) * np.outer(change, change) / along**2)
-
-
-def _gradient(at: Normal) -> Eliminated:
-    free = (at.local_low < -1e-12) & (at.local_high > 1e-12)
-    return eliminated(at.sums, free, np.zeros_like(at.local_low))
 
 
 def _at_limit(problem: Problem, point: Point) -> tuple[int, ...]:

@@ -17,10 +17,13 @@ rounding. n = 1 and n = 2 are elementary.
 from math import atan, exp, expm1, log, log1p, sqrt, tan, tanh
 
 from dampyr.models.formula import intrinsic
+from dampyr.models.short_flow import backward_change, backward_change_by_c, forward_change, short_enough, short_step
 
 TERMS = 4000
 ROUNDING = 1e-17
 SATURATED = 1e-15
+MOST_STEPS = 4
+NEAR_ZERO = 0.1  # closer to y = 0 the phases are quicker
 
 
 def digamma_gap(b: float) -> float:
@@ -187,15 +190,34 @@ def flow_two(y: float, xi: float, c: float) -> float:
 
 
 def flow_any(y: float, xi: float, n: float, c: float) -> float:
-    """The step for any n."""
-    if y < 0.0:
+    """The step for any n: in a few short ones where their series suffice, and the rest by the phases."""
+    left = xi
+    for _ in range(MOST_STEPS):
+        if left <= 0.0 or y > -NEAR_ZERO:
+            break
+        h = min(left, short_enough(-y, n, -1.0, -c))
+        u = short_step(-y, h, n, -1.0, -c)
+        if u <= 0.0:
+            break
+        y = -u
+        left = left - h
+    if left > 0.0 and y < 0.0:
         rest = phase_back(-y, n, c)
-        if xi < rest:
-            return -back_at(rest - xi, n, c)
-        return state_at(xi - rest, n)
-    if 1.0 - y < SATURATED:
+        if left < rest:
+            return -back_at(rest - left, n, c)
+        return state_at(left - rest, n)
+    for _ in range(MOST_STEPS):
+        if left <= 0.0 or y < NEAR_ZERO or 1.0 - y < SATURATED:
+            break
+        h = min(left, short_enough(y, n, 1.0, -1.0))
+        u = short_step(y, h, n, 1.0, -1.0)
+        if u <= 0.0:
+            break
+        y = min(u, 1.0)
+        left = left - h
+    if left <= 0.0 or 1.0 - y < SATURATED:
         return y
-    return state_at(phase(y, n) + xi, n)
+    return state_at(phase(y, n) + left, n)
 
 
 def rate(y: float, n: float, c: float) -> float:
@@ -226,11 +248,16 @@ def flow_by_xi(end: float, y: float, xi: float, n: float, c: float) -> float:
 
 
 def flow_by_n(end: float, y: float, xi: float, n: float, c: float) -> float:
-    """d flow / dn = rate * (d theta/dn at the start less the end); these two by central differences (about 1e-9)."""
+    """d flow / dn = rate * (d theta/dn at the start less the end); these by quadrature where
+    the step is short, else by central differences (about 1e-9)."""
     h = 1e-5
     speed = rate(end, n, c)
     if speed < 1e-13 or 1.0 - y < 1e-13:
         return 0.0
+    if y > xi and n * xi < 0.7:
+        return -speed * forward_change(y, end, n)
+    if y < 0.0 and end < 0.5 * y:
+        return speed * backward_change(-end, -y, n, c)
     more = signed_phase(y, n + h, c) - signed_phase(end, n + h, c)
     less = signed_phase(y, n - h, c) - signed_phase(end, n - h, c)
     return speed * (more - less) / (2.0 * h)
@@ -240,6 +267,8 @@ def flow_by_c(end: float, y: float, xi: float, n: float, c: float) -> float:
     """d flow / dc, likewise; only a step that starts against the motion depends on c."""
     if y >= 0.0:
         return 0.0
+    if end < 0.5 * y:
+        return rate(end, n, c) * backward_change_by_c(-end, -y, n, c)
     h = 1e-6 * (1.0 + c)
     change = phase_back(-y, n, c - h) - phase_back(-y, n, c + h)
     if end < 0.0:

@@ -105,11 +105,15 @@ def between(t0, t1, at, start, k, lo, hi, row):  # type: ignore[no-untyped-def]
 
 def picked(first, count, rows, f, w, source, factor, gain, block):  # type: ignore[no-untyped-def]
     """The columns that are asked for, and the residual, of ``count`` rows, each column in one stretch; zeros after."""
-    C, last = source.size, rows.shape[1] - 2
+    C, last, each = source.size, rows.shape[1] - 2, w.size > 1 or factor.shape[0] > 1
     for c in range(C):
+        column, scale = source[c], w[0] * factor[0, c]
         for m in range(count):
-            block[c, m] = w[min(first + m, w.size - 1)] * rows[m, source[c]]
-            block[c, m] *= factor[min(first + m, factor.shape[0] - 1), c]
+            block[c, m] = scale * rows[m, column]
+        if each:
+            for m in range(count):
+                scale = w[min(first + m, w.size - 1)] * factor[min(first + m, factor.shape[0] - 1), c]
+                block[c, m] = scale * rows[m, column]
     for m in range(count):
         block[C, m] = w[min(first + m, w.size - 1)] * (f[first + m] - gain * rows[m, last])
     for c in range(C + 1):
