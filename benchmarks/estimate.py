@@ -35,7 +35,9 @@ def run(data: Path | None) -> list[Line]:
         record = synthetic(model)
         ours = searched(model, record)
         contenders: dict[str, Callable[[], Any]] = {f"{model}: dampyr, the search": ours}
-        contenders[f"{model}: dampyr, fit with start and errors"] = lambda model=model, record=record: fit(model, record)
+        contenders[f"{model}: dampyr, fit with start and errors"] = lambda model=model, record=record: fit(
+            model, record
+        )
         for name, peer in peers(model, record).items():
             contenders[f"{model}: scipy, {name}"] = peer
         lines += compared(race(contenders, agreement(contenders, fit(model, record))), contenders)

@@ -7,7 +7,7 @@ allow and have the parameter's own unit and limits. The parameter at the input u
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,13 +88,16 @@ def columns(
     inputs: list[Array | float],
     laws: str | Mapping[str, str] | None,
     fixed: Mapping[str, float] | None,
+    tied: Mapping[str, str] | None = None,
 ) -> list[Column]:
     """One column per parameter.
 
     ``inputs`` are those of the records (a number, or an array where it varies during the test). ``laws`` is a kind for all
     parameters, or one per flat name: ``"constant"``, ``"interpolation"`` (the default where inputs differ) or
-    ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 unless said).
+    ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 unless said). ``tied`` parameters take the law of
+    another.
     """
+    tied = dict(tied or {})
     fixed = dict(fixed or {})
     for name, kinds in (("fixed", fixed), ("laws", {} if isinstance(laws, str) or laws is None else laws)):
         unknown = sorted(set(kinds) - set(composition.parameters))
@@ -110,7 +113,47 @@ def columns(
         if value is not None:
             quantity.check(f"fixed {name}", value)
         made.append(Column(name, quantity, kind, knots, value))
-    return made
+    _check_ties(composition, tied, fixed, laws)
+    return _tied(made, tied)
+
+
+def _check_ties(
+    composition: Composition, tied: dict[str, str], fixed: dict[str, float], laws: str | Mapping[str, str] | None
+) -> None:
+    quantities = composition.quantities
+    for name, owner in tied.items():
+        for each in (name, owner):
+            if each not in quantities:
+                raise InputError(f"tied names {each!r}; {composition} has {', '.join(composition.parameters)}")
+        if name == owner or owner in tied:
+            raise InputError(f"{name} is tied to {owner}, which is tied itself; tie both to one that is free")
+        if name in fixed:
+            raise InputError(f"{name} is fixed and tied to {owner}; choose one of the two")
+        if not isinstance(laws, str) and name in (laws or {}):
+            raise InputError(f"{name} takes the law of {owner} that it is tied to; leave it out of laws")
+        if quantities[name].unit != quantities[owner].unit:
+            units = f"{quantities[name].unit or 'no unit'} and {quantities[owner].unit or 'no unit'}"
+            raise InputError(f"{name} and {owner} are in {units}; only parameters of the same unit can be tied")
+
+
+def _tied(made: list[Column], tied: dict[str, str]) -> list[Column]:
+    """The columns with their ties; an owner respects the limits of all that follow it."""
+    by_name = {c.name: c for c in made}
+    for name, owner in tied.items():
+        one, other = by_name[owner].quantity, by_name[name].quantity
+        shared = replace(
+            one,
+            low=max(one.low, other.low),
+            high=min(one.high, other.high),
+            open_low=(one.open_low and one.low >= other.low) or (other.open_low and other.low >= one.low),
+            linear=one.linear and other.linear,
+        )
+        by_name[owner] = replace(by_name[owner], quantity=shared)
+        by_name[name] = replace(by_name[name], tied=owner)
+        held = by_name[owner].fixed
+        if held is not None:
+            other.check(f"{name}, tied to the fixed {owner},", held)
+    return [by_name[c.name] for c in made]
 
 
 def _distinct(inputs: list[Array | float]) -> list[float]:

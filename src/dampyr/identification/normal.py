@@ -128,9 +128,7 @@ class Normal:
             H = left.matrix + damping * np.diag(np.diag(left.matrix))
             H = _bent(H, curvature) if curvature is not None else H
             theta = np.zeros(self.low.size)
-            theta[chosen] = bounded(
-                H[np.ix_(chosen, chosen)], left.target[chosen], self.low[chosen], self.high[chosen]
-            )
+            theta[chosen] = bounded(H[np.ix_(chosen, chosen)], left.target[chosen], self.low[chosen], self.high[chosen])
             local = left.nuisances(theta)
             beyond = (local < self.local_low) | (local > self.local_high)
             inward = self._inward(Step(theta, local), free, only_linear) & (turn < MOST_TURNS // 2)
@@ -157,7 +155,7 @@ class Eliminated:
 
 def eliminated(sums: Array, free: Bools, fixed: Array, damping: float = 0.0) -> Eliminated:
     """The free nuisances (M, L) eliminated, the others stepping by ``fixed``."""
-    M, L = free.shape
+    L = free.shape[1]
     G = sums.shape[1] - L - 1
     b = sums[:, :-1, -1] - np.einsum("mij,mj->mi", sums[:, :-1, :L], fixed)
     diagonal = np.diagonal(sums, axis1=1, axis2=2)[:, :L]

@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 class Piece:
     """One record from where its motion starts: arrays (n,), the input, and the cluster of each sample.
 
-    ``weight`` is of each sample, or one for all, (1,); ``spread`` the standard deviation of the force in N.
+    ``weight`` is of each sample, or one for all, (1,); ``spread`` the standard deviation of the force in N. ``bend`` is the
+    weight by the second derivative of a loss that is not squares (see `dampyr.identification.robust`).
     """
 
     name: str
@@ -30,6 +31,7 @@ class Piece:
     spread: float
     cycle: NDArray[np.int64]
     unit: str
+    bend: Array | None = None
 
     @property
     def ends(self) -> NDArray[np.int64]:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.errors import InputError
 from dampyr.identification.design import Column
 from dampyr.identification.pieces import Piece
 from dampyr.models import Composition
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+NUISANCES = ("offset", "gain", "temperature", "state")
 VISCOUS = "N s/m"
 #: standard deviation of the logarithm that a fit expects of a record's gain and of its viscosity
 PRIOR = {"gain": 0.05, "temperature": 0.2}
@@ -175,3 +178,30 @@ def _share(problem: Problem, knot: float, records: list[int]) -> Share:
     own = [s.start + c.knots.index(knot) for c, s in zip(problem.columns, problem.slices, strict=True) if c.size]
     pieces = [problem.pieces[r] for r in records]
     return Share(Problem(problem.composition, columns, pieces, problem.nuisances), own, records)
+
+
+def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Sequence[str]) -> tuple[str, ...]:
+    """``wanted`` in order; :class:`~dampyr.errors.InputError` where the records cannot tell them from the damper."""
+    asked = (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    unknown = [name for name in asked if name not in NUISANCES]
+    if unknown:
+        raise InputError(f"{unknown[0]!r} is no nuisance; choose among {', '.join(NUISANCES)}")
+    for name in ("gain", "temperature"):
+        if name in asked:
+            _check_company(pieces, name)
+    if "temperature" in asked and all(q.unit != VISCOUS for q in composition.quantities.values()):
+        raise InputError(
+            f"{composition} has no parameter in {VISCOUS}, so nothing follows the temperature; leave it out"
+        )
+    return tuple(name for name in NUISANCES if name in asked and not (name == "offset" and composition.static))
+
+
+def _check_company(pieces: list[Piece], name: str) -> None:
+    """A record alone at its input cannot tell its own factor from the damper's parameters."""
+    levels = [round(float(np.mean(p.u)), 6) for p in pieces]
+    for one, level in zip(pieces, levels, strict=True):
+        if levels.count(level) < 2:
+            raise InputError(
+                f"{one.name} is the only record at {level:g} {one.unit}, so its {name} cannot be told from the damper; add "
+                f"records at this input or leave {name!r} out"
+            )

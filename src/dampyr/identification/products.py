@@ -118,20 +118,23 @@ def _acceleration(problem: Problem, one: Piece) -> Array:
     return found
 
 
-def _by_point(
-    problem: Problem, point: Point, r: int, plan: Plan, values: Array, gain: float
-) -> tuple[Array, Array]:
+def _by_point(problem: Problem, point: Point, r: int, plan: Plan, values: Array, gain: float) -> tuple[Array, Array]:
     """The factors and the matrix of a plan with what changes from point to point: gain, temperature."""
     if not {"gain", "temperature"} & set(problem.common):
         return plan.factor, plan.to_unknowns
-    factor, matrix = plan.factor * np.where(plan.source == len(problem.columns) + problem.composition.n_states + 1, 1.0, gain), plan.to_unknowns
+    factor, matrix = (
+        plan.factor * np.where(plan.source == len(problem.columns) + problem.composition.n_states + 1, 1.0, gain),
+        plan.to_unknowns,
+    )
     if "temperature" in problem.common:
         viscous = is_viscous(problem)
         warmth = point.nuisance(problem, r, "temperature")
         mine = np.where(plan.parameter >= 0, viscous[plan.parameter], False)
         factor = factor * np.where(mine, warmth, 1.0)
         matrix = matrix.copy()
-        matrix[:-1, problem.common.index("temperature")] = np.where(mine, _carried(problem, point, plan, values, warmth), 0.0)
+        matrix[:-1, problem.common.index("temperature")] = np.where(
+            mine, _carried(problem, point, plan, values, warmth), 0.0
+        )
     return np.ascontiguousarray(factor), matrix
 
 

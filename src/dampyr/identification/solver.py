@@ -73,9 +73,7 @@ def _reasons(ended: list[tuple[Share, Outcome]]) -> tuple[bool, str]:
     return not failed, found.reason + (where if failed and len(ended) > 1 else "")
 
 
-def descend(
-    problem: Problem, point: Point, progress: Callable[[int, float], None] | None, tolerance: float
-) -> Outcome:
+def descend(problem: Problem, point: Point, progress: Callable[[int, float], None] | None, tolerance: float) -> Outcome:
     """Minimise one problem whose records share coefficients."""
     point, here = _settled(problem, point)
     damping, reason, converged = 1e-3, "", False

@@ -8,12 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from dampyr.identification.pieces import Piece
-from dampyr.identification.problem import Point, Problem
-from dampyr.identification.solver import projected_cost
+from dampyr.identification.problem import Point, Problem, apart
+from dampyr.identification.solver import descend, projected_cost
 from dampyr.models.part import Scale
 
 MOST_STARTS = 48
-SCANNED_SAMPLES = 4000
+THINNED_SAMPLES = 1500  # of each record in the searches of several starts
+COARSE = 1e-4  # of the cost: where these end
+SAME = 1e-3  # of the cost: within it two starts ended in the same optimum
+APART = 1.0  # standard deviation of the logarithm by which random starts differ from the best
+SCANNED_SAMPLES = 3000
 
 
 def begin(problem: Problem) -> Point:
@@ -22,7 +26,7 @@ def begin(problem: Problem) -> Point:
     groups: dict[float, list[int]] = {}
     for k, one in enumerate(problem.pieces):
         groups.setdefault(float(np.mean(one.u)), []).append(k)
-    best = {u: _best_start(problem, neutral, members) for u, members in groups.items()}
+    best = {u: _best_start(problem, members) for u, members in groups.items()}
     theta = neutral.theta.copy()
     inputs = np.array(sorted(best))
     for column, span in zip(problem.columns, problem.slices, strict=True):
@@ -45,7 +49,55 @@ def _neutral(problem: Problem) -> Point:
     return Point(theta, local)
 
 
-def _best_start(problem: Problem, neutral: Point, members: list[int]) -> dict[str, float]:
+def best_of(problem: Problem, starts: int, seed: int) -> tuple[Point, int]:
+    """The best of several starts, and how many ended in the same optimum (in the part of the problem where fewest did).
+
+    Each part that stands by itself is started apart: from the parts' proposals, the best first, then from random points
+    around the best by ``seed``; searched on thinned records, to 1e-4 of the cost.
+    """
+    point, agreed = begin(problem), starts
+    theta, local = point.theta.copy(), point.local.copy()
+    for k, share in enumerate(apart(problem)):
+        rng = np.random.default_rng([seed, k])
+        thin = replace(share.problem, pieces=[_thinned(one) for one in share.problem.pieces])
+        ends = [descend(thin, each, None, COARSE) for each in _several(thin, starts, rng)]
+        best = min(ends, key=lambda end: end.cost)
+        agreed = min(agreed, sum(end.cost <= (1.0 + SAME) * best.cost + 1e-12 for end in ends))
+        theta[share.coefficients], local[share.records] = best.point.theta, best.point.local
+    return Point(theta, local), agreed
+
+
+def _several(problem: Problem, starts: int, rng: np.random.Generator) -> list[Point]:
+    """The best proposals in their order, then random points around the first."""
+    neutral = _neutral(problem)
+    points = [_with(problem, neutral, proposal) for proposal in _proposals(problem, problem.pieces)]
+    points.sort(key=lambda point: projected_cost(problem, point))
+    found = points[:starts]
+    walked = problem.is_logarithmic | ~problem.is_linear
+    while len(found) < starts:
+        factor = np.exp(APART * rng.standard_normal(problem.size))
+        found.append(
+            replace(points[0], theta=problem.inside(np.where(walked, points[0].theta * factor, points[0].theta)))
+        )
+    return found
+
+
+def _with(problem: Problem, neutral: Point, proposal: dict[str, float]) -> Point:
+    theta = neutral.theta.copy()
+    for column, span in zip(problem.columns, problem.slices, strict=True):
+        if column.size and column.name in proposal:
+            theta[span] = proposal[column.name]
+    return replace(neutral, theta=problem.inside(theta))
+
+
+def _thinned(one: Piece) -> Piece:
+    step = max(1, -(-one.t.size // THINNED_SAMPLES))
+    u = one.u[::step] if np.ndim(one.u) else one.u  # type: ignore[index]
+    t, x, v, force = (np.ascontiguousarray(a[::step]) for a in (one.t, one.x, one.v, one.force))
+    return replace(one, t=t, x=x, v=v, force=force, u=u, cycle=one.cycle[::step])
+
+
+def _best_start(problem: Problem, members: list[int]) -> dict[str, float]:
     """The proposal with the lowest cost on the records at one input, of which at most two are tried, shortened."""
     chosen = members[:: max(1, len(members) // 2)][:2]
     pieces = [_shortened(problem.pieces[k]) for k in chosen]
@@ -55,11 +107,7 @@ def _best_start(problem: Problem, neutral: Point, members: list[int]) -> dict[st
     at = _neutral(small)
     best: tuple[float, dict[str, float]] = (np.inf, {})
     for proposal in _proposals(problem, pieces):
-        theta = at.theta.copy()
-        for column, span in zip(singles, small.slices, strict=True):
-            if column.size and column.name in proposal:
-                theta[span] = proposal[column.name]
-        cost = projected_cost(small, replace(at, theta=theta))
+        cost = projected_cost(small, _with(small, at, proposal))
         if cost < best[0]:
             best = (cost, proposal)
     return best[1]

@@ -15,13 +15,13 @@ Liang and Zeger (1986); Cameron and Miller (2015).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification.problem import Point, Problem
-from dampyr.identification.products import products, with_priors
+from dampyr.identification.products import modelled, products, with_priors
 
 Array = NDArray[np.float64]
 FEWEST_RECORDS = 5
@@ -46,12 +46,18 @@ class Uncertainty:
 
 def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> Uncertainty:
     """The covariance of the coefficients at the optimum; those ``held`` at a limit count as known."""
-    reduced = [_reduced(problem, sums, held) for sums in _by_cluster(problem, point)]
+    weighted = _by_cluster(problem, point)
+    bent = _bent(problem)
+    second = weighted if bent is problem else _by_cluster(bent, point)
+    reduced = [_reduced(problem, sums, each, held) for sums, each in zip(weighted, second, strict=True)]
     information = _above_rounding(reduced, problem.size)
     samples = sum(one.t.size - problem.locals for one in problem.pieces)
     bread, blind = _inverse(information, held)
-    naive = bread * sum(one.squares for one in reduced) / max(samples - problem.size, 1)
-    by_record = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
+    squares = sum(one.squares for one in reduced) / max(samples - problem.size, 1)
+    naive = bread * (squares if bent is problem else _variance(problem, point, samples))
+    by_record = [
+        Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced
+    ]
     scores, counts, freedom = _counted(by_record, information)
     clusters = "record"
     if np.any(np.delete(counts, [*held, *blind]) < FEWEST_RECORDS):
@@ -64,7 +70,8 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
 
 @dataclass(frozen=True)
 class Reduced:
-    """One record's clusters once its nuisances have taken their part: J'r (g, G), J'J (g, G, G), its r'r, and J'J (G,) before."""
+    """One record's clusters once its nuisances have taken their part: J'r (g, G) and J'J (g, G, G); ``squares`` is its r'r,
+    ``raw`` (G,) the diagonal of J'J before."""
 
     scores: Array
     information: Array
@@ -81,13 +88,33 @@ def _by_cluster(problem: Problem, point: Point) -> list[Array]:
     return found
 
 
-def _reduced(problem: Problem, sums: Array, held: tuple[int, ...]) -> Reduced:
+def _bent(problem: Problem) -> Problem:
+    """The problem weighted by the second derivative of its loss; itself where that is squares."""
+    if all(one.bend is None for one in problem.pieces):
+        return problem
+    return replace(problem, pieces=[replace(p, weight=p.weight if p.bend is None else p.bend) for p in problem.pieces])
+
+
+def _variance(problem: Problem, point: Point, samples: int) -> float:
+    """Of a loss that is not squares: the mean square of its first derivative over the mean of its second."""
+    first = second = 0.0
+    for r, one in enumerate(problem.pieces):
+        assert one.bend is not None
+        slope = (one.weight * one.spread) ** 2 * (one.force - modelled(problem, point, r)) / one.spread
+        first += float(slope @ slope)
+        second += float(np.sum((one.bend * one.spread) ** 2))
+    total = sum(one.t.size for one in problem.pieces)
+    return first / max(second, TINY) * total / max(samples - problem.size, 1)
+
+
+def _reduced(problem: Problem, sums: Array, second: Array, held: tuple[int, ...]) -> Reduced:
     L = problem.locals
-    whole = sums.sum(axis=0)
+    whole = second.sum(axis=0)
     taken = np.vstack((-_taken(whole[:L, :L], whole[:L, L:-1]), np.eye(problem.size)))
     taken[:, list(held)] = 0.0
     raw = np.diag(whole)[L:-1]
-    return Reduced(sums[:, :-1, -1] @ taken, taken.T @ sums[:, :-1, :-1] @ taken, float(whole[-1, -1]), raw)
+    squares = float(np.sum(sums[:, -1, -1]))
+    return Reduced(sums[:, :-1, -1] @ taken, taken.T @ second[:, :-1, :-1] @ taken, squares, raw)
 
 
 def _above_rounding(reduced: list[Reduced], size: int) -> Array:

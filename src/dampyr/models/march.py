@@ -64,7 +64,9 @@ def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, 
             first += count
 
 
-def march_products_delayed(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, block, products, k, tau, lo, hi):  # type: ignore[no-untyped-def]
+def march_products_delayed(  # type: ignore[no-untyped-def]
+    t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, block, products, k, tau, lo, hi
+):
     """As `march_products` with everything ``tau`` later; ``k`` is where the derivative by tau stands."""
     first = j = 0
     reach(0, t, x, v, a, p, s, D, lo)

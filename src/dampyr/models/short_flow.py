@@ -84,9 +84,15 @@ def forward_change(low: float, high: float, n: float) -> float:
     """The integral of `forward_by_n` from low to high, by Gauss and Legendre with six nodes."""
     middle = 0.5 * (low + high)
     half = 0.5 * (high - low)
-    total = 0.467913934572691 * (forward_by_n(middle - 0.2386191860831969 * half, n) + forward_by_n(middle + 0.2386191860831969 * half, n))
-    total = total + 0.3607615730481386 * (forward_by_n(middle - 0.6612093864662645 * half, n) + forward_by_n(middle + 0.6612093864662645 * half, n))
-    total = total + 0.1713244923791704 * (forward_by_n(middle - 0.932469514203152 * half, n) + forward_by_n(middle + 0.932469514203152 * half, n))
+    total = 0.467913934572691 * (
+        forward_by_n(middle - 0.2386191860831969 * half, n) + forward_by_n(middle + 0.2386191860831969 * half, n)
+    )
+    total = total + 0.3607615730481386 * (
+        forward_by_n(middle - 0.6612093864662645 * half, n) + forward_by_n(middle + 0.6612093864662645 * half, n)
+    )
+    total = total + 0.1713244923791704 * (
+        forward_by_n(middle - 0.932469514203152 * half, n) + forward_by_n(middle + 0.932469514203152 * half, n)
+    )
     return half * total
 
 
@@ -94,9 +100,17 @@ def backward_change(low: float, high: float, n: float, c: float) -> float:
     """The integral of `backward_by_n` from low to high, by Gauss and Legendre with six nodes."""
     middle = 0.5 * (low + high)
     half = 0.5 * (high - low)
-    total = 0.467913934572691 * (backward_by_n(middle - 0.2386191860831969 * half, n, c) + backward_by_n(middle + 0.2386191860831969 * half, n, c))
-    total = total + 0.3607615730481386 * (backward_by_n(middle - 0.6612093864662645 * half, n, c) + backward_by_n(middle + 0.6612093864662645 * half, n, c))
-    total = total + 0.1713244923791704 * (backward_by_n(middle - 0.932469514203152 * half, n, c) + backward_by_n(middle + 0.932469514203152 * half, n, c))
+    total = 0.467913934572691 * (
+        backward_by_n(middle - 0.2386191860831969 * half, n, c)
+        + backward_by_n(middle + 0.2386191860831969 * half, n, c)
+    )
+    total = total + 0.3607615730481386 * (
+        backward_by_n(middle - 0.6612093864662645 * half, n, c)
+        + backward_by_n(middle + 0.6612093864662645 * half, n, c)
+    )
+    total = total + 0.1713244923791704 * (
+        backward_by_n(middle - 0.932469514203152 * half, n, c) + backward_by_n(middle + 0.932469514203152 * half, n, c)
+    )
     return half * total
 
 
@@ -104,7 +118,15 @@ def backward_change_by_c(low: float, high: float, n: float, c: float) -> float:
     """The integral of `backward_by_c` from low to high, by Gauss and Legendre with six nodes."""
     middle = 0.5 * (low + high)
     half = 0.5 * (high - low)
-    total = 0.467913934572691 * (backward_by_c(middle - 0.2386191860831969 * half, n, c) + backward_by_c(middle + 0.2386191860831969 * half, n, c))
-    total = total + 0.3607615730481386 * (backward_by_c(middle - 0.6612093864662645 * half, n, c) + backward_by_c(middle + 0.6612093864662645 * half, n, c))
-    total = total + 0.1713244923791704 * (backward_by_c(middle - 0.932469514203152 * half, n, c) + backward_by_c(middle + 0.932469514203152 * half, n, c))
+    total = 0.467913934572691 * (
+        backward_by_c(middle - 0.2386191860831969 * half, n, c)
+        + backward_by_c(middle + 0.2386191860831969 * half, n, c)
+    )
+    total = total + 0.3607615730481386 * (
+        backward_by_c(middle - 0.6612093864662645 * half, n, c)
+        + backward_by_c(middle + 0.6612093864662645 * half, n, c)
+    )
+    total = total + 0.1713244923791704 * (
+        backward_by_c(middle - 0.932469514203152 * half, n, c) + backward_by_c(middle + 0.932469514203152 * half, n, c)
+    )
     return half * total

@@ -1,0 +1,232 @@
+"""What a fit found, and how it is put together from where the search ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.identification.notes import notes, trouble_of
+from dampyr.identification.pieces import Piece
+from dampyr.identification.problem import Problem
+from dampyr.identification.products import modelled
+from dampyr.identification.score import Score, compare
+from dampyr.identification.solver import Outcome
+from dampyr.identification.uncertainty import Uncertainty, uncertainty
+from dampyr.models import Damper
+from dampyr.records import Record, cycles
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """What a record brought with it: the offset of its force in N, the hysteretic states at the start of its motion, and the
+    factors of its load cell and of its viscosity where the fit was asked for them."""
+
+    offset: float
+    states: dict[str, float]
+    gain: float = 1.0
+    temperature: float = 1.0
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What `fit` found.
+
+    ``damper`` carries the laws, their covariance and the calibrated ranges, or is None where ``reason`` says why the numbers
+    make no damper. ``parameters``, ``stderr`` and ``naive_stderr`` are in SI units, by labels such as ``dahl.kx @ 1.98 V``;
+    an infinite error means that the records do not determine the number, NaN that it stands at its limit.
+    ``correlation`` (m, m) follows the same order. ``converged`` and ``reason`` say how the search ended;
+    ``notes`` what a reader should know besides. ``clusters`` are what the errors were clustered by ("record" or "cycle"),
+    ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that speak of it.
+    ``starts`` says from how many starts was searched, and how many of them ended in the same optimum.
+    """
+
+    damper: Damper | None
+    parameters: dict[str, float]
+    stderr: dict[str, float]
+    naive_stderr: dict[str, float]
+    units: dict[str, str]
+    correlation: Array
+    converged: bool
+    reason: str
+    notes: tuple[str, ...]
+    clusters: str
+    freedom: dict[str, float]
+    nuisances: dict[str, Nuisance]
+    iterations: int
+    problem: Problem = field(repr=False)
+    outcome: Outcome = field(repr=False)
+    records: tuple[Record, ...] = field(repr=False)
+    starts: tuple[int, int] = (1, 1)
+
+    @property
+    def nuisance_spread(self) -> dict[str, float]:
+        """The standard deviation across the records of each nuisance: N for the offset, factors, states without unit."""
+        each = list(self.nuisances.values())
+        table = {name: [getattr(one, name) for one in each] for name in ("offset", "gain", "temperature")}
+        table |= {name: [one.states[name] for one in each] for name in (each[0].states if each else {})}
+        return {name: float(np.std(values, ddof=1)) if len(values) > 1 else np.nan for name, values in table.items()}
+
+    def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
+        """Confidence intervals at ``level``, by label, in SI units.
+
+        Estimate and standard error with Student's t of ``freedom``. They hold the truth where the model does; where it misses
+        the damper's behaviour they describe the fit. Infinite where the records do not determine the number, NaN where it
+        stands at its limit.
+        """
+        if not 0.0 < level < 1.0:
+            raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+        from scipy.stats import t
+
+        found = {}
+        for label, value in self.parameters.items():
+            reach = float(t.ppf(0.5 + 0.5 * level, self.freedom[label])) * self.stderr[label]
+            found[label] = (value - reach, value + reach)
+        return found
+
+    @cached_property
+    def forces(self) -> list[Array]:
+        """The fitted force along each record from where its motion starts, with its own offset and initial states, N."""
+        return [modelled(self.problem, self.outcome.point, r) for r in range(len(self.records))]
+
+    @cached_property
+    def scores(self) -> dict[str, Score]:
+        """How well the fit describes the records it was fitted to (which is no prediction), by record."""
+        found = {}
+        for record, force in zip(self.records, self.forces, strict=True):
+            whole = np.concatenate((np.full(record.n - force.size, force[0]), force))
+            found[record.name] = compare(record, whole)
+        return found
+
+
+def found(
+    problem: Problem,
+    outcome: Outcome,
+    records: tuple[Record, ...],
+    bandwidth: float | None,
+    told: tuple[str, ...] = (),
+    starts: tuple[int, int] = (1, 1),
+) -> Fit:
+    """The fit at the end of a search; ``told`` are notes of what came before, ``starts`` how many there were and agreed."""
+    known = uncertainty(problem, outcome.point, outcome.at_limit)
+    labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
+    unit_of = [c.quantity.unit for c in problem.columns for _ in range(c.size)]
+    damper, trouble = _damper(problem, outcome, known, records, bandwidth)
+    trouble = trouble or trouble_of(problem, outcome)
+    states = list(problem.composition.states)
+    return Fit(
+        damper=damper,
+        parameters=dict(zip(labels, map(float, outcome.point.theta), strict=True)),
+        stderr=_errors(labels, known.covariance, outcome.at_limit),
+        naive_stderr=_errors(labels, known.naive, outcome.at_limit),
+        units=dict(zip(labels, unit_of, strict=True)),
+        correlation=_correlation(known.covariance),
+        converged=outcome.converged and not trouble,
+        reason=trouble or outcome.reason,
+        notes=(*notes(problem, outcome, known, labels), *told),
+        clusters=known.clusters,
+        freedom=dict(zip(labels, map(float, known.freedom), strict=True)),
+        nuisances={
+            p.name: Nuisance(
+                outcome.point.nuisance(problem, r, "offset"),
+                dict(zip(states, map(float, outcome.point.states(problem, r)), strict=True)),
+                outcome.point.nuisance(problem, r, "gain"),
+                outcome.point.nuisance(problem, r, "temperature"),
+            )
+            for r, p in enumerate(problem.pieces)
+        },
+        iterations=outcome.iterations,
+        problem=problem,
+        outcome=outcome,
+        records=records,
+        starts=starts,
+    )
+
+
+def _errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:
+    errors = np.sqrt(np.diag(covariance))
+    errors[list(at_limit)] = np.nan
+    return dict(zip(labels, map(float, errors), strict=True))
+
+
+def _correlation(covariance: Array) -> Array:
+    spread = np.sqrt(np.diag(covariance))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        out = covariance / np.outer(spread, spread)
+    out[~np.isfinite(out)] = np.nan
+    return np.asarray(out)
+
+
+def _damper(
+    problem: Problem,
+    outcome: Outcome,
+    known: Uncertainty,
+    records: tuple[Record, ...],
+    bandwidth: float | None,
+) -> tuple[Damper | None, str]:
+    """The damper that the coefficients make, or None and why they make none."""
+    inputs = np.concatenate([np.ravel(p.u) for p in problem.pieces])
+    low, high = float(inputs.min()), float(inputs.max())
+    try:
+        damper = Damper(
+            parts=problem.composition.names,
+            laws={
+                c.name: problem.columns[k].law(theta, low, high)
+                for c, k, theta in zip(problem.columns, problem.owners, outcome.point.of(problem), strict=True)
+            },
+            input=problem.pieces[0].unit,
+            ranges=_ranges(records, problem.pieces),
+            covariance=_law_covariance(problem, known.covariance),
+            bandwidth=bandwidth,
+            provenance=_provenance(records),
+        )
+    except InputError as problem_:
+        return None, f"the fitted numbers make no damper: {problem_}"
+    return damper, ""
+
+
+def _law_covariance(problem: Problem, covariance: Array) -> Array:
+    """The covariance of the laws' own coefficients; fixed parameters are known."""
+    owners = [problem.columns[k] for k in problem.owners]
+    T = np.zeros((sum(max(c.size, 1) for c in owners), problem.size))
+    row = 0
+    for column, k in zip(owners, problem.owners, strict=True):
+        if column.size:
+            T[row : row + column.size, problem.slices[k]] = column.to_coefficients()
+        row += max(column.size, 1)
+    finite = np.where(np.isfinite(covariance), covariance, 0.0)
+    out = T @ finite @ T.T
+    for blind in np.flatnonzero(~np.isfinite(np.diag(covariance))):
+        out[T[:, blind] != 0.0, T[:, blind] != 0.0] = np.inf
+    return np.asarray(0.5 * (out + out.T))
+
+
+def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple[float, float]]:
+    strokes = [0.5 * float(np.ptp(p.x)) for p in pieces]
+    speeds = [float(np.max(np.abs(p.v))) for p in pieces]
+    frequencies = []
+    for record in records:
+        found = cycles(record)
+        if found:
+            frequencies.append(len(found) / float(record.time[found[-1][1]] - record.time[found[0][0]]))
+    ranges = {"displacement": (0.0, max(strokes)), "velocity": (0.0, max(speeds))}
+    if frequencies:
+        ranges["frequency"] = (min(frequencies), max(frequencies))
+    return ranges
+
+
+def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
+    from dampyr import __version__
+
+    names = [r.name for r in records]
+    shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
+    return {
+        "method": "least squares over whole records (dampyr.identification.fit)",
+        "records": shown,
+        "dampyr": __version__,
+    }

@@ -1,0 +1,236 @@
+"""What a fit can be asked for: losses, nuisances, ties, several starts; and the fits that must say why they fail."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from tests.identification.synthetic import sine
+
+from dampyr.errors import InputError
+from dampyr.identification import cross_validate, fit
+from dampyr.models import Damper, Interpolation
+from dampyr.records import Record
+
+DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+NUMBERS = np.array([900.0, 70.0, 2500.0])
+
+
+def values(found) -> np.ndarray:  # type: ignore[no-untyped-def,type-arg]
+    return np.array(list(found.parameters.values()))
+
+
+def spiked(record: Record) -> Record:
+    """One sample in forty with a spike of the load cell, on the way out only."""
+    spikes = np.zeros(record.n)
+    spikes[150::40] = 400.0 * (record.velocity[150::40] > 0)
+    return record.replace(note="spikes", force=record.force + spikes)
+
+
+# losses
+
+
+@pytest.mark.parametrize("loss", ["huber", "l1"])
+def test_spikes_move_squares_and_not_the_robust_losses(loss: str) -> None:
+    record = spiked(sine(DAHL, 0.0, noise=2.0, seconds=12.0))
+    squares, robust = fit("dahl", record), fit("dahl", record, loss=loss)
+    assert robust.converged, robust.reason
+    assert np.max(np.abs(values(squares)[:2] / NUMBERS[:2] - 1)) > 0.08
+    np.testing.assert_allclose(values(robust), NUMBERS, rtol=0.03)
+
+
+@pytest.mark.parametrize("loss", ["huber", "l1"])
+def test_without_outliers_the_losses_agree_within_their_errors(loss: str) -> None:
+    record = sine(DAHL, 0.0, noise=3.0, seconds=15.0)
+    squares, robust = fit("dahl", record), fit("dahl", record, loss=loss)
+    errors = np.array(list(robust.stderr.values()))
+    assert np.all(np.abs(values(robust) - NUMBERS) < 4 * errors)
+    assert np.all(np.abs(values(robust) - values(squares)) < 3 * errors)
+
+
+@pytest.mark.parametrize("loss", ["huber", "l1"])
+def test_the_errors_of_the_robust_losses_are_of_the_right_size(loss: str) -> None:
+    numbers, errors, naive = [], [], []
+    for seed in range(20):
+        found = fit("dahl", sine(DAHL, 0.0, noise=4.0, seed=seed, seconds=12.0), loss=loss)
+        numbers.append(values(found))
+        errors.append(list(found.stderr.values()))
+        naive.append(list(found.naive_stderr.values()))
+    for each in (errors, naive):
+        ratio = np.std(numbers, axis=0) / np.mean(each, axis=0)
+        assert np.all((ratio > 0.6) & (ratio < 1.6)), ratio
+
+
+def test_l1_is_the_least_sum_of_absolute_residuals_that_scipy_finds() -> None:
+    record = spiked(sine(DAHL, 0.0, noise=3.0, seconds=10.0))
+    found = fit("dahl", record, loss="l1")
+    t, x, v = record.time, record.displacement, record.velocity
+    first = record.n - found.forces[0].size
+
+    def absolute(z: np.ndarray) -> float:  # type: ignore[type-arg]
+        kx, kw, rho, offset, w0 = z * [900.0, 70.0, 2500.0, 100.0, 1.0]
+        damper = Damper("dahl", {"dahl.kx": kx, "dahl.kw": kw, "dahl.rho": rho})
+        force = damper.force(t[first:], x[first:], 0.0, velocity=v[first:], state0=[np.clip(w0, -1, 1)])
+        return float(np.sum(np.abs(record.force[first:] - force - offset)))
+
+    ours = absolute(
+        np.array([*values(found), found.nuisances["test"].offset, found.nuisances["test"].states["dahl.w"]])
+        / [900.0, 70.0, 2500.0, 100.0, 1.0]
+    )
+    theirs = minimize(
+        absolute, [1.0, 1.0, 1.0, 1.2, 0.0], method="Nelder-Mead", options={"maxiter": 3000, "xatol": 1e-7}
+    )
+    assert ours == pytest.approx(theirs.fun, rel=2e-3)
+    assert ours < absolute(np.append(values(fit("dahl", record)) / NUMBERS, [1.2, 0.0]))
+
+
+# nuisances
+
+
+def gained(gains: list[float], viscosities: list[float]) -> list[Record]:
+    records = []
+    for k, (gain, warmth) in enumerate(zip(gains, viscosities, strict=True)):
+        laws = {"dahl.kx": 900.0 * warmth, "dahl.kw": 70.0, "dahl.rho": 2500.0}
+        record = sine(
+            Damper("dahl", laws), 0.0, f"r{k}", 0.006 + 0.001 * k, 1.2 - 0.1 * k, noise=0.5, seed=k, offset=0.0
+        )
+        records.append(record.replace(note="its own gain", force=gain * record.force + 100.0 + k))
+    return records
+
+
+def test_gains_of_the_load_cell_come_back_relative_to_their_mean() -> None:
+    gains = [1.04, 0.97, 1.02, 0.98, 1.0, 0.99]
+    found = fit("dahl", gained(gains, [1.0] * 6), nuisances=("offset", "state", "gain"))
+    assert found.converged, found.reason
+    mean = float(np.exp(np.mean(np.log(gains))))
+    ours = [n.gain for n in found.nuisances.values()]
+    np.testing.assert_allclose(ours, np.array(gains) / mean, rtol=2e-3)
+    assert np.mean(np.log(ours)) == pytest.approx(0.0, abs=1e-6)
+    np.testing.assert_allclose(values(found), NUMBERS * [mean, mean, 1.0], rtol=0.01)
+    assert found.nuisance_spread["gain"] == pytest.approx(np.std(gains, ddof=1), rel=0.1)
+    assert fit("dahl", gained(gains, [1.0] * 6)).nuisances["r0"].gain == 1.0
+
+
+def test_temperatures_scale_the_viscosity_alone() -> None:
+    warmth = [1.15, 0.9, 1.05, 0.95, 1.0, 0.97]
+    found = fit("dahl", gained([1.0] * 6, warmth), nuisances=("offset", "state", "temperature"))
+    mean = float(np.exp(np.mean(np.log(warmth))))
+    np.testing.assert_allclose([n.temperature for n in found.nuisances.values()], np.array(warmth) / mean, rtol=0.02)
+    assert found.parameters["dahl.kx"] == pytest.approx(900.0 * mean, rel=0.01)
+    plain = fit("dahl", gained([1.0] * 6, warmth))
+    assert found.scores["r0"].l1 < 0.5 * plain.scores["r0"].l1
+
+
+def test_states_and_offsets_can_be_left_out() -> None:
+    record = sine(DAHL, 0.0, offset=0.0)
+    found = fit("dahl", record, nuisances=())
+    np.testing.assert_allclose(values(found), NUMBERS, rtol=1e-5)
+    assert found.nuisances["test"].offset == 0.0
+    assert found.nuisances["test"].states["dahl.w"] == 0.0
+
+
+# ties
+
+
+def test_a_tied_parameter_takes_the_law_of_the_other_and_is_counted_once() -> None:
+    laws = {"dahl.kx": 800.0, "dahl.kw": Interpolation((0.0, 1.0), (60.0, 90.0)), "dahl.rho": 3000.0}
+    laws |= {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0}
+    laws |= {"hyperbolic_tangent.ft": Interpolation((0.0, 1.0), (60.0, 90.0))}
+    truth = Damper("dahl + hyperbolic_tangent", laws)
+    records = [sine(truth, u, f"{u:g}-{k}", 0.004 + 0.003 * k) for u in (0.0, 1.0) for k in range(3)]
+    found = fit(
+        "dahl + hyperbolic_tangent",
+        records,
+        fixed={"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0},
+        tied={"hyperbolic_tangent.ft": "dahl.kw"},
+    )
+    assert not any("ft" in label for label in found.parameters)
+    assert found.damper is not None
+    assert found.damper.all_laws["hyperbolic_tangent.ft"](1.0) == pytest.approx(90.0, rel=1e-4)
+    assert found.damper.all_laws["dahl.kw"](0.0) == pytest.approx(60.0, rel=1e-4)
+    names = list(found.damper.all_laws)
+    sizes = [len(law.coefficients) for law in found.damper.all_laws.values()]
+    starts = np.cumsum([0, *sizes])
+    kw, ft = starts[names.index("dahl.kw")], starts[names.index("hyperbolic_tangent.ft")]
+    assert found.damper.covariance[kw, kw] == found.damper.covariance[ft, ft] == found.damper.covariance[kw, ft]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"tied": {"dahl.q": "dahl.kw"}}, r"tied names 'dahl\.q'; dahl \+ spring has"),
+        ({"tied": {"dahl.kw": "dahl.q"}}, r"tied names 'dahl\.q'"),
+        ({"tied": {"dahl.kw": "dahl.kx"}}, "are in N and N s/m; only parameters of the same unit"),
+        ({"tied": {"dahl.kw": "dahl.kw"}}, "tied itself"),
+        ({"tied": {"dahl.kw": "dahl.kx", "dahl.kx": "dahl.kw"}}, "tied itself"),
+        ({"tied": {"dahl.kw": "dahl.kx"}, "fixed": {"dahl.kw": 3.0}}, "fixed and tied"),
+        ({"loss": "cubes"}, "'cubes' is no loss; choose squares, huber, l1"),
+        ({"nuisances": ("offset", "weather")}, "'weather' is no nuisance"),
+        ({"nuisances": ("gain",)}, "only record at 0 V, so its gain cannot be told"),
+        ({"starts": 0}, "starts = 0 is not allowed"),
+    ],
+)
+def test_options_that_cannot_be_are_refused(options: dict, words: str) -> None:  # type: ignore[type-arg]
+    with pytest.raises(InputError, match=words):
+        fit("dahl + spring", sine(DAHL, 0.0), **options)
+
+
+def test_no_temperature_without_viscosity() -> None:
+    records = [sine(Damper("spring", {"spring.k0": 900.0}), 0.0, f"r{k}") for k in range(2)]
+    with pytest.raises(InputError, match="no parameter in N s/m"):
+        fit("spring", records, nuisances=("offset", "temperature"))
+
+
+# several starts
+
+
+def test_several_starts_find_the_lower_of_two_minima() -> None:
+    laws = {"dahl.kx": 300.0, "dahl.kw": 120.0, "dahl.rho": 120.0}
+    laws |= {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.ft": 60.0}
+    laws |= {"hyperbolic_tangent.v0": 0.15, "hyperbolic_tangent.s": 9.0}
+    model, fixed = "dahl + hyperbolic_tangent", {"hyperbolic_tangent.c": 0.0}
+    record = sine(Damper(model, laws), 0.0, amplitude=0.008, noise=0.2, seconds=8.0)
+    one, many = fit(model, record, fixed=fixed), fit(model, record, fixed=fixed, starts=12, seed=3)
+    assert many.outcome.cost <= one.outcome.cost * (1 + 1e-6)
+    assert many.starts[0] == 12
+    assert 1 <= many.starts[1] <= 12
+    assert any("12 starts ended in the same optimum" in note for note in many.notes)
+    again = fit(model, record, fixed=fixed, starts=12, seed=3)
+    assert again.parameters == many.parameters
+
+
+def test_all_starts_of_a_plain_problem_agree() -> None:
+    found = fit("dahl", sine(DAHL, 0.0, noise=1.0), starts=6)
+    assert found.starts == (6, 6)
+    np.testing.assert_allclose(values(found), values(fit("dahl", sine(DAHL, 0.0, noise=1.0))), rtol=1e-4)
+
+
+def test_cross_validation_takes_the_same_options() -> None:
+    records = gained([1.0, 1.02, 0.98, 1.0, 1.01, 0.99], [1.0] * 6)
+    done = cross_validate("dahl", records, folds=2, loss="huber", nuisances=("offset", "state", "gain"), starts=2)
+    assert max(s.l1 for s in done.scores.values()) < 0.06
+
+
+# fits that must fail
+
+
+def test_an_inverted_force_is_no_fit() -> None:
+    record = sine(DAHL, 0.0, noise=1.0)
+    found = fit("dahl", record.replace(note="turned round", force=-record.force))
+    assert not found.converged
+    assert "the force sign is inverted" in found.reason
+
+
+def test_motion_inside_pre_sliding_is_told() -> None:
+    stiff = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 30.0})
+    found = fit("dahl", sine(stiff, 0.0, amplitude=0.002, noise=0.3))
+    assert any("never leaves pre-sliding" in note and "larger amplitudes" in note for note in found.notes)
+    assert not any("pre-sliding" in note for note in fit("dahl", sine(DAHL, 0.0)).notes)
+
+
+def test_an_amplitude_of_a_few_steps_of_the_encoder_is_told() -> None:
+    record = sine(DAHL, 0.0, amplitude=0.00004, noise=1.0)
+    rough = record.replace(note="5 um steps", displacement=np.round(record.displacement / 5e-6) * 5e-6)
+    found = fit("dahl", rough)
+    assert any("takes only 17 values over 0.08 mm" in note for note in found.notes)
+    assert replace(found, notes=()).notes == ()
