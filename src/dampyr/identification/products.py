@@ -160,8 +160,13 @@ def _stored(
     ends: Integers,
 ) -> Array:
     """As the kernel does it, with the derivatives stored: for a delay that varies along the record."""
-    model, J = linearised(problem, one, values, states)
-    rows = np.column_stack((J, model, np.ones(one.t.size)))[:, source] * factor
+    k = problem.composition.delay
+    assert k is not None
+    model, J = along_with_columns(problem.composition, one.t, one.x, one.v, values, states)
+    tau, slope = values[..., k], delayed_by_tau(one.t, model, values[..., k])
+    early = np.column_stack((J, model, np.ones(one.t.size)))[:, source] * factor
+    rows = np.where(source == k, slope[:, None] * factor, delayed(one.t, early, tau))
+    model = delayed(one.t, model, tau)
     table = one.weight[:, None] * np.column_stack((rows, force - gain * model))
     return np.stack([part.T @ part for part in np.split(table, ends[:-1])])
 

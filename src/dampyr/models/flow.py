@@ -22,7 +22,7 @@ from dampyr.models.short_flow import backward_change, backward_change_by_c, forw
 TERMS = 4000
 ROUNDING = 1e-17
 SATURATED = 1e-15
-MOST_STEPS = 4
+MOST_STEPS = 6
 NEAR_ZERO = 0.1  # closer to y = 0 the phases are quicker
 
 

@@ -12,7 +12,7 @@ With :math:`y' = a + b\,y^n`, :math:`y = y_0(1 + \sum r_k)` and :math:`y^n = y_0
 from math import exp, log
 
 ENOUGH = 1e-13  # of the last term; the rest of the series is a fraction of it
-LONGEST = 0.25  # of the way to y = 0, or of the path over which the state saturates
+LONGEST = 0.12  # of the way to y = 0, or of the path over which the state saturates
 
 
 def short_step(y: float, xi: float, n: float, a: float, b: float) -> float:

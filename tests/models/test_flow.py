@@ -1,0 +1,61 @@
+"""The Bouc-Wen state along a path: short steps, phases and the closed forms agree, and so do their derivatives."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from dampyr.models.flow import back_at, flow, flow_any, flow_by_c, flow_by_n, phase, phase_back, state_at
+from dampyr.models.short_flow import short_enough, short_step
+
+
+def by_phases(y: float, xi: float, n: float, c: float) -> float:
+    """The step without a short series."""
+    if y < 0.0:
+        rest = phase_back(-y, n, c)
+        return -back_at(rest - xi, n, c) if xi < rest else state_at(xi - rest, n)
+    return state_at(phase(y, n) + xi, n)
+
+
+def cases(count: int = 600) -> list[tuple[float, float, float, float]]:
+    rng = np.random.default_rng(0)
+    found = []
+    for k in range(count):
+        y = rng.uniform(-1.0, 0.999) if k % 3 else 1.0 - 10.0 ** rng.uniform(-9, -1)
+        found.append((y, 10.0 ** rng.uniform(-3, 0.3), rng.uniform(1.01, 5.0), 2.0 * rng.uniform(0.3, 3.0) - 1.0))
+    return found
+
+
+def test_short_steps_and_phases_are_the_same_flow() -> None:
+    assert max(abs(flow_any(*case) - by_phases(*case)) for case in cases()) < 1e-12
+
+
+def test_many_steps_make_one() -> None:
+    for y, xi, n, c in cases(100):
+        walked = y
+        for _ in range(50):
+            walked = flow(walked, xi / 50, n, c)
+        assert walked == pytest.approx(flow(y, xi, n, c), abs=2e-12)
+
+
+@pytest.mark.parametrize(("y", "xi", "n", "c"), [(-0.9, 1.4, 1.4, 2.2), (0.3, 0.5, 2.7, 0.4), (-0.7, 0.2, 3.3, 5.0)])
+def test_a_solver_in_small_steps_agrees(y: float, xi: float, n: float, c: float) -> None:
+    def rate(_: float, s: np.ndarray) -> np.ndarray:
+        return np.where(s < 0, 1.0 + c * np.abs(s) ** n, 1.0 - np.abs(s) ** n)
+
+    found = solve_ivp(rate, (0.0, xi), [y], "DOP853", rtol=1e-12, atol=1e-13, max_step=xi / 200)
+    assert flow(y, xi, n, c) == pytest.approx(found.y[0, -1], abs=1e-8)
+
+
+def test_derivatives_by_the_exponent_and_the_shape() -> None:
+    for y, xi, n, c in cases(200):
+        end = flow_any(y, xi, n, c)
+        by_n = (by_phases(y, xi, n + 1e-5, c) - by_phases(y, xi, n - 1e-5, c)) / 2e-5
+        by_c = (by_phases(y, xi, n, c + 1e-5) - by_phases(y, xi, n, c - 1e-5)) / 2e-5
+        assert flow_by_n(end, y, xi, n, c) == pytest.approx(by_n, abs=1e-7)
+        assert flow_by_c(end, y, xi, n, c) == pytest.approx(by_c, abs=1e-7)
+
+
+def test_a_series_that_does_not_suffice_says_so() -> None:
+    assert short_step(0.05, 0.3, 1.4, 1.0, -1.0) == -2.0
+    h = short_enough(0.8, 1.4, 1.0, -1.0)
+    assert short_step(0.8, h, 1.4, 1.0, -1.0) == pytest.approx(by_phases(0.8, h, 1.4, 1.0), abs=1e-13)
