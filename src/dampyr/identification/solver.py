@@ -21,8 +21,9 @@ from dampyr.identification.problem import Point, Problem, Share, apart
 Array = NDArray[np.float64]
 MOST_ITERATIONS = 80
 TOLERANCE = 1e-8
-SMALL_STEP = 1e-2  # of the sum of squares that a step of the linear unknowns alone has gained
+SMALL_STEP = 0.1  # of the sum of squares that a step of the linear unknowns alone has gained
 SURPRISE = 0.1  # of what a step promised: beyond it the second derivatives are learnt
+NEAR = 0.1  # of the cost: steps that promise more are too far from the end to learn from
 ROUNDING = 1e-18  # of each sample's variance: records without noise are met to a billionth
 CONVERGED = "converged: no step lowers the sum of squares by more than 1e-8 of it"
 
@@ -93,9 +94,12 @@ def descend(problem: Problem, point: Point, progress: Callable[[int, float], Non
         if progress:
             progress(iteration, min(here.cost, new_here.cost))
         if new_here.cost < here.cost:
-            if abs(here.cost - new_here.cost - promised) > SURPRISE * promised:
+            surprise = abs(here.cost - new_here.cost - promised)
+            if SURPRISE * promised < surprise and promised < NEAR * here.cost:
                 walked = new_point.coordinates(problem) - point.coordinates(problem)
                 curvature = _learnt(curvature, here, new_here, walked)
+            else:
+                curvature = np.zeros_like(curvature)
             point, here = new_point, new_here
             damping = max(damping / 10.0, 1e-12)
         else:
