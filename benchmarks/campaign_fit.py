@@ -15,6 +15,9 @@ from dampyr.models import compose
 from dampyr.models.march import along
 from dampyr.records import Record, read_campaign
 
+JOINT = "dampyr, one joint fit of all records with dahl + hyperbolic_tangent + spring + delay"
+COMPOSITION = "dahl + hyperbolic_tangent + spring + delay"
+FIXED = {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}
 PEER = "scipy least_squares, finite differences, no errors"
 TITLE = "Dahl fit of each record of the published campaign (kx, kw, rho, the force's offset and the initial state)"
 
@@ -37,6 +40,7 @@ def run(data: Path | None) -> list[Line] | str:
     each = lines[0]
     return [
         *lines,
+        *race({JOINT: lambda: fit(COMPOSITION, records, bandwidth=8.0, fixed=FIXED)}, {}, rounds=3),
         Line("dampyr fit, per record", each.median / len(records), each.fastest / len(records), each.rounds),
     ]
 

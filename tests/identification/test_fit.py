@@ -63,6 +63,20 @@ def test_a_varying_voltage_gives_a_polynomial_law() -> None:
     np.testing.assert_allclose(found.damper.coefficients, truth.coefficients, rtol=1e-3)
 
 
+def test_a_varying_voltage_gives_a_law_of_what_the_state_remembers() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 90.0, "dahl.rho": Polynomial((500.0, 200.0), 0.0, 3.0)})
+    t = np.arange(0.0, 12.0, 0.005)
+    u = 1.5 + 1.5 * np.sin(9.0 * t)
+    x = 0.004 * np.sin(2 * np.pi * t)
+    v = np.gradient(x, t)
+    record = Record(t, x, truth.force(t, x, voltage=u, velocity=v) + 30.0, velocity=v, voltage=u)
+    found = fit("dahl", record, laws={"dahl.kx": "constant", "dahl.kw": "constant", "dahl.rho": "polynomial:1"})
+    assert found.converged
+    assert found.iterations < 12
+    assert found.damper is not None
+    np.testing.assert_allclose(found.damper.coefficients, truth.coefficients, rtol=1e-6)
+
+
 def test_the_first_try_composition_comes_back() -> None:
     laws = {"dahl.kx": 800.0, "dahl.kw": 60.0, "dahl.rho": 900.0, "spring.k0": 1500.0, "delay.tau": 0.0085}
     laws |= {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.ft": 90.0}

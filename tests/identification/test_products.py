@@ -72,8 +72,9 @@ CASES = {
     "tied": ("dahl + hyperbolic_tangent", {"tied": {"hyperbolic_tangent.ft": "dahl.kw"}}, False),
     "fixed": ("dahl + spring", {"fixed": {"dahl.kx": 500.0}, "nuisances": ("offset", "temperature")}, False),
     "accelerated": ("dahl + inertia", {"fixed": {"inertia.m": 3.0}}, False),
-    "varying": ("dahl + spring", {"laws": {"dahl.rho": "constant"}}, True),
-    "varying and delayed": ("dahl + delay", {"laws": {"dahl.rho": "constant"}}, True),
+    "varying": ("dahl + spring", {"laws": "polynomial:1"}, True),
+    "varying and delayed": ("dahl + delay", {"laws": {"dahl.kx": "constant"}}, True),
+    "varying and warm": ("dahl + inertia", {"nuisances": ("offset", "gain", "temperature", "state")}, True),
 }
 
 

@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 
 from dampyr.identification.pieces import Piece
 from dampyr.identification.problem import MISFIT, PRIOR, Point, Problem, is_viscous, values_at
-from dampyr.models.march import acceleration, along, along_with_columns, delayed, delayed_by_tau, products_along
+from dampyr.models.march import (
+    acceleration,
+    along,
+    along_with_columns,
+    along_with_laws,
+    delayed,
+    delayed_by_tau,
+    products_along,
+)
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -100,8 +108,7 @@ def _of_record(problem: Problem, point: Point, r: int, plan: Plan, by_cluster: b
     factor, matrix = _by_point(problem, point, r, plan, values, gain)
     states, ends = point.states(problem, r), one.ends if by_cluster else np.array([one.t.size])
     force = one.force - point.nuisance(problem, r, "offset")
-    k = problem.composition.delay
-    if k is not None and values.ndim > 1:
+    if values.ndim > 1 and (problem.composition.delay is not None or problem.composition.n_states):
         sums = _stored(problem, one, values, states, force, plan.source, factor, gain, ends)
     else:
         path = (one.t, one.x, one.v, _acceleration(problem, one))
@@ -159,14 +166,19 @@ def _stored(
     gain: float,
     ends: Integers,
 ) -> Array:
-    """As the kernel does it, with the derivatives stored: for a delay that varies along the record."""
-    k = problem.composition.delay
-    assert k is not None
+    """As the kernel does it, with the derivatives stored: for an input that varies while states remember it, or a delay."""
     model, J = along_with_columns(problem.composition, one.t, one.x, one.v, values, states)
-    tau, slope = values[..., k], delayed_by_tau(one.t, model, values[..., k])
     early = np.column_stack((J, model, np.ones(one.t.size)))[:, source] * factor
-    rows = np.where(source == k, slope[:, None] * factor, delayed(one.t, early, tau))
-    model = delayed(one.t, model, tau)
+    mine = source < len(problem.columns)
+    if problem.composition.n_states:
+        wide = np.ascontiguousarray(np.broadcast_to(factor, (factor.shape[0], source.size))[:, mine])
+        given = (one.t, one.x, one.v, values, states, source[mine], wide)
+        early[:, mine] = along_with_laws(problem.composition, *given)[1]
+    k, rows = problem.composition.delay, early
+    if k is not None:
+        slope = delayed_by_tau(one.t, model, values[..., k])[:, None]
+        rows = np.where(source == k, slope * factor, delayed(one.t, early, values[..., k]))
+        model = delayed(one.t, model, values[..., k])
     table = one.weight[:, None] * np.column_stack((rows, force - gain * model))
     return np.stack([part.T @ part for part in np.split(table, ends[:-1])])
 

@@ -170,6 +170,50 @@ def products_along(
     return np.asarray(products + upper.swapaxes(1, 2))
 
 
+def march_laws(t, x, v, a, p, source, factor, s, kept, D, none, out, row, base, J):  # type: ignore[no-untyped-def]
+    """Fill ``J[i, c]`` with the derivative by a coefficient that moves parameter ``source[c]`` by ``factor[i, c]``.
+
+    The tangent of a state is linear in what it was and in the parameter's share of the piece; ``none`` holds that share, from
+    a walk without a past, and each coefficient takes ``factor`` of it where the input was when the state passed.
+    """
+    last, S = source.size, s.size
+    for i in range(t.size):
+        q, f = p[min(i, p.shape[0] - 1)], factor[min(i, factor.shape[0] - 1)]
+        for c in range(-1, last if i > 0 else -1):
+            for j in range(S):
+                if c < 0:
+                    kept[j] = s[j]
+                s[j] = kept[j]
+            here = D[c] if c >= 0 else none
+            spread(0, s, here, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
+            for j in range(S):
+                if c >= 0:
+                    D[c, j, source[c]] += (f[c] - 1.0) * none[j, source[c]]
+        out[i] = force(0, s, x[i], v[i], a[i], q)
+        for j in range(S):
+            for k in range(none.shape[1]):
+                none[j, k] = 0.0
+        columns(0, s, none, x[i], v[i], a[i], q, base)
+        for c in range(last):
+            columns(0, s, D[c], x[i], v[i], a[i], q, row)
+            J[i, c] = row[source[c]] + (f[c] - 1.0) * base[source[c]]
+
+
+def along_with_laws(
+    composition: Composition, t: Array, x: Array, v: Array, values: Array, state0: Array, source: Any, factor: Array
+) -> tuple[Array, Array]:
+    """The force (n,) and its derivatives (n, C) by coefficients of laws whose input varies along the path; not delayed.
+
+    Coefficient c moves the parameter ``source[c]`` by ``factor[i, c]`` at sample i: the states remember what it was.
+    """
+    P, S, C = len(composition.parameters), composition.n_states, source.size
+    D, none, kept = np.zeros((C, S, P + S)), np.zeros((S, P + S)), np.zeros(S)
+    out, row, base, J = np.empty(t.size), np.zeros(P + S), np.zeros(P + S), np.zeros((t.size, C))
+    given = (t, x, v, acceleration(composition, t, v), _rows(values), source, factor, _start(composition, state0))
+    bind(march_laws, (composition,))(*given, kept, D, none, out, row, base, J)
+    return out, J
+
+
 def along(composition: Composition, t: Array, x: Array, v: Array, values: Array, state0: Array | None = None) -> Array:
     """The force in N along a path: t [s], x [m], v [m/s] of shape (n,), ``values`` (P,) or (n, P); not delayed."""
     out = np.empty(t.size)
