@@ -12,7 +12,7 @@ from dampyr.identification.found import Fit, Nuisance, found
 from dampyr.identification.pieces import piece
 from dampyr.identification.problem import Problem, checked_nuisances
 from dampyr.identification.robust import check_loss, reweighted
-from dampyr.identification.solver import search
+from dampyr.identification.solver import MOST_ITERATIONS, search
 from dampyr.identification.starting import begin, best_of
 from dampyr.models import Composition, Damper, compose
 from dampyr.records import Record
@@ -32,6 +32,7 @@ def fit(
     tied: Mapping[str, str] | None = None,
     starts: int = 1,
     seed: int = 0,
+    steps: int = MOST_ITERATIONS,
 ) -> Fit:
     """Identify a damper from records by least squares over their whole motion.
 
@@ -67,6 +68,8 @@ def fit(
     starts, seed
         from how many starts is searched: the best proposals of the parts, then random ones by ``seed`` around them, each on
         thinned records and to 1e-4 of the cost; the best is finished. ``Fit.starts`` says how many agreed.
+    steps
+        how many the search may take; where they were not enough, ``converged`` is False.
 
     Returns
     -------
@@ -82,10 +85,12 @@ def fit(
     check_loss(loss)
     if starts < 1:
         raise InputError(f"starts = {starts} is not allowed; give 1 or more")
+    if steps < 1:
+        raise InputError(f"steps = {steps} is not allowed; give 1 or more")
     problem = prepared(model, listed, laws, fixed, bandwidth, nuisances, tied)
     with _threads().limit(limits=1, user_api="blas"):  # small factorisations: threads would only wait
         point, agreed = (begin(problem), 1) if starts == 1 else best_of(problem, starts, seed)
-        outcome = search(problem, point, progress)
+        outcome = search(problem, point, progress, most=steps)
         if loss != "squares":
             problem, outcome = reweighted(problem, outcome, loss, progress)
         told = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ from dampyr.identification.solver import Outcome
 from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.models import Damper
 from dampyr.records import Record, cycles
+
+if TYPE_CHECKING:
+    from dampyr.identification.residuals import Residuals
 
 Array = NDArray[np.float64]
 
@@ -93,6 +97,13 @@ class Fit:
     def forces(self) -> list[Array]:
         """The fitted force along each record from where its motion starts, with its own offset and initial states, N."""
         return [modelled(self.problem, self.outcome.point, r) for r in range(len(self.records))]
+
+    @cached_property
+    def residuals(self) -> Residuals:
+        """What the fit leaves of the measured force, analysed: see `dampyr.identification.residuals`."""
+        from dampyr.identification.residuals import residuals
+
+        return residuals(self)
 
     @cached_property
     def scores(self) -> dict[str, Score]:

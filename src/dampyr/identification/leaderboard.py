@@ -8,9 +8,9 @@ next, until none lowers it by `WORTH`. Then the best few are fitted and validate
 the mean L1 ratio of records that were left out, and of whole inputs that were left out (where there are three or more;
 else the first alone), every input counting the same: a damper is used between the inputs of its tests.
 
-Akaike's and Schwarz's criteria are :math:`n \ln(S/N) + 2k` and :math:`n \ln(S/N) + k \ln n` with k parameters of the damper, the
-weighted sum of squares S over N samples, and n the number of samples that are worth one each, residuals being correlated: the same n
-for all, that of the winner.
+Akaike's and Schwarz's criteria are :math:`n \ln(S/N) + 2k` and :math:`n \ln(S/N) + k \ln n` with k parameters of the
+damper, the weighted sum of squares S over N samples, and n the effective number of samples, residuals being correlated: that of
+the winner for all.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ from dampyr.records import Record, default_bandwidth
 ADD_ONS = ("spring", "delay", "lag", "compliance")
 FINALISTS = 4
 WORTH = 0.02
+SCREENING_STEPS = 25
 PROBE = "hyperbolic_tangent + spring + compliance"
 
 
@@ -169,7 +170,7 @@ def _ordered(found: Iterator[Screened], bases: list[str]) -> list[Screened]:
     return sorted(found, key=lambda one: bases.index(one.base))
 
 
-def _run(jobs: list[Callable[[], Any]], executor: Executor | None, tell: Callable[[float], None]) -> Iterator[Any]:
+def _run(jobs: Sequence[Callable[[], Any]], executor: Executor | None, tell: Callable[[float], None]) -> Iterator[Any]:
     """The jobs' results as they come."""
     tell(0.0)
     if executor is None:
@@ -185,7 +186,7 @@ def _run(jobs: list[Callable[[], Any]], executor: Executor | None, tell: Callabl
 
 def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The add-ons that these records can tell about, and why others are left out."""
-    varies = any(np.ndim(r.voltage if r.input == "V" else r.current) for r in records)
+    varies = any(isinstance(r.voltage if r.input == "V" else r.current, np.ndarray) for r in records)
     if "lag" in add_ons and not varies:
         kept = tuple(a for a in add_ons if a != "lag")
         return kept, ("lag was not tried: the input is constant in every record, so nothing lags",)
@@ -226,7 +227,7 @@ def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -
     """The validation error of one model on the screening set; what cannot be fitted says why."""
     begun = time.perf_counter()
     try:
-        error = validation_error(_validations(model, small, 2, seed, options))
+        error = validation_error(_validations(model, small, 2, seed, options | {"steps": SCREENING_STEPS}))
         return Trial(model, error, time.perf_counter() - begun)
     except (InputError, np.linalg.LinAlgError) as problem:
         return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))

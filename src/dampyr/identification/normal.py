@@ -50,6 +50,11 @@ class Normal:
         """Half the sum of squares."""
         return 0.5 * float(np.sum(self.sums[:, -1, -1]))
 
+    @property
+    def finite(self) -> bool:
+        """Whether the model could be evaluated there."""
+        return bool(np.all(np.isfinite(self.sums)))
+
     def gain(self, step: Step) -> float:
         """By how much a step lowers the cost, as the linear model has it."""
         d = self._joined(step)
@@ -174,6 +179,8 @@ def eliminated(sums: Array, free: Bools, fixed: Array, damping: float = 0.0) -> 
 
 def least(H: Array, g: Array) -> Array:
     """H^-1 g on the directions that are determined."""
+    if g.size == 0:
+        return np.zeros(0)
     d = H.diagonal()
     if np.all(d > 0.0):
         scale = 1.0 / np.sqrt(d)

@@ -45,13 +45,14 @@ def search(
     point: Point,
     progress: Callable[[int, float], None] | None = None,
     tolerance: float = TOLERANCE,
+    most: int = MOST_ITERATIONS,
 ) -> Outcome:
     """Minimise from ``point``; the reason says how it ended. Parts that share no coefficient are searched apart."""
     theta, local = point.theta.copy(), point.local.copy()
     ended = []
     for share in apart(problem):
         part = Point(theta[share.coefficients], local[share.records])
-        found = descend(share.problem, part, progress, tolerance)
+        found = descend(share.problem, part, progress, tolerance, most)
         theta[share.coefficients], local[share.records] = found.point.theta, found.point.local
         ended.append((share, found))
     end = Point(theta, local)
@@ -74,15 +75,23 @@ def _reasons(ended: list[tuple[Share, Outcome]]) -> tuple[bool, str]:
     return not failed, found.reason + (where if failed and len(ended) > 1 else "")
 
 
-def descend(problem: Problem, point: Point, progress: Callable[[int, float], None] | None, tolerance: float) -> Outcome:
+def descend(
+    problem: Problem,
+    point: Point,
+    progress: Callable[[int, float], None] | None,
+    tolerance: float,
+    most: int = MOST_ITERATIONS,
+) -> Outcome:
     """Minimise one problem whose records share coefficients."""
     point, here = _settled(problem, point)
+    if not here.finite:
+        return Outcome(point, float("inf"), False, "did not begin: the model's force is not finite at the start", 0, ())
     damping, reason, converged = 1e-3, "", False
     curvature = np.zeros((problem.size, problem.size))
     rounding = ROUNDING * sum(one.t.size for one in problem.pieces)
     all_linear = bool(np.all(here.linear) and np.all(here.local_linear))
     iteration = 0
-    for iteration in range(1, MOST_ITERATIONS + 1):
+    for iteration in range(1, most + 1):
         step = here.solve(damping=damping, curvature=curvature)
         promised = here.gain(step)
         if promised <= tolerance * here.cost + rounding:
@@ -92,7 +101,7 @@ def descend(problem: Problem, point: Point, progress: Callable[[int, float], Non
             break
         new_point, new_here = _settled(problem, moved(problem, point, step))
         if progress:
-            progress(iteration, min(here.cost, new_here.cost))
+            progress(iteration, min(here.cost, new_here.cost) if new_here.finite else here.cost)
         if new_here.cost < here.cost:
             surprise = abs(here.cost - new_here.cost - promised)
             if SURPRISE * promised < surprise and promised < NEAR * here.cost:
@@ -111,7 +120,7 @@ def descend(problem: Problem, point: Point, progress: Callable[[int, float], Non
                 reason = f"stopped where no step lowers the sum of squares any more ({left})"
                 break
     else:
-        reason = f"did not converge: {MOST_ITERATIONS} steps were not enough"
+        reason = f"did not converge: {most} steps were not enough"
     return Outcome(point, here.cost, converged, reason, iteration, _at_limit(problem, point))
 
 
@@ -122,6 +131,8 @@ def _settled(problem: Problem, point: Point) -> tuple[Point, Normal]:
     the other derivatives, and what was evaluated before it is kept.
     """
     here = normal(problem, point)
+    if not here.finite:
+        return point, here
     step = here.solve(only_linear=True)
     point = moved(problem, point, step)
     there = here.after(step)
@@ -158,4 +169,4 @@ def _at_limit(problem: Problem, point: Point) -> tuple[int, ...]:
 def projected_cost(problem: Problem, point: Point) -> float:
     """The cost at ``point`` with the linear unknowns at their optimum, without moving there."""
     here = normal(problem, point)
-    return here.after(here.solve(only_linear=True)).cost
+    return here.after(here.solve(only_linear=True)).cost if here.finite else float("inf")

@@ -9,7 +9,8 @@ import numpy as np
 
 from dampyr.identification.pieces import Piece
 from dampyr.identification.problem import Point, Problem, apart
-from dampyr.identification.solver import descend, projected_cost
+from dampyr.identification.solver import descend, projected_cost, search
+from dampyr.models import Composition
 from dampyr.models.part import Scale
 
 MOST_STARTS = 48
@@ -21,7 +22,12 @@ SCANNED_SAMPLES = 3000
 
 
 def begin(problem: Problem) -> Point:
-    """From where the search begins: the best of the parts' proposals, tried at each input apart."""
+    """From where the search begins: the best of the parts' proposals, tried at each input apart.
+
+    Parts in series with something that stretches begin where they end without it.
+    """
+    if problem.composition.in_series:
+        return _from_rigid(problem)
     neutral = _neutral(problem)
     groups: dict[float, list[int]] = {}
     for k, one in enumerate(problem.pieces):
@@ -37,6 +43,22 @@ def begin(problem: Problem) -> Point:
             if column.kind == "constant":
                 theta[span] = float(np.median(values))
     return replace(neutral, theta=theta)
+
+
+def _from_rigid(problem: Problem) -> Point:
+    """The fit without what stretches, and a stretch that is small beside the stroke."""
+    soft = [p.name for p in problem.composition.parts if p.stretch]
+    chosen = [k for k, c in enumerate(problem.columns) if c.name.partition(".")[0] not in soft]
+    inner = Composition(tuple(name for name in problem.composition.names if name not in soft))
+    columns = [replace(problem.columns[k], quantity=inner.quantities[problem.columns[k].name]) for k in chosen]
+    rigid = replace(problem, composition=inner, columns=columns)
+    found = search(rigid, begin(rigid), tolerance=COARSE).point
+    point = _with(problem, _neutral(problem), _proposals(problem, problem.pieces)[0])
+    theta, local = point.theta.copy(), point.local.copy()
+    for k, span in zip(chosen, rigid.slices, strict=True):
+        theta[problem.slices[k]] = found.theta[span]
+    local[:, : rigid.locals] = found.local
+    return Point(problem.inside(theta), local)
 
 
 def _neutral(problem: Problem) -> Point:

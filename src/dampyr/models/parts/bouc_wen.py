@@ -25,6 +25,10 @@ from dampyr.units import Quantity
 
 BULGING = "stable, but its loops bulge the wrong way for a damper"
 HOLDS = ("spring",)
+SHARPEST_TURN = (
+    100.0  # of sigma: the friction leaves its limit on a hundredth of the path that led there, nobody measures less
+)
+SHARPEST_KNEE = 50.0  # of n: the loop is a parallelogram to the eye
 STATES = {"w": (-1.0, 1.0)}
 
 
@@ -37,8 +41,8 @@ class BoucWen:
     k0: Annotated[float, Quantity("N/m", linear=True)]
     kw: Annotated[float, Quantity("N", low=0, open_low=True, linear=True)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
-    sigma: Annotated[float, Quantity("", low=0, open_low=True, usual=0.5, words=BULGING)]
-    n: Annotated[float, Quantity("", low=1)]
+    sigma: Annotated[float, Quantity("", low=0, high=SHARPEST_TURN, open_low=True, usual=0.5, words=BULGING)]
+    n: Annotated[float, Quantity("", low=1, high=SHARPEST_KNEE)]
 
 
 def advance(w: float, x0: float, x1: float, rho: float, sigma: float, n: float) -> float:
