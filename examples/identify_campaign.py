@@ -13,7 +13,7 @@ Needs the campaign's files (``dampyr datasets fetch labcontrol``). Writes the ca
     dahl.kw @ 3.212 V   326.00 +- 13.12 N
     dahl.rho @ 0 V       31.00 +- 1.69 1/mm
     dahl.rho @ 0.8712 V  25.50 +- 0.51 1/mm
-    dahl.rho @ 1.98 V    17.01 +- 0.21 1/mm
+    dahl.rho @ 1.98 V    17.02 +- 0.21 1/mm
     dahl.rho @ 3.212 V    9.64 +- 0.16 1/mm
 """
 
