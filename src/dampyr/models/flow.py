@@ -23,6 +23,7 @@ TERMS = 4000
 ROUNDING = 1e-17
 SATURATED = 1e-15
 MOST_STEPS = 6
+TOO_FAR = 8.0  # times the first of them: such a step is left to the phases
 NEAR_ZERO = 0.1  # closer to y = 0 the phases are quicker
 
 
@@ -196,6 +197,8 @@ def flow_any(y: float, xi: float, n: float, c: float) -> float:
         if left <= 0.0 or y > -NEAR_ZERO:
             break
         h = min(left, short_enough(-y, n, -1.0, -c))
+        if left > TOO_FAR * h:
+            break
         u = short_step(-y, h, n, -1.0, -c)
         if u <= 0.0:
             break
@@ -210,6 +213,8 @@ def flow_any(y: float, xi: float, n: float, c: float) -> float:
         if left <= 0.0 or y < NEAR_ZERO or 1.0 - y < SATURATED:
             break
         h = min(left, short_enough(y, n, 1.0, -1.0))
+        if left > TOO_FAR * h:
+            break
         u = short_step(y, h, n, 1.0, -1.0)
         if u <= 0.0:
             break
