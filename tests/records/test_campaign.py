@@ -80,9 +80,11 @@ def test_a_broken_table(small, old, new, message):
 
 
 def test_no_folder_and_an_empty_folder(tmp_path):
-    with pytest.raises(MissingData, match=r"there is no such folder; fetch the campaign with `dampyr datasets fetch"):
+    with pytest.raises(
+        MissingData, match=r"there is no such folder; check the path, or fetch .*`dampyr datasets fetch"
+    ):
         read_campaign(tmp_path / "no")
-    with pytest.raises(MissingData, match=r"neither campaign.csv nor .h5 files are there"):
+    with pytest.raises(MissingData, match=r"no records are there; give a folder with \.csv, \.h5, \.mat, \.txt files"):
         read_campaign(tmp_path)
     with pytest.raises(MissingData, match=r"there is no such table"):
         campaign_rows(tmp_path)

@@ -110,7 +110,7 @@ HEAD = "time [s],displacement [mm],force [N]\n"
         (
             HEAD.replace(" [mm]", "") + lines(","),
             {},
-            r"the column 'displacement' has no unit; .*declare units=",
+            r"the column 'displacement' has no unit; .*declare it: --unit displacement=m, units=",
         ),
         (
             HEAD.replace("force", "pull") + lines(","),
@@ -148,3 +148,20 @@ def test_faults_are_one_line_naming_the_file(tmp_path, text, options, message):
     with pytest.raises(FileError, match=r"bad\.csv: .*" + message) as caught:
         read(path, **options)
     assert "\n" not in str(caught.value)
+
+
+def test_units_in_a_line_of_their_own(tmp_path):
+    path = tmp_path / "mts.txt"
+    rows = "\n".join(f"{k / 100}\t{k}\t{2 * k}\t" for k in range(9))
+    path.write_text(f"Time\tDisplacement\tForce\t\nsec\tmm\tkN\t\n{rows}\n")
+    record = read(path)
+    assert record.time[1] == 0.01
+    assert record.displacement[3] == pytest.approx(3e-3)
+    assert record.force[3] == pytest.approx(6e3)
+
+
+def test_all_columns_without_a_unit_are_named_at_once(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("Time\tDisp\tForce [N]\n" + "\n".join(f"{k}\t{k}\t{k}" for k in range(9)))
+    with pytest.raises(FileError, match=r"the columns 'Time', 'Disp' have no unit; .*--unit time=s"):
+        read(path)

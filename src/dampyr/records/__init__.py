@@ -6,16 +6,19 @@ conditioning step returns a new record whose history says what was done; each re
 """
 
 from dampyr.records.campaign import CampaignRow, campaign_rows, read_campaign, read_row
+from dampyr.records.comparison import write_comparison
 from dampyr.records.cycles import cycle_average, cycles, legs, turning_points
 from dampyr.records.datasets import fetch, locate
 from dampyr.records.delay import Delay, correct_delay, estimate_delay
 from dampyr.records.derivative import default_bandwidth, differentiate, with_velocity
 from dampyr.records.drift import drift, remove_drift
 from dampyr.records.files import read, write
-from dampyr.records.labels import disagreements
+from dampyr.records.inputs import nominal_inputs
+from dampyr.records.labels import creates_energy, disagreements
 from dampyr.records.measure import Measured, cycle_energies, measure
 from dampyr.records.motion import motion_start
 from dampyr.records.offset import mean_force, remove_offset
+from dampyr.records.overview import Overview, overview
 from dampyr.records.quality import Quality, quality, quantum
 from dampyr.records.record import Label, Record
 from dampyr.records.waveform import waveform
@@ -25,10 +28,12 @@ __all__ = [
     "Record",
     "read",
     "write",
+    "write_comparison",
     "CampaignRow",
     "campaign_rows",
     "read_campaign",
     "read_row",
+    "nominal_inputs",
     "fetch",
     "locate",
     "motion_start",
@@ -49,9 +54,12 @@ __all__ = [
     "Measured",
     "measure",
     "cycle_energies",
+    "Overview",
+    "overview",
     "Quality",
     "quality",
     "quantum",
     "disagreements",
     "waveform",
+    "creates_energy",
 ]

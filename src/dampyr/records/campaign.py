@@ -1,4 +1,4 @@
-"""A campaign is a folder: the laboratory's, with its ``campaign.csv``, or one that dampyr recorded.
+"""A campaign is a folder: one with a ``campaign.csv``, one that dampyr recorded, or any folder of record files.
 
 The table's columns are ``file, table, row, voltage_V, peak_to_peak_mm, frequency_Hz, kx_Ns_per_mm, kw_N,
 rho_per_mm, sha256``. What it prints about a test becomes the record's label, never its measurement.
@@ -16,8 +16,8 @@ from pathlib import Path
 
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.records.files import read
-from dampyr.records.formats import h5
-from dampyr.records.record import Label, Record, Role, as_role
+from dampyr.records.folder import read_folder
+from dampyr.records.record import CHANNELS, Label, Record, Role, as_role
 from dampyr.units import round_trip, to_si
 
 TABLE = "campaign.csv"
@@ -56,19 +56,32 @@ class CampaignRow:
         return self.label.row
 
 
-def read_campaign(folder: str | Path, role: Role | None = "fit", incomplete: bool = False) -> list[Record]:
-    """The records of a campaign, in the order of its table (or of the file names, in a recorded folder).
+def read_campaign(
+    folder: str | Path,
+    role: Role | None = "fit",
+    incomplete: bool = False,
+    voltage: float | None = None,
+    current: float | None = None,
+    units: Mapping[str, str] | None = None,
+    columns: Mapping[str, str | int | None] | None = None,
+) -> list[Record]:
+    """The records of a campaign, in the order of its table, or, without one, in the natural order of the files' names.
 
     Parameters
     ----------
     folder
-        A folder with a ``campaign.csv``, or one with dampyr's ``.h5`` files.
+        A folder with a ``campaign.csv``; or any folder with ``.csv``, ``.txt``, ``.mat`` or ``.h5`` files, each a record.
+        What they do not say themselves is said here, or once for all in a ``reading.toml`` beside them
+        (:mod:`dampyr.records.reading`).
     role
         "fit" (the rows of the tables), "validation" (the tests that no fit may use), or None for both.
     incomplete
-        Of a recorded folder the complete tests are returned, the latest try of each; True adds all the rest.
+        Of dampyr's own files the complete tests are returned, the latest try of each; True adds all the rest.
+    voltage, current, units, columns
+        For every file, as in :func:`dampyr.records.read`. A ``campaign.csv`` gives the voltages itself.
 
-    Rows without a file are skipped here and reported by :func:`campaign_rows`.
+    Rows without a file are skipped here and reported by :func:`campaign_rows`. Text files without a line of numbers, such as
+    a README, are left out with a warning.
 
     Raises
     ------
@@ -76,14 +89,26 @@ def read_campaign(folder: str | Path, role: Role | None = "fit", incomplete: boo
         There is no such folder, or there are no tests in it.
     FileError
         A file is wrong, is not the file whose sha256 the table gives, or the table is wrong.
+    InputError
+        An input is given beside a ``campaign.csv``, or two records have one name.
     """
     folder = _folder(folder)
     wanted = None if role is None else as_role(role)
     if (folder / TABLE).is_file():
+        _check_no_input(folder, voltage, current)
         rows = [row for row in campaign_rows(folder) if wanted in (None, row.role)]
-        return [read_row(row) for row in rows if row.file is not None]
-    records = _recorded(folder, incomplete)
+        return [read_row(row, units, columns) for row in rows if row.file is not None]
+    said = {"voltage": voltage, "current": current, "units": units, "columns": columns}
+    records = read_folder(folder, incomplete, **said)
     return [record for record in records if wanted in (None, record.role)]
+
+
+def _check_no_input(folder: Path, voltage: float | None, current: float | None) -> None:
+    for name, value in (("voltage", voltage), ("current", current)):
+        if value is not None:
+            raise InputError(
+                f"{name} = {value:g} {CHANNELS[name]} was given, but {folder / TABLE} says it of each file; leave {name} out"
+            )
 
 
 def campaign_rows(folder: str | Path | None = None) -> list[CampaignRow]:
@@ -100,13 +125,15 @@ def campaign_rows(folder: str | Path | None = None) -> list[CampaignRow]:
     return _rows(path, path.read_text("utf-8"), path.parent)
 
 
-def read_row(row: CampaignRow) -> Record:
+def read_row(
+    row: CampaignRow, units: Mapping[str, str] | None = None, columns: Mapping[str, str | int | None] | None = None
+) -> Record:
     """The record of one row: its file checked by sha256, with the row's voltage, label and role."""
     if row.file is None:
         where = f"row {row.row} of table {row.table}" if row.row else f"the test of {row.table}"
         raise MissingData(f"{where} has no file{f' {row.file_name}' if row.file_name else ''}; choose another row")
     check_sha256(row.file, row.sha256)
-    record = read(row.file, voltage=row.voltage)
+    record = read(row.file, voltage=row.voltage, units=units, columns=columns)
     provenance = dict(record.provenance) | {"campaign": TABLE, "sha256": row.sha256}
     note = f"voltage, label and role from {TABLE}"
     return record.replace(note=note, label=row.label, role=row.role, provenance=provenance)
@@ -123,7 +150,8 @@ def _folder(folder: str | Path) -> Path:
     folder = Path(folder)
     if not folder.is_dir():
         raise MissingData(
-            f"{folder}: there is no such folder; fetch the campaign with `dampyr datasets fetch labcontrol`"
+            f"{folder}: there is no such folder; check the path, or fetch the published campaign with "
+            "`dampyr datasets fetch labcontrol`"
         )
     return folder
 
@@ -168,18 +196,3 @@ def _row(path: Path, line: int, cells: dict[str, str], folder: Path | None) -> C
         sha256=(cells.get("sha256") or "").strip(),
         published={word: round_trip(to_si(number(c), unit, si)) for c, (word, unit, si) in printed.items()},
     )
-
-
-def _recorded(folder: Path, incomplete: bool) -> list[Record]:
-    """The tests in dampyr's own files: the latest complete try of each, or every one."""
-    paths = sorted(folder.glob("*.h5"))
-    if not paths:
-        raise MissingData(f"{folder}: neither {TABLE} nor .h5 files are there; give the folder of a campaign")
-    if incomplete:
-        return [read(path) for path in paths]
-    latest: dict[str, tuple[int, Path]] = {}
-    for path in paths:
-        state = h5.state(path)
-        if state.complete and (state.test not in latest or state.attempt >= latest[state.test][0]):
-            latest[state.test] = (state.attempt, path)
-    return [read(path) for _, path in sorted(latest.values(), key=lambda found: found[1].name)]

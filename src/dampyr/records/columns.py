@@ -17,6 +17,7 @@ import numpy as np
 
 from dampyr.errors import FileError
 from dampyr.records.files import Request
+from dampyr.records.inputs import MEASURED, SOURCE
 from dampyr.records.record import CHANNELS, Array, Record
 from dampyr.units import to_si
 
@@ -30,6 +31,11 @@ WORDS = {
     "temperature": ("temperature", "temp"),
 }
 DELIMITERS = (";", "\t", ",", None)
+BARE_UNITS = {
+    *("s", "sec", "ms", "m", "cm", "mm", "um", "µm", "in", "inch", "n", "kn", "lbf", "kip"),
+    *("m/s", "cm/s", "mm/s", "in/s", "v", "mv", "a", "ma", "degc", "°c", "g"),
+}
+"""What a cell in a line of units below the names may be, in lower case."""
 
 
 @dataclass(frozen=True)
@@ -44,23 +50,47 @@ class Table:
 def read(path: Path, request: Request, kind: str) -> Record:
     """The record in a text file of columns, every channel in SI."""
     table = read_table(path)
-    found: dict[str, Any] = {}
-    for channel in CHANNELS:
-        column = _column(path, table, channel, request)
-        if column is not None:
-            found[channel] = _in_si(path, table, channel, column, request)
+    columns = {channel: _column(path, table, channel, request) for channel in CHANNELS}
+    used = {channel: column for channel, column in columns.items() if column is not None}
     for channel in ("time", "displacement", "force"):
-        if channel not in found:
+        if channel not in used:
             there = ", ".join(table.names) or f"{table.values.shape[1]} columns without names"
-            raise FileError(path, f"no column is the {channel} (there: {there}); declare columns={{{channel!r}: ...}}")
-    found |= request.input_channels(*(_constant(found.pop(name, None)) for name in ("voltage", "current")))
-    units = ", ".join(f"{name} [{unit}]" for name, unit in zip(table.names, table.units))
+            raise FileError(
+                path,
+                f"no column is the {channel} (there: {there}); declare which, --column {channel}=NAME or "
+                f"columns={{{channel!r}: NAME}}",
+            )
+    _check_units(path, table, used, request)
+    found: dict[str, Any] = {name: _in_si(path, table, name, column, request) for name, column in used.items()}
+    measured = {name: found.pop(name, None) for name in ("voltage", "current")}
+    inputs: dict[str, Any] = request.input_channels(**measured)
+    _check_one_input(path, inputs)
+    units = ", ".join(f"{name} [{unit}]" if unit else name for name, unit in zip(table.names, table.units))
+    provenance = {"file": path.name, "format": kind, "header": units}
+    is_measured = any(value is not None and value is measured[name] for name, value in inputs.items())
     return Record(
         **found,
+        voltage=_constant(inputs["voltage"]),
+        current=_constant(inputs["current"]),
         name=path.stem,
-        provenance={"file": path.name, "format": kind, "header": units},
-        history=("read from columns, converted to SI",),
+        provenance=provenance | ({SOURCE: MEASURED} if is_measured else {}),
+        history=("read from columns, converted to SI", *request.replaced(**measured)),
     )
+
+
+def has_numbers(path: Path) -> bool:
+    """Whether a text file has a line of two or more numbers and nothing else, as every record has."""
+    lines = path.read_text("utf-8-sig", errors="replace").splitlines()
+    return any(_is_numbers(line) for line in lines)
+
+
+def _is_numbers(line: str) -> bool:
+    cells = [cell for cell in re.split(r"[;\t\s]+|,\s+", line.strip().strip(";,")) if cell]
+    cells = cells if len(cells) > 1 else line.strip().strip(",").split(",")
+    try:
+        return len([float(cell.strip().strip('"').replace(",", ".")) for cell in cells]) > 1
+    except ValueError:
+        return False
 
 
 def read_table(path: Path) -> Table:
@@ -69,12 +99,12 @@ def read_table(path: Path) -> Table:
         lines = path.read_text("utf-8-sig").splitlines()
     except UnicodeDecodeError as problem:
         raise FileError(path, f"is no UTF-8 text (byte {problem.start}); save it as UTF-8 text") from None
-    header, rows, first = _split(lines)
+    header, above, rows, first = _split(lines)
     if not rows:
         raise FileError(path, "has no line of numbers; give a header and one line per sample")
     delimiter = _delimiter(rows)
     values = _numbers(path, rows, first, delimiter)
-    cells = [cell.strip().strip('"') for cell in _cells(header, delimiter)] if header else []
+    cells = _with_units_below(*(_header_cells(line, delimiter) for line in (above, header)))
     if cells and len(cells) != values.shape[1]:
         glued = _glued(header)
         if len(glued) != values.shape[1]:
@@ -88,17 +118,29 @@ def read_table(path: Path) -> Table:
     return Table(tuple(name for name, _ in pairs), tuple(unit for _, unit in pairs), values)
 
 
-def _split(lines: list[str]) -> tuple[str, list[tuple[int, str]], int]:
-    """The header line, the ``(line number, text)`` rows below it, and the number of the first row's line."""
-    header = ""
+def _split(lines: list[str]) -> tuple[str, str, list[tuple[int, str]], int]:
+    """The header line, the one above it, the ``(line number, text)`` rows below, and the number of the first row's line."""
+    header = above = ""
     for number, line in enumerate(lines, start=1):
         bare = line.strip()
         if bare and _starts_with_number(bare):
             rows = [(k, text) for k, text in enumerate(lines[number - 1 :], start=number) if text.strip()]
-            return header, [(k, text) for k, text in rows if text.strip()[0] not in "#%"], number
+            return header, above, [(k, text) for k, text in rows if text.strip()[0] not in "#%"], number
         if bare.lstrip("#% "):
-            header = bare.lstrip("#% ")
-    return header, [], len(lines)
+            header, above = bare.lstrip("#% "), header
+    return header, above, [], len(lines)
+
+
+def _header_cells(line: str, delimiter: str | None) -> list[str]:
+    return [cell.strip().strip('"') for cell in _cells(line, delimiter)] if line else []
+
+
+def _with_units_below(names: list[str], cells: list[str]) -> list[str]:
+    """The cells of the header; where its last line is units only, each after the name above it."""
+    bare = [cell.strip("[]() ") for cell in cells]
+    if len(names) != len(cells) or not all(unit in ("", "-") or unit.lower() in BARE_UNITS for unit in bare):
+        return cells
+    return [f"{name} [{unit}]" if unit not in ("", "-") else name for name, unit in zip(names, bare)]
 
 
 def _starts_with_number(line: str) -> bool:
@@ -124,7 +166,9 @@ def _is_decimal_comma(delimiter: str, line: str) -> bool:
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:
-    return line.split(delimiter) if delimiter else line.split()
+    """The cells of a line; a delimiter at its end, as spreadsheets leave it, makes none."""
+    cells = line.split(delimiter) if delimiter else line.split()
+    return cells[:-1] if len(cells) > 1 and not cells[-1].strip() else cells
 
 
 def _glued(header: str) -> list[str]:
@@ -157,35 +201,57 @@ def _name_and_unit(cell: str) -> tuple[str, str]:
 
 def _column(path: Path, table: Table, channel: str, request: Request) -> int | None:
     """Which column a channel is: as declared, else by the words of the header."""
-    said = request.columns.get(channel)
+    said = request.columns.get(channel, "")
+    if said is None or said == "-":
+        return None
     lower = [name.lower() for name in table.names]
     if isinstance(said, int):
         if not 0 <= said < table.values.shape[1]:
             last = table.values.shape[1] - 1
             raise FileError(path, f"columns[{channel!r}] = {said} is no column; choose a number from 0 to {last}")
         return said
-    if said is not None:
+    if said:
         if said.lower() not in lower:
             raise FileError(path, f"there is no column {said!r}; choose from {', '.join(table.names)}")
         return lower.index(said.lower())
     fits = [k for word in WORDS[channel] for k, name in enumerate(lower) if name == word]
     if len(fits) > 1:
         names = " and ".join(table.names[k] for k in fits)
-        raise FileError(path, f"the columns {names} could all be the {channel}; declare columns={{{channel!r}: ...}}")
+        raise FileError(
+            path,
+            f"the columns {names} could all be the {channel}; declare which, --column {channel}=NAME or "
+            f"columns={{{channel!r}: NAME}}",
+        )
     return fits[0] if fits else None
+
+
+def _check_units(path: Path, table: Table, used: dict[str, int], request: Request) -> None:
+    """Raise :class:`FileError` with every column that has no unit, not the first one only."""
+    stated = {channel: table.units[column] if table.units else "" for channel, column in used.items()}
+    bare = [channel for channel in used if not (stated[channel] or request.units.get(channel))]
+    if bare:
+        names = ", ".join(repr(table.names[used[channel]]) if table.names else str(used[channel]) for channel in bare)
+        raise FileError(
+            path,
+            f"the {'columns' if len(bare) > 1 else 'column'} {names} {'have' if len(bare) > 1 else 'has'} no unit; write it in "
+            f"the header, such as {bare[0]} [{CHANNELS[bare[0]]}], or declare it: --unit {bare[0]}={CHANNELS[bare[0]]}, "
+            f"units={{{bare[0]!r}: {CHANNELS[bare[0]]!r}}} or in reading.toml",
+        )
+
+
+def _check_one_input(path: Path, inputs: dict[str, Any]) -> None:
+    if all(value is not None for value in inputs.values()):
+        raise FileError(
+            path,
+            "voltage and current are both given; a record has one input, so leave one out, such as --column voltage=- or "
+            "columns={'voltage': None}",
+        )
 
 
 def _in_si(path: Path, table: Table, channel: str, column: int, request: Request) -> Array:
     stated = table.units[column] if table.units else ""
     declared = request.units.get(channel, "")
     unit = declared or stated
-    if not unit:
-        name = table.names[column] if table.names else f"{column}"
-        raise FileError(
-            path,
-            f"the column {name!r} has no unit; write it in the header, such as {channel} "
-            f"[{CHANNELS[channel]}], or declare units={{{channel!r}: {CHANNELS[channel]!r}}}",
-        )
     if stated and declared and stated != declared:
         raise FileError(
             path,
@@ -196,8 +262,6 @@ def _in_si(path: Path, table: Table, channel: str, column: int, request: Request
     return values if unit == CHANNELS[channel] else to_si(values, unit, CHANNELS[channel])
 
 
-def _constant(values: Array | None) -> float | Array | None:
+def _constant(values: Any) -> Any:
     """A channel that never changes is a constant input."""
-    if values is None or not len(values) or np.ptp(values) != 0:
-        return values
-    return float(values[0])
+    return float(values[0]) if np.ndim(values) == 1 and len(values) and np.ptp(values) == 0 else values

@@ -11,6 +11,8 @@ import numpy as np
 
 from dampyr import catalogue
 from dampyr.errors import FileError, InputError, MissingData
+from dampyr.records.inputs import agrees
+from dampyr.records.reading import FolderReading, reading_of
 from dampyr.records.record import CHANNELS, Array, Record
 
 SHELF = "dampyr.records.formats"
@@ -23,7 +25,7 @@ class Request:
     voltage: float | Array | None = None
     current: float | Array | None = None
     units: Mapping[str, str] = field(default_factory=dict)
-    columns: Mapping[str, str | int] = field(default_factory=dict)
+    columns: Mapping[str, str | int | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for argument in ("units", "columns"):
@@ -34,16 +36,45 @@ class Request:
                 )
 
     def input_channels(self, voltage: Any = None, current: Any = None) -> dict[str, Any]:
-        """The input from the call and from the file together; both at once must agree."""
+        """The input from the call and from the file together.
+
+        What the file states must be what was said; what it measured must agree with it, and gives way to it.
+        """
         found: dict[str, Any] = {}
         for name, said, stored in (("voltage", self.voltage, voltage), ("current", self.current, current)):
-            if said is not None and stored is not None and not np.array_equal(said, stored):
-                raise InputError(
-                    f"{name} = {np.mean(said):g} {CHANNELS[name]} was given, but the file says "
-                    f"{np.mean(stored):g} {CHANNELS[name]}; leave {name} out of the call"
-                )
+            if said is not None and stored is not None and not _same(said, stored):
+                raise InputError(_contradiction(name, said, stored))
             found[name] = said if said is not None else stored
         return found
+
+    def replaced(self, voltage: Any = None, current: Any = None) -> tuple[str, ...]:
+        """What the history says of a measured input that gave way to what was said."""
+        pairs = (("voltage", self.voltage, voltage), ("current", self.current, current))
+        return tuple(
+            f"{name} {np.mean(said):g} {CHANNELS[name]} as stated; {np.mean(stored):.4g} {CHANNELS[name]} as measured"
+            for name, said, stored in pairs
+            if said is not None and stored is not None and not np.array_equal(said, stored)
+        )
+
+
+def _same(said: Any, stored: Any) -> bool:
+    if np.array_equal(said, stored):
+        return True
+    return np.ndim(said) == 0 and np.ndim(stored) == 1 and agrees(float(said), stored)
+
+
+def _contradiction(name: str, said: Any, stored: Any) -> str:
+    unit = CHANNELS[name]
+    if np.ndim(stored) == 0:
+        return (
+            f"{name} = {np.mean(said):g} {unit} was given, but the file says "
+            f"{np.mean(stored):g} {unit}; leave {name} out of the call"
+        )
+    return (
+        f"{name} = {np.mean(said):g} {unit} was given, but the file's column has {np.min(stored):.4g} to "
+        f"{np.max(stored):.4g} {unit} (mean {np.mean(stored):.4g}), which is further from it than 5 % or 0.05 {unit}; "
+        f"leave {name} out of the call"
+    )
 
 
 def read(
@@ -51,20 +82,25 @@ def read(
     voltage: float | Array | None = None,
     current: float | Array | None = None,
     units: Mapping[str, str] | None = None,
-    columns: Mapping[str, str | int] | None = None,
+    columns: Mapping[str, str | int | None] | None = None,
 ) -> Record:
     """Read one test from a file; the suffix says which format it is.
+
+    What is not said here is taken from the ``reading.toml`` beside the file, where there is one
+    (:mod:`dampyr.records.reading`): units, columns, input and role.
 
     Parameters
     ----------
     path
         ``.mat`` (the campaign's MATLAB files), ``.csv`` and ``.txt`` (columns), ``.h5`` (dampyr's own).
     voltage, current
-        The damper's input at the coil, V or A, where the file does not hold it.
+        The damper's input at the coil, V or A, where the file does not hold it. A measured column of the file
+        gives way to it where it agrees (to 5 %, or 0.05 V or A if that is more); else it is an error.
     units
         Unit of each channel that the file does not state, such as ``{"displacement": "mm"}``.
     columns
-        Name (or number, from 0) of the column of each channel, where the header's own words do not tell.
+        Name (or number, from 0) of the column of each channel, where the header's own words do not tell; None, or
+        "-", for a channel that is not to be read.
 
     Raises
     ------
@@ -81,14 +117,30 @@ def read(
     if not path.is_file():
         raise MissingData(f"{path}: there is no such file; check the path")
     try:
-        request = Request(voltage, current, units or {}, columns or {})
-        return catalogue.member(SHELF, kind).read(path, request)
+        beside = reading_of(path.parent)
+        request = _request(beside, path, voltage, current, Request(units=units or {}, columns=columns or {}))
+        return _as_the_folder_says(catalogue.member(SHELF, kind).read(path, request), beside, path)
     except FileError:
         raise
     except InputError as problem:
         raise FileError(path, str(problem)) from problem
     except OSError as problem:
         raise FileError(path, f"cannot be read ({_one_line(problem)}); check the file and its permissions") from problem
+
+
+def _request(beside: FolderReading, path: Path, voltage: Any, current: Any, said: Request) -> Request:
+    """What the caller says, and where it says nothing what ``reading.toml`` does."""
+    given = {"voltage": voltage, "current": current}
+    inputs = given if voltage is not None or current is not None else given | beside.input_of(path)
+    units, columns = {**beside.units, **said.units}, {**beside.columns, **said.columns}
+    return Request(**inputs, units=units, columns=columns)
+
+
+def _as_the_folder_says(record: Record, beside: FolderReading, path: Path) -> Record:
+    """The role that ``reading.toml`` gives the record, noted in its history."""
+    if not beside.is_validation(path) or record.role == "validation":
+        return record
+    return record.replace(note=f"role validation from {beside.path.name}", role="validation")
 
 
 def write(record: Record, path: str | Path, **details: Any) -> Path:

@@ -6,6 +6,7 @@ import numpy as np
 
 from dampyr.records.cycles import cycles
 from dampyr.records.measure import cycle_energies, measure
+from dampyr.records.overview import work
 from dampyr.records.record import Record
 
 FREQUENCY_TOLERANCE = 0.05
@@ -19,19 +20,31 @@ def disagreements(
 
     The labelled frequency and peak-to-peak displacement are compared with the measured ones (tolerances
     relative to the measured, 5 % each by default), and the loops must dissipate energy, else the sign of the
-    force is inverted. A record without a whole cycle can confirm no label, and says so where it has one.
+    force is inverted; without a whole cycle the work over all of the record tells. A record without a whole
+    cycle can confirm no label, and says so where it has one.
     """
     found = cycles(record)
-    if not found:
-        return [f"{record.name}: no whole cycle, so its label cannot be checked"] if record.label else []
-    said = _against_label(record, frequency, peak_to_peak) if record.label else []
-    energy = float(np.median(cycle_energies(record, found)))
-    if energy < 0:
-        said.append(
-            f"{record.name}: its loops create energy ({-energy:.3g} J per cycle where a damper dissipates); "
-            "force sign inverted?"
-        )
-    return said
+    said = []
+    if record.label and found:
+        said += _against_label(record, frequency, peak_to_peak)
+    elif record.label:
+        said.append(f"{record.name}: no whole cycle, so its label cannot be checked")
+    return said + _against_dissipation(record, found)
+
+
+def creates_energy(record: Record) -> bool:
+    """Whether the loops of a record create energy, where a damper dissipates it: its force has the wrong sign."""
+    return bool(_against_dissipation(record, cycles(record)))
+
+
+def _against_dissipation(record: Record, found: list[tuple[int, int]]) -> list[str]:
+    energy = float(np.median(cycle_energies(record, found))) if found else work(record)
+    if energy >= 0:
+        return []
+    span = "per cycle" if found else "in all"
+    return [
+        f"{record.name}: its loops create energy ({-energy:.3g} J {span} where a damper dissipates); force sign inverted?"
+    ]
 
 
 def _against_label(record: Record, frequency: float, peak_to_peak: float) -> list[str]:

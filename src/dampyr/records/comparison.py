@@ -1,0 +1,70 @@
+"""Measured and predicted force side by side, as columns of text for a plot or another program."""
+
+from __future__ import annotations
+
+import io
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from dampyr.errors import FileError
+from dampyr.records.record import Array, Record
+
+SIGNATURE = "# written by dampyr: measured and predicted force"
+HEADER = "time [s],displacement [m],measured force [N],predicted force [N]"
+
+
+def write_comparison(record: Record, predicted: Array, path: str | Path, offset: float = 0.0) -> Path:
+    """Write time (s), displacement (m), measured and predicted force (N) of a record as CSV, whole or not at all.
+
+    ``predicted`` is ``(n,)`` in N; ``offset`` (N) is added to it and told in the second line. A file that is there is replaced
+    if :func:`check_free` lets it.
+
+    Raises
+    ------
+    FileError
+        The folder is not there, or the file was not written by this function.
+    """
+    path = Path(path)
+    check_free(path)
+    page = io.StringIO()
+    values = np.column_stack([record.time, record.displacement, record.force, predicted + offset])
+    head = f"{SIGNATURE}\n# record {record.name}; the predicted force holds an offset of {offset:.6g} N\n{HEADER}"
+    np.savetxt(page, values, delimiter=",", header=head, comments="", fmt="%.9g")
+    _write_whole(path, page.getvalue())
+    return path
+
+
+def check_free(path: Path) -> None:
+    """Raise :class:`FileError` where ``path`` is a file that :func:`write_comparison` did not write."""
+    if not path.exists():
+        return
+    if path.is_file():
+        with path.open("rb") as file:
+            if file.read(len(SIGNATURE)) == SIGNATURE.encode():
+                return
+    raise FileError(path, "is there and was not written by dampyr; choose another folder, or move it away")
+
+
+def file_name(record: Record) -> str:
+    """The name of a record as that of a file: ``NAME.csv``, with ``_`` for what separates folders."""
+    return f"{record.name.translate(str.maketrans('/:', '__')).replace(chr(92), '_')}.csv"
+
+
+def _write_whole(path: Path, text: str) -> None:
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+    except OSError as problem:
+        raise FileError(
+            path, f"cannot be written ({problem.strerror}); choose a folder that can be written to"
+        ) from problem
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        Path(name).chmod(0o644)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

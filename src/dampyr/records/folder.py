@@ -1,0 +1,94 @@
+"""A folder of tests without a table: every file that is a record, named by its stem, in natural order."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from dampyr import catalogue
+from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
+from dampyr.records.columns import has_numbers
+from dampyr.records.files import SHELF, read
+from dampyr.records.formats import h5
+from dampyr.records.reading import NAME, reading_of
+from dampyr.records.record import Record
+
+TEXT = (".csv", ".txt")
+OWN = ".h5"
+
+
+def read_folder(folder: Path, incomplete: bool = False, **said: Any) -> list[Record]:
+    """The records in the files of a folder, in natural order; ``said`` is what :func:`dampyr.records.read` takes.
+
+    Every file with a suffix that is read is a record, but hidden files, those that ``reading.toml`` ignores, and texts without
+    a line of numbers, such as a README; these are named in a warning. Of dampyr's own files the latest complete try of each
+    test is taken, or with ``incomplete`` every one.
+    """
+    files = record_files(folder)
+    kept = files if incomplete else _latest(files)
+    records = [_read(path, said) for path in kept]
+    if not incomplete:
+        _check_names(folder, records)
+    return records
+
+
+def record_files(folder: Path) -> list[Path]:
+    """The files of a folder that are records, in natural order.
+
+    Raises
+    ------
+    MissingData
+        There are none.
+    FileError
+        A pattern of ``reading.toml`` is of no file.
+    """
+    beside = reading_of(folder)
+    suffixes = {f".{name}" for name in catalogue.names(SHELF)}
+    visible = [path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")]
+    found = sorted((path for path in visible if path.suffix.lower() in suffixes), key=natural)
+    beside.check_patterns(found)
+    kept = [path for path in found if not beside.is_ignored(path)]
+    prose = [path for path in kept if path.suffix.lower() in TEXT and not has_numbers(path)]
+    if prose:
+        names = ", ".join(path.name for path in prose)
+        warnings.warn(f"{folder}: left out, no line of numbers: {names}", DampyrWarning, stacklevel=4)
+    records = [path for path in kept if path not in prose]
+    if not records:
+        raise MissingData(f"{folder}: no records are there; give a folder with {', '.join(sorted(suffixes))} files")
+    return records
+
+
+def natural(path: Path) -> tuple[Any, ...]:
+    """The order in which a person lists files: test2 before test10, 0.25A before 0.5A."""
+    parts = re.split(r"(\d+(?:\.\d+)?)", path.name.lower())
+    return (*((float(part), "") if k % 2 else (-1.0, part) for k, part in enumerate(parts)), (-1.0, path.name))
+
+
+def _latest(files: list[Path]) -> list[Path]:
+    """Without the tries of a test that were not completed or were done again."""
+    latest: dict[str, tuple[int, Path]] = {}
+    for path in (path for path in files if path.suffix.lower() == OWN):
+        state = h5.state(path)
+        if state.complete and (state.test not in latest or state.attempt >= latest[state.test][0]):
+            latest[state.test] = (state.attempt, path)
+    own = {path for _, path in latest.values()}
+    return [path for path in files if path.suffix.lower() != OWN or path in own]
+
+
+def _read(path: Path, said: dict[str, Any]) -> Record:
+    try:
+        return read(path, **said)
+    except FileError as problem:
+        if path.suffix.lower() not in TEXT or problem.path != path or NAME in str(problem):
+            raise
+        raise FileError(path, f"{str(problem).removeprefix(f'{path}: ')} (no record? ignore it in {NAME})") from problem
+
+
+def _check_names(folder: Path, records: list[Record]) -> None:
+    name, count = Counter(record.name for record in records).most_common(1)[0] if records else ("", 0)
+    if count > 1:
+        files = ", ".join(r.provenance.get("file", r.name) for r in records if r.name == name)
+        raise InputError(f"{folder}: {count} records are called {name!r} (from {files}); ignore or rename all but one")

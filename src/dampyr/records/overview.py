@@ -1,0 +1,82 @@
+"""What can be said of any motion, and whether its whole cycles stand for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dampyr.records.cycles import cycles, turning_points
+from dampyr.records.derivative import default_bandwidth, differentiate
+from dampyr.records.motion import motion_start
+from dampyr.records.record import Array, Record
+
+SHARE = 0.5
+DISTORTION = 0.5
+
+
+@dataclass(frozen=True)
+class Overview:
+    """A motion as a whole, SI.
+
+    Attributes
+    ----------
+    repeats
+        Whether the motion repeats itself: whole cycles cover at least half of the time from the start of the motion to the
+        last turning point, and a sine with its harmonics misses at most half of it (rms). Only then do the frequency, the
+        stroke and the energy of :func:`measure` stand for the record.
+    stroke_m, peak_speed, rms_speed
+        Largest less smallest displacement, m; m/s, from the start of the motion on.
+    dominant_hz
+        Where the spectrum of the velocity is highest, to one over the duration; None for a record that does not move.
+    work
+        What the force about its mean dissipates over the whole record, J; negative where a damper's force has the wrong sign.
+    """
+
+    repeats: bool
+    stroke_m: float
+    peak_speed: float
+    rms_speed: float
+    dominant_hz: float | None
+    work: float
+
+
+def overview(record: Record) -> Overview:
+    """Describe the motion of a record, whatever it is."""
+    first = int(np.searchsorted(record.time, motion_start(record)))
+    moves = record.n - first >= 8
+    part = slice(first if moves else 0, record.n)
+    speed = differentiate(record.time, record.displacement, default_bandwidth(record))[part]
+    return Overview(
+        repeats=repeats(record),
+        stroke_m=float(np.ptp(record.displacement)),
+        peak_speed=float(np.max(np.abs(speed))),
+        rms_speed=float(np.sqrt(np.mean(speed**2))),
+        dominant_hz=_dominant(record.time[part], speed, record.dt) if moves else None,
+        work=work(record),
+    )
+
+
+def repeats(record: Record) -> bool:
+    """Whether the whole cycles of a record stand for its motion, see :class:`Overview`."""
+    from dampyr.records.measure import measure
+
+    found, points = cycles(record), turning_points(record)
+    if not found:
+        return False
+    moving = float(record.time[points[-1]]) - motion_start(record)
+    covered = float(record.time[found[-1][1]] - record.time[found[0][0]])
+    return covered >= SHARE * moving and measure(record).distortion <= DISTORTION
+
+
+def work(record: Record) -> float:
+    """What the force about its mean dissipates over the whole record, J."""
+    force = record.force - np.mean(record.force)
+    return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(record.displacement)))
+
+
+def _dominant(time: Array, speed: Array, dt: float) -> float:
+    even = np.arange(time[0], time[-1], dt)
+    values = np.interp(even, time, speed)
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values))))
+    return float(np.fft.rfftfreq(len(values), dt)[int(np.argmax(spectrum))])
