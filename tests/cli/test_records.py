@@ -51,7 +51,7 @@ def test_one_record_is_shown_in_full(table: Path) -> None:
 def test_several_records_are_a_table_in_mm(table: Path) -> None:
     shown = run(table, table, "--voltage", "1.98").stdout.splitlines()
     assert shown[0] == "2 records"
-    assert [line.split() for line in shown if "Hz" in line] == [["s", "Hz", "mm", "N"]]
+    assert [line.split() for line in shown if "Hz" in line] == [["s", "Hz", "mm", "mm/s", "N"]]
     row = next(line for line in shown if line.strip().startswith("sine")).split()
     assert row[1:4] == ["fit", "1.98", "V"]
     assert [float(cell) for cell in row[4:7]] == pytest.approx([11.99, 0.8, 20.0], rel=5e-3)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dampyr.errors import InputError
+from dampyr.errors import DampyrWarning, InputError
 
 if TYPE_CHECKING:
     from dampyr.records import Record
@@ -29,8 +30,8 @@ class Reading:
 def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options ``--voltage --current --unit --column``; they come as ``reading``, a `Reading`."""
 
-    @click.option("--voltage", type=float, help="V at the coil, for files that do not hold it.")
-    @click.option("--current", type=float, help="A, for files that do not hold it.")
+    @click.option("--voltage", type=float, help="V at the coil, for all files; a measured column gives way to it.")
+    @click.option("--current", type=float, help="A, for all files; a measured column gives way to it.")
     @click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm.")
     @click.option("--column", "columns", multiple=True, metavar="CHANNEL=NAME", help="Such as force='Load cell'.")
     @wraps(command)
@@ -47,20 +48,70 @@ def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return wrapped
 
 
-def gather(paths: tuple[Path, ...], role: str | None, reading: Reading) -> list[Record]:
-    """The records in files and campaign folders; ``role`` chooses among those of a folder, None takes all."""
+def gather(
+    paths: tuple[Path, ...], role: str | None, reading: Reading, known: Sequence[float] = (), warn: bool = True
+) -> list[Record]:
+    """The records in files and folders, measured inputs that are constant but for noise as constants.
+
+    ``role`` chooses among those of a folder, None takes all; measured inputs close to those in ``known`` count as these. What
+    was joined is told in one line on stderr, and so is, with ``warn``, which records create energy.
+    """
     from dampyr import records
 
     found: list[Record] = []
     for path in paths:
         if path.is_dir():
-            found += records.read_campaign(path, role=role)  # type: ignore[arg-type]
+            found += records.read_campaign(path, role=role, **vars(reading))  # type: ignore[arg-type]
         else:
             found.append(records.read(path, **vars(reading)))
     if not found:
-        where = ", ".join(map(str, paths))
-        raise InputError(f"no records in {where}; name files, or a folder with campaign.csv or .h5 files")
-    return found
+        where, which = ", ".join(map(str, paths)), f" whose role is {role}" if role else ""
+        raise InputError(f"no records{which} in {where}; name files, or a folder with records")
+    nominal = records.nominal_inputs(found, known)
+    tell_inputs(found, nominal)
+    if warn:
+        warn_of_signs(nominal)
+    return nominal
+
+
+def tell_inputs(measured: Sequence[Record], nominal: Sequence[Record]) -> None:
+    """Say on stderr, in one line, which measured inputs count as which."""
+    joined: dict[float, list[float]] = {}
+    units = set()
+    for before, after in zip(measured, nominal, strict=True):
+        if before is not after and before.input_value is not None and after.input_value is not None:
+            joined.setdefault(after.input_value, []).append(before.input_value)
+            units.add("voltage" if after.input == "V" else "current")
+    unit = "V" if units == {"voltage"} else "A"
+    told = [_joined(u, sorted(values), unit) for u, values in sorted(joined.items())]
+    if any(told):
+        click.echo(
+            f"dampyr: {units.pop()} as measured, constant but for noise: {'; '.join(filter(None, told))}", err=True
+        )
+
+
+def _joined(nominal: float, values: list[float], unit: str) -> str:
+    """What counts as ``nominal``; empty where that says nothing."""
+    low, high, counts = f"{values[0]:.4g}", f"{values[-1]:.4g}", f"{nominal:.4g}"
+    if low == high == counts:
+        return ""
+    seen = low if low == high else f"{low} to {high}"
+    times = f" in {len(values)} records" if len(values) > 1 else ""
+    return f"{seen} {unit}{times} counts as {counts} {unit}"
+
+
+def warn_of_signs(found: Sequence[Record]) -> None:
+    """Warn of records whose loops create energy, in one line."""
+    from dampyr import records
+
+    wrong = [record.name for record in found if records.creates_energy(record)]
+    if wrong:
+        names = ", ".join(wrong[:3]) + (f" and {len(wrong) - 3} more" if len(wrong) > 3 else "")
+        warnings.warn(
+            f"{len(wrong)} of {len(found)} records create energy where a damper dissipates ({names}); force sign inverted?",
+            DampyrWarning,
+            stacklevel=3,
+        )
 
 
 def pairs(given: tuple[str, ...]) -> dict[str, str] | None:

@@ -9,18 +9,18 @@ import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._records import Reading, gather, reading_options
-from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.records import Measured, Record
+    from dampyr.records import Overview, Record
 
-COLUMNS = ["record", "role", "input", "duration", "frequency", "peak to peak", "mean force", "to look at"]
-UNITS = ["", "", "", "s", "Hz", "mm", "N", ""]
+COLUMNS = ["record", "role", "input", "duration", "frequency", "peak to peak", "peak speed", "mean force", "to look at"]
+UNITS = ["", "", "", "s", "Hz", "mm", "mm/s", "N", ""]
+BY_INPUT = ["input", "records", "frequency", "peak to peak", "peak speed"]
 
 
 @click.command()
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path))
-@click.option("--role", type=click.Choice(["fit", "validation", "all"]), default="all", help="Of a campaign.")
+@click.option("--role", type=click.Choice(["fit", "validation", "all"]), default="all", help="Of a folder.")
 @reading_options
 @as_json_option
 def command(
@@ -31,14 +31,14 @@ def command(
 ) -> None:
     """List records, measured and checked.
 
-    PATHS are files or campaign folders; without them, the labcontrol campaign. One record alone is shown in
+    PATHS are files or folders of them; without any, the labcontrol campaign. One record alone is shown in
     full. Frequency and displacement are measured over whole cycles; where a label says something else, that
-    is told.
+    is told. Of a motion that does not repeat itself, the overall stroke is told and its strongest frequency.
     """
     from dampyr import records
 
     places = paths or (records.locate("labcontrol"),)
-    found = gather(places, None if role == "all" else role, reading)
+    found = gather(places, None if role == "all" else role, reading, warn=False)
     absent = [row for path in places if path.is_dir() for row in _without_file(path)]
     told = [_told(record) for record in found]
     if as_json:
@@ -48,6 +48,7 @@ def command(
     else:
         notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent]
         print_table(f"{len(told)} records", COLUMNS, [_row(each) for each in told], UNITS, notes=notes)
+        _print_by_input(told)
 
 
 def _without_file(folder: Path) -> list[dict[str, Any]]:
@@ -63,20 +64,22 @@ def _told(record: Record) -> dict[str, Any]:
     """All that is known of a record, without its samples."""
     from dampyr import records
 
-    measured: Measured | None = None
-    try:
-        measured, notes = records.measure(record), records.disagreements(record)
-    except InputError as problem:  # no whole cycle: there is a record, but nothing to measure in it
-        notes = [str(problem)]
+    seen = records.overview(record)
+    measured = records.measure(record) if seen.repeats else None
+    notes = records.disagreements(record)
+    if measured is None:
+        notes = [_irregular(seen), *notes]
     quality = records.quality(record)
     return {
         "name": record.name,
         "role": record.role,
         "input": record.input,
         "input_value": record.input_value,
+        "input_range": _range(record),
         "duration_s": record.duration,
         "label": record.label,
         "measured": measured,
+        "overview": seen,
         "quality": quality,
         "notes": [*(note.removeprefix(f"{record.name}: ") for note in notes), *quality.notes],
         "history": record.history,
@@ -84,15 +87,58 @@ def _told(record: Record) -> dict[str, Any]:
     }
 
 
+def _irregular(seen: Overview) -> str:
+    if seen.dominant_hz is None:
+        return "no whole cycle: nothing moves"
+    return f"no repeating cycle: strongest at {seen.dominant_hz:.2g} Hz, {1e3 * seen.rms_speed:.3g} mm/s rms"
+
+
+def _range(record: Record) -> list[float] | None:
+    """Smallest and largest input, None where it is not known."""
+    value = record.voltage if record.voltage is not None else record.current
+    if value is None:
+        return None
+    return [value, value] if isinstance(value, float) else [float(value.min()), float(value.max())]
+
+
 def _input(told: dict[str, Any]) -> str | None:
-    return None if told["input"] is None else f"{told['input_value']:.5g} {told['input']}"
+    if told["input"] is None:
+        return None
+    low, high = told["input_range"]
+    return f"{low:.5g} {told['input']}" if low == high else f"{low:.3g} to {high:.3g} {told['input']}"
 
 
 def _row(told: dict[str, Any]) -> list[Any]:
-    m = told["measured"]
-    motion = [m.frequency_hz, 1e3 * m.peak_to_peak_m, m.mean_force] if m else [None, None, None]
+    m, seen = told["measured"], told["overview"]
+    stroke = 1e3 * (m.peak_to_peak_m if m else seen.stroke_m)
+    speed = 1e3 * (m.peak_speed if m else seen.peak_speed)
+    frequency, force = (m.frequency_hz, m.mean_force) if m else (None, None)
     notes = "; ".join(told["notes"])
-    return [told["name"], told["role"], _input(told), told["duration_s"], *motion, notes]
+    return [told["name"], told["role"], _input(told), told["duration_s"], frequency, stroke, speed, force, notes]
+
+
+def _print_by_input(told: list[dict[str, Any]]) -> None:
+    """What was tested at each input, the inputs in rising order; those that vary, and those not known, last."""
+    groups: dict[tuple[bool, float], list[dict[str, Any]]] = {}
+    for each in told:
+        low, high = each["input_range"] or (0.0, 1.0)
+        groups.setdefault((low != high, low if low == high else 0.0), []).append(each)
+    if len(groups) < 2:
+        return
+    rows = []
+    for (varies, _), group in sorted(groups.items()):
+        moves = [_row(each)[4:7] for each in group]
+        spans = [_span([move[k] for move in moves if move[k] is not None]) for k in range(3)]
+        rows.append(["varies or not known" if varies else _input(group[0]), len(group), *spans])
+    click.echo()
+    print_table("By input", BY_INPUT, rows, ["", "", "Hz", "mm", "mm/s"])
+
+
+def _span(values: list[float]) -> str | None:
+    if not values:
+        return None
+    low, high = f"{min(values):.3g}", f"{max(values):.3g}"
+    return low if low == high else f"{low} to {high}"
 
 
 def _print_one(told: dict[str, Any]) -> None:
@@ -114,7 +160,23 @@ def _print_one(told: dict[str, Any]) -> None:
             ("energy per cycle", f"{m.energy_per_cycle:.4g} J"),
             ("third harmonic", f"{100 * m.harmonics[3]:.2g} %"),
         ]
+    else:
+        lines += _moved(told["overview"])
     lines += [(f"{channel} step", f"{step:.4g} {CHANNELS[channel]}") for channel, step in q.quantum.items()]
     lines += [("to look at", note) for note in told["notes"]]
     lines += list(told["provenance"].items()) + [("done", step) for step in told["history"]]
     print_table(told["name"], ["", ""], lines)
+
+
+def _moved(seen: Overview) -> list[tuple[str, Any]]:
+    """The lines on a motion that does not repeat itself."""
+    lines: list[tuple[str, Any]] = [("whole stroke", f"{1e3 * seen.stroke_m:.5g} mm")]
+    if seen.dominant_hz is None:
+        return lines
+    return [
+        *lines,
+        ("peak speed", f"{1e3 * seen.peak_speed:.4g} mm/s"),
+        ("rms speed", f"{1e3 * seen.rms_speed:.4g} mm/s"),
+        ("strongest at", f"{seen.dominant_hz:.3g} Hz"),
+        ("energy in all", f"{seen.work:.4g} J"),
+    ]
