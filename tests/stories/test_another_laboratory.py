@@ -1,0 +1,223 @@
+"""Another laboratory's files, from the first look to the prediction of an earthquake; and files with something wrong."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from dampyr.cli import cli
+from tests.stories.laboratory import CURRENTS, HEADER, MOTIONS, READING, UNITS, columns, sine, text, write_laboratory
+
+MODEL = "hyperbolic_tangent + spring + compliance"
+SAID = [word for channel, unit in UNITS.items() for word in ("--unit", f"{channel}={unit}")]
+
+
+def run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(cli, [*map(str, arguments)], catch_exceptions=False)
+
+
+def told(*arguments: str | Path) -> str:
+    done = run(*arguments)
+    assert done.exit_code == 0, done.stderr
+    return done.stdout
+
+
+def refused(*arguments: str | Path) -> str:
+    """The one line of an orderly refusal."""
+    done = run(*arguments)
+    assert done.exit_code == 2
+    assert done.stderr.count("\n") == 1, done.stderr
+    return done.stderr
+
+
+@pytest.fixture(scope="module")
+def as_it_came(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_laboratory(tmp_path_factory.mktemp("rig") / "tests")
+
+
+@pytest.fixture(scope="module")
+def laboratory(as_it_came: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder with its units and roles said once."""
+    folder = tmp_path_factory.mktemp("said") / "tests"
+    shutil.copytree(as_it_came, folder)
+    (folder / "reading.toml").write_text(READING)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def card(laboratory: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("card") / "card.toml"
+    told("identify", laboratory, "--model", MODEL, "--save", path)
+    return path
+
+
+def test_the_first_look_says_what_is_missing(as_it_came: Path) -> None:
+    done = run("records", as_it_came)
+    assert done.exit_code == 2
+    note, line = done.stderr.splitlines()
+    assert note.endswith("left out, no line of numbers: README.txt")
+    assert (
+        "earthquake_0.7A.txt: the columns 'Time', 'Displacement', 'Force', 'Velocity', 'Current' have no unit" in line
+    )
+    assert "32 records" in told("records", as_it_came, *SAID)
+
+
+def test_the_records_are_listed_by_what_was_set(laboratory: Path) -> None:
+    done = run("records", laboratory)
+    listed, by_input = done.stdout.split("By input")
+    assert "-0.014" in done.stderr
+    assert "in 6 records counts as 0 A; " in done.stderr
+    inputs = [float(line.split()[0]) for line in by_input.splitlines() if line.split()[1:2] == ["A"]]
+    assert inputs == sorted(inputs)
+    np.testing.assert_allclose(inputs, sorted([*CURRENTS, 0.7, 1.2]), atol=0.004)
+    names = [line.split()[0] for line in listed.splitlines() if line.startswith("  sine")]
+    assert names[:2] == ["sine_2mm_5Hz_0A", "sine_2mm_5Hz_0.25A"]
+    assert len(names) == len(CURRENTS) * len(MOTIONS)
+    [quake] = [line for line in listed.splitlines() if "earthquake_0.7A" in line]
+    assert quake.split()[1] == "validation"
+    assert "no repeating cycle: strongest at" in quake
+
+
+def test_the_earthquake_is_predicted(laboratory: Path, card: Path, tmp_path: Path) -> None:
+    done = run("validate", card, laboratory, "--role", "validation", "--forces", tmp_path / "forces")
+    assert done.exit_code == 0, done.stderr
+    assert "energy –: no whole cycle in the window, so it is not scored" in done.stdout
+    assert "nan" not in done.stdout
+    assert "mean L1" in done.stdout
+    scores = json.loads(told("validate", card, laboratory, "--role", "validation", "--json"))["scores"]
+    assert list(scores) == ["earthquake_0.7A", "earthquake_1.2A"]
+    assert all(score["l1"] < 0.10 and not score["fitted_on"] for score in scores.values())
+    for name, score in scores.items():
+        _, _, force, predicted = np.loadtxt(tmp_path / "forces" / f"{name}.csv", delimiter=",", skiprows=3).T
+        part = slice(score["window"]["first"], score["window"]["last"] + 1)
+        middle = 0.5 * (force[part].max() + force[part].min())
+        l1 = np.sum(np.abs(predicted - force)[part]) / np.sum(np.abs(force[part] - middle))
+        assert l1 == pytest.approx(score["l1"], rel=1e-4)
+
+
+def test_a_model_that_remembers_the_path_predicts_better(laboratory: Path, tmp_path: Path) -> None:
+    card = tmp_path / "card.toml"
+    told("identify", laboratory, "--model", "dahl + hyperbolic_tangent + compliance", "--save", card)
+    scores = json.loads(told("validate", card, laboratory, "--role", "validation", "--json"))["scores"]
+    assert all(score["l1"] < 0.02 for score in scores.values())
+
+
+def test_the_scores_are_told_by_input(laboratory: Path, card: Path) -> None:
+    rows = json.loads(told("validate", card, laboratory, "--json"))["by_input"]
+    inputs = [row["input"] for row in rows]
+    assert inputs == sorted(inputs)
+    assert [row["records"] for row in rows] == [6, 6, 6, 1, 6, 1, 6]
+    assert all(row["mean_l1"] <= row["worst_l1"] < 0.12 for row in rows)
+
+
+def test_forces_replace_their_own_files_only(laboratory: Path, card: Path, tmp_path: Path) -> None:
+    quake = laboratory / "earthquake_0.7A.txt"
+    for _ in range(2):
+        told("validate", card, quake, "--forces", tmp_path)
+    (tmp_path / "earthquake_0.7A.csv").write_text("mine\n")
+    line = run("validate", card, quake, "--forces", tmp_path).stderr.splitlines()[-1]
+    assert "was not written by dampyr; choose another folder" in line
+    assert (tmp_path / "earthquake_0.7A.csv").read_text() == "mine\n"
+
+
+def test_the_current_of_a_single_file_may_lie_at_the_edge_of_the_card(
+    laboratory: Path, card: Path, tmp_path: Path
+) -> None:
+    """Its measured 1.508 A is the card's 1.5 A, and -0.014 A its 0: no extrapolation."""
+    for current in (0.0, 1.5):
+        rows = columns(*sine(10.0, 1.0), current, np.random.default_rng(5))
+        rows[:, 4] += 0.005
+        path = tmp_path / f"again_{current:g}A.txt"
+        path.write_text(text(rows))
+        assert "again" in told("validate", card, path, *SAID)
+
+
+def rows_of(current: float = 0.5) -> np.ndarray:
+    return columns(*sine(5.0, 2.0), current, np.random.default_rng(3))
+
+
+def spoilt(change: Callable[[np.ndarray], None]) -> str:
+    rows = rows_of()
+    change(rows)
+    return text(rows)
+
+
+def doubled(rows: np.ndarray) -> None:
+    rows[57, 0] = rows[56, 0]
+
+
+def shifted(rows: np.ndarray) -> None:
+    rows[:, 0] += 1234.5
+
+
+def inverted(rows: np.ndarray) -> None:
+    rows[:, 3] *= -1.0
+
+
+def test_a_column_that_is_missing(tmp_path: Path) -> None:
+    lines = [line.rsplit("\t", 2)[0] for line in text(rows_of()).splitlines()]
+    (tmp_path / "a.txt").write_text("\n".join(lines))
+    line = refused("records", tmp_path / "a.txt", *SAID)
+    assert "no column is the force (there: Time, Displacement, Velocity); declare which, --column force=NAME" in line
+
+
+def test_a_time_stamp_that_comes_twice(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text(spoilt(doubled))
+    assert "time[57] = 0.112 s does not come after 0.112 s" in refused("identify", tmp_path, *SAID)
+
+
+@pytest.mark.parametrize("command", ["records", "identify"])
+def test_an_inverted_force_is_flagged(tmp_path: Path, command: str) -> None:
+    (tmp_path / "a.txt").write_text(spoilt(inverted))
+    (tmp_path / "b.txt").write_text(text(rows_of()))
+    done = run(command, tmp_path, *SAID)
+    assert "force sign inverted?" in done.stdout + done.stderr
+    assert "1 of 2 records create energy where a damper dissipates (a)" in done.stderr or command == "records"
+
+
+def measured(path: Path, *options: str) -> dict[str, float]:
+    [record] = json.loads(told("records", path, *options, "--json"))["records"]
+    assert record["input_value"] == pytest.approx(0.5, abs=0.002)
+    return {
+        key: record["measured"][key] for key in ("frequency_hz", "peak_to_peak_m", "mean_force", "energy_per_cycle")
+    }
+
+
+def in_inches(rows: np.ndarray) -> str:
+    units = "time [s]\tdisplacement [in]\tvelocity [in/s]\tforce [kN]\tcurrent [mA]"
+    lines = ["\t".join(f"{value:.8f}" for value in row) for row in rows / [1.0, 25.4, 25.4, 1e3, 1e-3]]
+    return "\n".join([units, *lines])
+
+
+@pytest.mark.parametrize(
+    ("written", "options"),
+    [
+        (text(rows_of()).replace(".", ","), SAID),
+        (text(rows_of(), HEADER.replace("\t", ";"), ";").replace(".", ","), SAID),
+        (text(rows_of(), end="\r\n") + "\r\n\r\n", SAID),
+        (spoilt(shifted), SAID),
+        (text(rows_of(), HEADER + "\nsec\tmm\tmm/s\tN\tA"), []),
+        (in_inches(rows_of()), []),
+        (text(rows_of()).replace("Force", "Load cell"), [*SAID, "--column", "force=Load cell"]),
+        (text(rows_of()), [*SAID, "--current", "0.5"]),
+    ],
+    ids=["decimal commas", "semicolons", "Windows", "late start", "units below", "in and kN", "named", "current said"],
+)
+def test_the_same_test_written_otherwise(tmp_path: Path, written: str, options: list[str]) -> None:
+    (tmp_path / "plain.txt").write_text(text(rows_of()))
+    (tmp_path / "other.txt").write_bytes(written.encode())
+    expected = measured(tmp_path / "plain.txt", *SAID)
+    assert measured(tmp_path / "other.txt", *options) == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_current_that_the_file_contradicts(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text(text(rows_of()))
+    line = refused("identify", tmp_path / "a.txt", *SAID, "--current", "1.5")
+    assert "current = 1.5 A was given, but the file's column has" in line
+    assert "leave current out" in line
