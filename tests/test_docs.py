@@ -106,6 +106,7 @@ def write_own_file(folder: Path, text: str) -> None:
 def write_laboratory(folder: Path, text: str) -> None:
     """The files that "another laboratory" shows: twelve sines at four currents, and a motion like an earthquake's."""
     [header, first, *_] = text.splitlines()
+    folder.mkdir()
     rng = np.random.default_rng(7)
     t = np.arange(0.0, 6.0, 0.002)
     for current in (0.0, 0.5, 1.0, 1.5):
@@ -138,7 +139,7 @@ def write_test(path: Path, header: str, t: Array, x: Array, current: float, rng:
 def steps(page: Path) -> Iterator[tuple[str, str]]:
     """The blocks of a page that a reader runs, in order."""
     for info, text in FENCE.findall(page.read_text(encoding="utf-8")):
-        if info in ("sh", "python", "text"):
+        if info in ("sh", "python", "text", "toml"):
             yield info, text
 
 
@@ -156,7 +157,9 @@ def test_what_a_page_has_its_reader_do_works(
         if kind == "text" and "Stroke LVDT" in block:
             write_own_file(tmp_path, block)
         elif kind == "text" and "Displacement" in block:
-            write_laboratory(tmp_path, block)
+            write_laboratory(tmp_path / "tests", block)
+        elif kind == "toml":
+            (tmp_path / "tests" / "reading.toml").write_text(block, encoding="utf-8")
         elif kind == "python":
             desk.execute(block)
             done += 1
