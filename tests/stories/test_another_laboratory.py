@@ -116,6 +116,18 @@ def test_the_scores_are_told_by_input(laboratory: Path, card: Path) -> None:
     assert all(row["mean_l1"] <= row["worst_l1"] < 0.12 for row in rows)
 
 
+def test_a_page_of_the_prediction(laboratory: Path, card: Path, tmp_path: Path) -> None:
+    pytest.importorskip("dampyr.report.validate_page", reason="the page of a validation is not there yet")
+    shown = told("validate", card, laboratory, "--role", "validation", "--report", tmp_path / "v.html")
+    assert f"page: {tmp_path / 'v.html'}" in shown
+    assert "earthquake_1.2A" in (tmp_path / "v.html").read_text(encoding="utf-8")
+
+
+def test_two_records_of_one_name_are_not_scored_as_one(laboratory: Path, card: Path) -> None:
+    line = run("validate", card, laboratory / "earthquake_0.7A.txt", laboratory).stderr.splitlines()[-1]
+    assert "2 records are called 'earthquake_0.7A'; rename" in line
+
+
 def test_forces_replace_their_own_files_only(laboratory: Path, card: Path, tmp_path: Path) -> None:
     quake = laboratory / "earthquake_0.7A.txt"
     for _ in range(2):

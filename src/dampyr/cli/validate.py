@@ -71,9 +71,13 @@ def command(
         return
     _print(f"{card}: {damper.composition}", damper, records, scores, seen)
     if written:
-        click.echo(f"forces: {len(written)} files in {forces}")
+        click.echo(f"forces: {_count(len(written), 'file')} in {forces}")
     if report:
         click.echo(f"page: {report}")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _check_names(records: list[Record]) -> None:
@@ -116,7 +120,9 @@ def _print(title: str, damper: Damper, records: list[Record], scores: dict[str, 
         window = f"{s.window.start:.2f}–{s.window.end:.2f}"
         errors = [100 * s.l1, 100 * s.nrmse, s.r2, 100 * s.pointwise, 100 * s.peak_force, energy]
         rows.append([r.name, r.input_value, "yes" if r.name in seen else "no", *errors, window])
-    notes = [f"mean L1 {100 * sum(s.l1 for s in scores.values()) / len(scores):.2f} % over {len(rows)} records"]
+    notes = [
+        f"mean L1 {100 * sum(s.l1 for s in scores.values()) / len(scores):.2f} % over {_count(len(rows), 'record')}"
+    ]
     if any(row[8] is None for row in rows):
         notes.append("energy –: no whole cycle in the window, so it is not scored")
     print_table(title, NAMES, rows, ["", damper.input, "", "%", "%", "", "%", "%", "%", "s"], digits=3, notes=notes)
