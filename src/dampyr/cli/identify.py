@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._leaderboard import print_leaderboard, ranked, told
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, Validation
+    from dampyr.identification import Fit, Leaderboard, Validation
     from dampyr.records import Record
 
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--model", default="dahl", show_default=True, help="Parts, such as 'dahl + spring + delay'.")
+@click.option("--model", help="Parts, such as 'dahl + spring + delay'; without, the model that predicts best is found.")
+@click.option("--try", "tried", multiple=True, metavar="MODEL", help="Without --model: only these instead of all.")
 @click.option("--law", "laws", multiple=True, metavar="[NAME=]KIND", help="constant, interpolation, polynomial:DEGREE.")
 @click.option("--fix", "fixed", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in SI units.")
 @click.option("--bandwidth", type=float, metavar="HZ", help="Derive the velocity with this bandwidth.")
@@ -29,8 +32,16 @@ if TYPE_CHECKING:
     "splits",
     multiple=True,
     metavar="SPLIT",
-    help="Cross-validate by record, input, frequency or amplitude.",
+    help="Cross-validate by record, input, frequency, amplitude, waveform or time.",
 )
+@click.option(
+    "--loss", default="squares", show_default=True, help="squares, huber or l1: the last two bear wild samples."
+)
+@click.option(
+    "--nuisance", "nuisances", multiple=True, help="gain, temperature: what else each record keeps to itself."
+)
+@click.option("--tie", "tied", multiple=True, metavar="NAME=OTHER", help="One parameter takes the law of another.")
+@click.option("--starts", default=1, show_default=True, help="From how many starts is searched.")
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
@@ -38,11 +49,16 @@ if TYPE_CHECKING:
 @as_json_option
 def command(
     paths: tuple[Path, ...],
-    model: str,
+    model: str | None,
+    tried: tuple[str, ...],
     laws: tuple[str, ...],
     fixed: tuple[str, ...],
     bandwidth: float | None,
     splits: tuple[str, ...],
+    loss: str,
+    nuisances: tuple[str, ...],
+    tied: tuple[str, ...],
+    starts: int,
     each: bool,
     save: Path | None,
     report: Path | None,
@@ -52,51 +68,98 @@ def command(
     """Identify a damper from records by least squares.
 
     PATHS are record files or campaign folders (of which the records for fitting are taken). All records are fitted
-    together, each parameter following the voltage, unless --each is given. --predict says how well the model predicts
-    records that it was not fitted on: five random parts of the records, one input left out at a time, or five parts in
-    the order of frequency or stroke.
+    together, each parameter following the voltage, unless --each is given. Without --model every model of the catalogue is
+    tried, bare and with spring, delay, lag and compliance, and the one that best predicts records and voltages that it was
+    not fitted on is taken: minutes, not seconds. --predict says how well a model predicts: five random parts of the records,
+    one input left out at a time, five parts in the order of frequency or stroke, one kind of motion left out, or the last
+    part of every record.
     """
-    from dampyr.identification import cross_validate, fit
-
     records = gather(paths, "fit", reading)
-    if each and (save or report or splits):
+    _check(model, each, bool(save or report or splits), bool(fixed or tied), tried)
+    options: dict[str, Any] = {"laws": _laws(laws), "fixed": _numbers(fixed), "bandwidth": bandwidth, "loss": loss}
+    options |= {"nuisances": ("offset", "state", *nuisances), "tied": pairs(tied), "starts": starts}
+    if each:
+        assert model is not None
+        fits = _fit_each(model, records, options)
+        print_json([_told(f) for f in fits]) if as_json else _print_each(fits)
+        return
+    with stages() as progress:
+        board = None if model else ranked(records, tried, options, progress)
+        found, checks = _joint(model, records, options, splits, board, progress)
+    if as_json:
+        extra = {"predictions": checks} if checks else {}
+        print_json(_told(found) | extra | ({"leaderboard": told(board)} if board else {}))
+    else:
+        if board:
+            print_leaderboard(board)
+        _print(found)
+        for check in checks:
+            _print_prediction(check, records)
+    if save:
+        _save(found, save, board)
+    if report:
+        _report(found, report, checks, board)
+
+
+def _check(model: str | None, each: bool, written: bool, named: bool, tried: tuple[str, ...]) -> None:
+    if each and written:
         raise InputError(
             "--each makes one fit per record and no card; leave out --save, --report and --predict, or --each"
         )
-    options: dict[str, Any] = {"laws": _laws(laws), "fixed": _numbers(fixed), "bandwidth": bandwidth}
-    groups = [[record] for record in records] if each else [records]
+    if model is None and (each or named):
+        which = "--each" if each else "--fix and --tie"
+        raise InputError(f"{which} need --model: without it every model is tried; name one, such as --model dahl")
+    if model is not None and tried:
+        raise InputError("--try says which models are tried where none is named; leave out --try or --model")
+
+
+def _fit_each(model: str, records: list[Record], options: dict[str, Any]) -> list[Fit]:
+    from dampyr.identification import fit
+
     fits = []
     with stages() as progress:
-        for k, group in enumerate(groups):
-
-            def show(step: int, _: float, k: int = k) -> None:
-                progress("identifying", (k + step / (step + 20.0)) / len(groups))
-
-            progress("identifying", k / len(groups))
-            fits.append(fit(model, group, **options, progress=show))
+        for k, record in enumerate(records):
+            progress("identifying", k / len(records))
+            fits.append(fit(model, record, **options))
         progress("identifying", 1.0)
-        checks = []
-        for split in splits:
+    return fits
+
+
+def _joint(
+    model: str | None,
+    records: list[Record],
+    options: dict[str, Any],
+    splits: tuple[str, ...],
+    board: Leaderboard | None,
+    progress: Callable[[str, float], None],
+) -> tuple[Fit, list[Validation]]:
+    """The fit to all records, and the validations that were asked for; of a leaderboard the winner's."""
+    from dampyr.identification import cross_validate, fit
+
+    checks = list(board.winner.validations) if board else []
+    if board:
+        model, options = board.winner.model, options | {"bandwidth": board.bandwidth}
+    assert model is not None
+    found = board.winner.fit if board else None
+    if found is None:
+        progress("identifying", 0.0)
+        found = fit(model, records, **options, progress=lambda step, _: progress("identifying", step / (step + 20.0)))
+        progress("identifying", 1.0)
+    for split in splits:
+        if all(check.split != split for check in checks):
 
             def share(done: float, split: str = split) -> None:
                 progress(f"predicting by {split}", done)
 
             checks.append(cross_validate(model, records, split, progress=share, **options))
-    if as_json:
-        told = [_told(f) | ({"predictions": checks} if checks else {}) for f in fits]
-        print_json(told if each else told[0])
-    elif each:
-        _print_each(fits)
-    else:
-        _print(fits[0])
-        for check in checks:
-            _print_prediction(check, records)
-    if save:
-        _save(fits[0], save)
-    if report:
-        from dampyr.report.fit_page import write_fit_page
+    return found, checks
 
-        write_fit_page(fits[0], report)
+
+def _report(fit: Fit, path: Path, checks: list[Validation], board: Leaderboard | None) -> None:
+    from dampyr.report.fit_page import write_fit_page
+    from dampyr.report.leaderboard_section import leaderboard_section
+
+    write_fit_page(fit, path, [leaderboard_section(board)] if board else [], checks)
 
 
 def _laws(given: tuple[str, ...]) -> str | dict[str, str] | None:
@@ -116,10 +179,18 @@ def _numbers(given: tuple[str, ...]) -> dict[str, float]:
     return found
 
 
-def _save(fit: Fit, path: Path) -> None:
+def _save(fit: Fit, path: Path, board: Leaderboard | None) -> None:
     if fit.damper is None:
         raise InputError(f"no card was written: {fit.reason}")
-    fit.damper.save(path)
+    damper = fit.damper
+    if board:
+        said = {
+            "chosen": f"the lowest validation error, {100 * board.winner.error:.3g} %, of {len(board.screened)} models"
+        }
+        if board.runner_up:
+            said["runner-up"] = f"{board.runner_up.model}, {100 * board.runner_up.error:.3g} %"
+        damper = replace(damper, provenance=dict(damper.provenance) | said)
+    damper.save(path)
 
 
 def _told(fit: Fit) -> dict[str, Any]:

@@ -2,11 +2,12 @@
 
 `fit` identifies any damper from one record or many; `limit_cycle` and `plastic_region` are the two methods of the
 dissertation for the viscous Dahl model; `score` says how well a damper predicts a record, `cross_validate` how well a model
-predicts records that it was not fitted on; `residuals` what a fit leaves, and `findings` what that says in words.
+predicts records that it was not fitted on, `leaderboard` which model does it best; `residuals` what a fit leaves, and `findings` what that says in words.
 """
 
 from dampyr.identification.findings import Trend, findings, trends, warnings_of
 from dampyr.identification.fit import Fit, Nuisance, fit
+from dampyr.identification.leaderboard import Entry, Leaderboard, Screened, Trial, leaderboard
 from dampyr.identification.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.plastic_region import PlasticRegion, plastic_region
 from dampyr.identification.residuals import Residuals, Trace, analyse, residuals
@@ -14,7 +15,8 @@ from dampyr.identification.score import Score, Window, compare, prediction, scor
 from dampyr.identification.validation import Fold, Validation, cross_validate
 
 __all__ = [
-    "Fit", "Fold", "LimitCycle", "Nuisance", "PlasticRegion", "Residuals", "Score", "Trace", "Trend", "Validation", "Window",
-    "analyse", "compare", "cross_validate", "findings", "fit", "limit_cycle", "plastic_region", "prediction", "residuals",
-    "score", "trends", "warnings_of",
+    "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Residuals", "Score", "Screened",
+    "Trace", "Trend", "Trial", "Validation", "Window",
+    "analyse", "compare", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle", "plastic_region", "prediction",
+    "residuals", "score", "trends", "warnings_of",
 ]  # fmt: skip

@@ -1,7 +1,8 @@
 r"""Which model predicts best: every model of the catalogue, bare and with add-ons, ranked by what it predicts unseen.
 
 First each model is *screened* on a few shortened records: bare, then with the add-on that lowers its error most, then with the
-next, until none lowers it by `WORTH`. Then the best few are fitted and validated on all records. The validation error is
+next, as long as that lowers it by `WORTH` and the model is within `CONTENDING` times the best. Then the best few are fitted and
+validated on all records. The validation error is
 
 .. math:: E = \tfrac12\,(E_\text{record} + E_\text{input})
 
@@ -16,7 +17,7 @@ the winner for all.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -33,8 +34,9 @@ from dampyr.records import Record, default_bandwidth
 
 ADD_ONS = ("spring", "delay", "lag", "compliance")
 FINALISTS = 4
+CONTENDING = 1.15
 WORTH = 0.02
-SCREENING_STEPS = 25
+SCREENING_STEPS = 15
 PROBE = "hyperbolic_tangent + spring + compliance"
 
 
@@ -155,8 +157,7 @@ def leaderboard(
     options["bandwidth"] = bandwidth
     allowed, left_out = _allowed(add_ons, listed)
     bases = list(models) if models else [name for name in names() if not part(name).add_on]
-    jobs = [partial(screen, base, small, allowed, seed, options) for base in bases]
-    screened = _ordered(_run(jobs, executor, lambda done: tell("screening models", done)), bases)
+    screened = screen_all(bases, small, allowed, seed, options, executor, lambda done: tell("screening models", done))
     best = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
     if not best:
         raise InputError(f"no model could be fitted; the first said: {screened[0].bare.reason}")
@@ -166,22 +167,19 @@ def leaderboard(
     return Leaderboard(tuple(ranked), tuple(screened), bandwidth, left_out, time.perf_counter() - begun)
 
 
-def _ordered(found: Iterator[Screened], bases: list[str]) -> list[Screened]:
-    return sorted(found, key=lambda one: bases.index(one.base))
-
-
-def _run(jobs: Sequence[Callable[[], Any]], executor: Executor | None, tell: Callable[[float], None]) -> Iterator[Any]:
-    """The jobs' results as they come."""
+def _run(jobs: Sequence[Callable[[], Any]], executor: Executor | None, tell: Callable[[float], None]) -> list[Any]:
+    """The jobs' results in their order, whatever the order in which they come."""
     tell(0.0)
     if executor is None:
+        found = []
         for k, job in enumerate(jobs):
-            yield job()
+            found.append(job())
             tell((k + 1) / len(jobs))
-        return
+        return found
     futures: list[Future[Any]] = [executor.submit(job) for job in jobs]
-    for k, future in enumerate(as_completed(futures)):
+    for k, _ in enumerate(as_completed(futures)):
         tell((k + 1) / len(jobs))
-        yield future.result()
+    return [future.result() for future in futures]
 
 
 def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -202,24 +200,52 @@ def chosen_bandwidth(records: list[Record], small: list[Record], options: dict[s
     return None if errors[None] < errors[derived] else derived
 
 
-def screen(base: str, small: list[Record], add_ons: Sequence[str], seed: int, options: dict[str, Any]) -> Screened:
-    """One model, bare and with add-ons, on the screening set."""
-    trials = [trial(base, small, seed, options)]
-    model, error = base, trials[0].error
-    left = [a for a in add_ons if a not in _held(base)]
-    while left:
-        tried = [trial(f"{model} + {a}", small, seed, options) for a in left]
-        trials += tried
-        k = int(np.argmin([one.error for one in tried]))
-        if not tried[k].error < (1.0 - WORTH) * error:
-            break
-        model, error = tried[k].model, tried[k].error
-        left.pop(k)
-    return Screened(base, tuple(trials))
+def screen_all(
+    bases: Sequence[str],
+    small: list[Record],
+    add_ons: Sequence[str],
+    seed: int,
+    options: dict[str, Any],
+    executor: Executor | None,
+    tell: Callable[[float], None],
+) -> list[Screened]:
+    """Every model bare and with each add-on; then, round by round, those in contention with one more."""
+    trials: dict[str, list[Trial]] = {base: [] for base in bases}
+    ends = {base: base for base in bases}
+    going, rounds = list(bases), len(add_ons)
+    for k in range(rounds):
+        plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
+        jobs = [partial(trial, model, small, seed, options) for models in plan.values() for model in models]
+        found = iter(_run(jobs, executor, lambda done, k=k: tell((k + done) / rounds)))  # type: ignore[misc]
+        for base, models in plan.items():
+            trials[base] += [next(found) for _ in models]
+        going = _still_going(going, trials, ends)
+    tell(1.0)
+    return [Screened(base, tuple(trials[base])) for base in bases]
 
 
-def _held(base: str) -> set[str]:
-    listed = [name.strip() for name in base.split("+")]
+def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
+    """The model with one add-on more, whichever it does not hold yet; itself too where it is still bare."""
+    held = _held(model)
+    return [model] * bare + [f"{model} + {a}" for a in add_ons if a not in held]
+
+
+def _still_going(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
+    """The models that the last add-on was worth it for and that are not far behind the best; ``ends`` follows them."""
+    lead = min(one.error for found in trials.values() for one in found)
+    kept = []
+    for base in going:
+        before = min((t.error for t in trials[base] if t.model == ends[base]), default=float("inf"))
+        best = min(trials[base], key=lambda one: one.error)
+        if best.model != ends[base] and best.error < (1.0 - WORTH) * before:
+            ends[base] = best.model
+            if best.error <= CONTENDING * lead:
+                kept.append(base)
+    return kept
+
+
+def _held(model: str) -> set[str]:
+    listed = [name.strip() for name in model.split("+")]
     return {*listed, *(held for name in listed for held in part(name).holds)}
 
 

@@ -16,6 +16,8 @@ SPLITS = {
     "input": "one input left out at a time, the lowest and the highest excepted",
     "frequency": "parts in the order of frequency, so that the outer ones lie beyond what was fitted",
     "amplitude": "parts in the order of stroke, so that the outer ones lie beyond what was fitted",
+    "waveform": "one kind of motion left out at a time",
+    "time": "the first 60 % of every motion fitted, the rest predicted",
 }
 
 

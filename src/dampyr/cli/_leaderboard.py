@@ -1,0 +1,106 @@
+"""The leaderboard on the command line: two processes or as many as there are cores, and what is printed of it."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from dampyr.cli._output import print_table
+
+if TYPE_CHECKING:
+    from dampyr.identification import Leaderboard
+    from dampyr.records import Record
+
+MOST_WORKERS = 8
+
+
+def ranked(
+    records: list[Record], models: Sequence[str], options: dict[str, Any], progress: Callable[[str, float], None]
+) -> Leaderboard:
+    """The leaderboard, its trials spread over the cores."""
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    from dampyr.identification import leaderboard
+
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if cores == 1:
+        return leaderboard(records, models or None, progress=progress, **options)
+    with ProcessPoolExecutor(min(cores, MOST_WORKERS), mp_context=get_context("spawn")) as executor:
+        return leaderboard(records, models or None, executor=executor, progress=progress, **options)
+
+
+def print_leaderboard(board: Leaderboard) -> None:
+    """The finalists, then what was screened."""
+    rows = [
+        [k, e.model, *(100 * v for v in (e.error, e.l1, e.unseen_input, e.nrmse, e.pointwise, e.energy)), e.parameters,
+         e.bic, e.seconds, "yes" if e.converged else "no"]
+        for k, e in enumerate(board.entries, start=1)
+    ]  # fmt: skip
+    names = [
+        "",
+        "model",
+        "error",
+        "L1",
+        "unseen input",
+        "NRMSE",
+        "pointwise",
+        "energy",
+        "parameters",
+        "BIC",
+        "fit",
+        "converged",
+    ]
+    velocity = "as recorded" if board.bandwidth is None else f"derived, {board.bandwidth:g} Hz"
+    notes = [
+        "error: mean of L1 over records left out (five parts) and over inputs left out; every score is of a prediction",
+        f"velocity {velocity}; {board.seconds:.0f} s in all",
+        *board.left_out,
+    ]
+    units = ["", "", "%", "%", "%", "%", "%", "%", "", "", "s", ""]
+    print_table("Which model predicts best", names, rows, units, digits=3, notes=notes)
+    print()
+    print_screened(board)
+
+
+def print_screened(board: Leaderboard) -> None:
+    """Every model of the catalogue, bare and at its best."""
+    rows = []
+    for one in sorted(board.screened, key=lambda s: s.best.error):
+        told = f"no damper: {one.best.reason}" if math.isinf(one.best.error) else ""
+        added = one.best.model.removeprefix(one.base).removeprefix(" + ")
+        rows.append([one.base, _percent(one.bare.error), added or "nothing", _percent(one.best.error), told])
+    names, units = ["model", "bare", "best with", "error", ""], ["", "%", "", "%", ""]
+    print_table("Screened on a few short records", names, rows, units, digits=3)
+    print()
+
+
+def _percent(error: float) -> float | None:
+    return 100 * error if math.isfinite(error) else None
+
+
+def told(board: Leaderboard) -> dict[str, Any]:
+    """The leaderboard for machines, without the fits."""
+    keys = (
+        "model",
+        "error",
+        "l1",
+        "nrmse",
+        "pointwise",
+        "energy",
+        "unseen_input",
+        "parameters",
+        "aic",
+        "bic",
+        "seconds",
+    )
+    entries = [{key: getattr(e, key) for key in (*keys, "converged", "reason")} for e in board.entries]
+    return {
+        "entries": entries,
+        "screened": board.screened,
+        "bandwidth_hz": board.bandwidth,
+        "left_out": board.left_out,
+        "seconds": board.seconds,
+    }

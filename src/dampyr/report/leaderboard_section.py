@@ -1,0 +1,62 @@
+"""Which model predicts best, for the page of a fit that was chosen by it."""
+
+from __future__ import annotations
+
+import math
+
+from dampyr.identification import Leaderboard
+from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text
+from dampyr.report.figures.leaderboard import leaderboard_figure
+
+NAMES = ("", "model", "error", "L1", "unseen input", "NRMSE", "pointwise", "energy", "parameters", "AIC", "BIC", "fit")
+UNITS = ("", "", "%", "%", "%", "%", "%", "%", "", "", "", "s")
+
+
+def leaderboard_section(board: Leaderboard) -> Section:
+    """The finalists, and every model bare and at its best."""
+    best, second = board.winner, board.runner_up
+    words = f"{best.model} predicts best: {100 * best.error:.3g} %"
+    words += f"; the runner-up, {second.model}, has {100 * second.error:.3g} %." if second else "."
+    words += (
+        " The error is the mean of two: the L1 ratio of records that were left out (five random parts), and of whole inputs "
+        "that were left out where there are three or more, every input counting the same. Nothing here was scored on what "
+        "it was fitted on. AIC and BIC are of the fits to all records and count effective samples; they are shown, not used."
+    )
+    rows: list[list[Cell]] = [
+        [k, e.model, *(100 * v for v in (e.error, e.l1, e.unseen_input, e.nrmse, e.pointwise, e.energy)), e.parameters,
+         e.aic, e.bic, e.seconds]
+        for k, e in enumerate(board.entries, start=1)
+    ]  # fmt: skip
+    return Section(
+        "Which model predicts best",
+        [
+            Text(words),
+            Table(NAMES, rows, UNITS, caption="The finalists, validated on all records.", digits=3),
+            FigureBlock(
+                leaderboard_figure(board),
+                "Every model on a few short records: bare, and with the add-ons that were worth it.",
+            ),
+            _screened(board),
+        ],
+    )
+
+
+def _screened(board: Leaderboard) -> Table:
+    rows: list[list[Cell]] = []
+    for one in sorted(board.screened, key=lambda s: s.best.error):
+        added = one.best.model.removeprefix(one.base).removeprefix(" + ") or "nothing"
+        failed = f"no damper: {one.best.reason}" if math.isinf(one.best.error) else ""
+        rows.append([one.base, _percent(one.bare.error), added, _percent(one.best.error), len(one.trials), failed])
+    velocity = "as recorded" if board.bandwidth is None else f"derived with {board.bandwidth:g} Hz"
+    caption = " ".join([f"Screened; the velocity is {velocity}.", *(f"{said}." for said in board.left_out)])
+    return Table(
+        ("model", "bare", "best with", "error", "tried", ""),
+        rows,
+        ("", "%", "", "%", "", ""),
+        caption=caption,
+        digits=3,
+    )
+
+
+def _percent(error: float) -> float | None:
+    return 100 * error if math.isfinite(error) else None
