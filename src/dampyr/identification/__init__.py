@@ -2,7 +2,8 @@
 
 `fit` identifies any damper from one record or many; `limit_cycle` and `plastic_region` are the two methods of the
 dissertation for the viscous Dahl model; `score` says how well a damper predicts a record, `cross_validate` how well a model
-predicts records that it was not fitted on, `leaderboard` which model does it best; `residuals` what a fit leaves, and `findings` what that says in words.
+predicts records that it was not fitted on, `leaderboard` which model does it best; `residuals` what a fit leaves, and
+`findings` what that says in words.
 """
 
 from dampyr.identification.findings import Trend, findings, trends, warnings_of

@@ -105,9 +105,12 @@ def columns(
             raise InputError(f"{name} names {unknown[0]!r}; {composition} has {', '.join(composition.parameters)}")
     varying = any(np.ndim(u) for u in inputs)
     distinct = _distinct(inputs)
+    lag = None if composition.lag is None else composition.parameters[composition.lag]
     made = []
     for name, quantity in composition.quantities.items():
         wanted = laws if isinstance(laws, str) else (laws or {}).get(name)
+        if name == lag:  # it says how the input follows, and follows no input
+            wanted = "constant"
         kind, knots = _kind(name, wanted, distinct, varying)
         value = fixed.get(name)
         if value is not None:

@@ -7,13 +7,14 @@ in a million, which the records do not determine anyway (see `dampyr.identificat
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification.pieces import Piece
 from dampyr.identification.problem import MISFIT, PRIOR, Point, Problem, is_viscous, values_at
+from dampyr.models.lagging import lagged
 from dampyr.models.march import (
     acceleration,
     along,
@@ -26,6 +27,7 @@ from dampyr.models.march import (
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+LAG_STEP = 1e-6  # s, of the difference that gives the derivative by a lag
 
 
 @dataclass(frozen=True)
@@ -99,23 +101,49 @@ def products(problem: Problem, point: Point, by_cluster: bool = False) -> list[A
 
     One group, or one per cluster of the record's samples. The residual is measured less model.
     """
-    return [_of_record(problem, point, r, plan, by_cluster) for r, plan in enumerate(plans(problem))]
+    late = behind(problem, point)
+    by_lag = [_by_lag(problem, point, r) for r in range(len(problem.pieces))]
+    return [_of_record(late, point, r, plan, by_cluster, by_lag[r]) for r, plan in enumerate(plans(late))]
 
 
-def _of_record(problem: Problem, point: Point, r: int, plan: Plan, by_cluster: bool) -> Array:
+def _of_record(
+    problem: Problem, point: Point, r: int, plan: Plan, by_cluster: bool, by_lag: Array | None = None
+) -> Array:
     one = problem.pieces[r]
     values, gain = values_at(problem, point, r), point.nuisance(problem, r, "gain")
     factor, matrix = _by_point(problem, point, r, plan, values, gain)
     states, ends = point.states(problem, r), one.ends if by_cluster else np.array([one.t.size])
     force = one.force - point.nuisance(problem, r, "offset")
-    if values.ndim > 1 and (problem.composition.delay is not None or problem.composition.n_states):
-        sums = _stored(problem, one, values, states, force, plan.source, factor, gain, ends)
+    together = problem.composition.delay is not None or problem.composition.n_states or by_lag is not None
+    if values.ndim > 1 and together:
+        sums = _stored(problem, one, values, states, force, plan.source, factor, gain, ends, by_lag)
     else:
         path = (one.t, one.x, one.v, _acceleration(problem, one))
         sums = products_along(
             problem.composition, path, values, states, force, one.weight, plan.source, factor, gain, ends
         )
     return np.asarray(matrix.T @ sums @ matrix)
+
+
+def behind(problem: Problem, point: Point, more: float = 0.0) -> Problem:
+    """The problem with inputs that lag behind their commands by the lag of the point and ``more``; itself without a lag."""
+    k = problem.composition.lag
+    if k is None or not problem.varying:
+        return problem
+    tau = float(problem.columns[k].value(point.of(problem)[k], 0.0)) + more
+    return replace(problem, pieces=[replace(one, u=lagged(one.t, one.u, tau)) for one in problem.pieces])
+
+
+def _by_lag(problem: Problem, point: Point, r: int) -> Array | None:
+    """The derivative (n,) of the force of the parts by the lag, by a difference; None where nothing can lag."""
+    if problem.composition.lag is None or not problem.varying:
+        return None
+    one, h = problem.pieces[r], LAG_STEP
+    sides = []
+    for more in (h, 0.0):
+        values = values_at(behind(problem, point, more), point, r)
+        sides.append(along(problem.composition, one.t, one.x, one.v, values, point.states(problem, r)))
+    return np.asarray((sides[0] - sides[1]) / h)
 
 
 def _acceleration(problem: Problem, one: Piece) -> Array:
@@ -165,6 +193,7 @@ def _stored(
     factor: Array,
     gain: float,
     ends: Integers,
+    by_lag: Array | None = None,
 ) -> Array:
     """As the kernel does it, with the derivatives stored: for an input that varies while states remember it, or a delay."""
     model, J = along_with_columns(problem.composition, one.t, one.x, one.v, values, states)
@@ -174,6 +203,8 @@ def _stored(
         wide = np.ascontiguousarray(np.broadcast_to(factor, (factor.shape[0], source.size))[:, mine])
         given = (one.t, one.x, one.v, values, states, source[mine], wide)
         early[:, mine] = along_with_laws(problem.composition, *given)[1]
+    if by_lag is not None:
+        early[:, source == problem.composition.lag] = by_lag[:, None]
     k, rows = problem.composition.delay, early
     if k is not None:
         slope = delayed_by_tau(one.t, model, values[..., k])[:, None]
@@ -208,6 +239,7 @@ def with_priors(problem: Problem, point: Point, sums: Array) -> Array:
 
 def modelled(problem: Problem, point: Point, record: int) -> Array:
     """The force (n,) that the fit gives for a record, its own offset, gain and states included, N."""
+    problem = behind(problem, point)
     one, values = problem.pieces[record], values_at(problem, point, record)
     force = along(problem.composition, one.t, one.x, one.v, values, point.states(problem, record))
     k = problem.composition.delay

@@ -80,6 +80,14 @@ class Composition:
                 return self.parameters.index(f"{p.name}.{p.delay}")
         return None
 
+    @cached_property
+    def lag(self) -> int | None:
+        """Where in the parameter vector the lag of the input stands, if there is one."""
+        for p in self.parts:
+            if p.lag:
+                return self.parameters.index(f"{p.name}.{p.lag}")
+        return None
+
     @property
     def has_delay(self) -> bool:
         """Whether one part delays the force."""

@@ -64,6 +64,9 @@ class Damper:
             quantity.check(where, low)
             quantity.check(where, high)
             quantity.doubt(where, low)
+        k = composition.lag
+        if k is not None and not isinstance(laws[composition.parameters[k]], Constant):
+            raise InputError(f"{composition.parameters[k]} must be a constant: it says how the input itself follows")
         self._check_covariance()
 
     composition: Composition = field(init=False, repr=False)
@@ -220,10 +223,17 @@ class Damper:
         u = self._input_along(self.pick_input(voltage, current), t)
         v = self._velocity(t, x, velocity)
         self._warn_outside(x, v)
-        values = self.values(u, allow_extrapolation=allow_extrapolation)
+        values = self.values(self._behind(t, u), allow_extrapolation=allow_extrapolation)
         undelayed = along(self.composition, t, x, v, values, self._state0(state0))
         k = self.composition.delay
         return undelayed if k is None else delayed(t, undelayed, np.asarray(values[..., k]))
+
+    def _behind(self, t: Array, u: Array) -> ArrayLike:
+        """The input behind its command, where the damper has a lag."""
+        from dampyr.models.lagging import lagged
+
+        k = self.composition.lag
+        return u if k is None else lagged(t, u, float(list(self.all_laws.values())[k](float(np.mean(u)))))
 
     def _input_along(self, u: ArrayLike, t: Array) -> Array:
         values = np.asarray(u, dtype=float)

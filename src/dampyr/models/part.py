@@ -89,6 +89,11 @@ class Part:
         return getattr(self.module, "DELAY", None)
 
     @property
+    def lag(self) -> str | None:
+        """The name of the parameter by which the input lags behind its command, if this part is a lag."""
+        return getattr(self.module, "LAG", None)
+
+    @property
     def add_on(self) -> bool:
         """Whether the part belongs beside a model of a damper and is none by itself."""
         return getattr(self.module, "ADD_ON", False)

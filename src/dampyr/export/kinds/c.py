@@ -24,6 +24,10 @@ def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = F
             raise InputError(
                 f"{p.name} needs the acceleration, which the C code is not given; export damper.without({p.name!r})"
             )
+    if damper.composition.lag is not None:
+        raise InputError(
+            "the C code takes the input, not its command; export damper.without('lag') and filter the command"
+        )
     folder.mkdir(parents=True, exist_ok=True)
     header, source = folder / f"{name}.h", folder / f"{name}.c"
     header.write_text(_header(damper, name), encoding="utf-8")

@@ -1,0 +1,75 @@
+# A coil of resistance R and inductance L behind a ramp, a step and a sine of its command: closed forms.
+"""The lag of the input behind its command."""
+
+import numpy as np
+import pytest
+from tests.identification.synthetic import sine
+
+from dampyr.errors import InputError
+from dampyr.export import export
+from dampyr.identification import fit
+from dampyr.models import Damper, Polynomial
+from dampyr.models.lagging import lagged
+from dampyr.records import Record
+
+LAWS = {
+    "bingham.c0": Polynomial((500.0, 300.0), 0.0, 3.0),
+    "bingham.fc": Polynomial((40.0, 150.0), 0.0, 3.0),
+    "bingham.v0": 0.004,
+    "lag.tau": 0.03,
+}
+
+
+def test_a_ramp_is_followed_tau_behind() -> None:
+    t = np.sort(np.random.default_rng(0).uniform(0.0, 2.0, 300))
+    expected = 3.0 * (t - t[0] - 0.1 + 0.1 * np.exp(-(t - t[0]) / 0.1))
+    np.testing.assert_allclose(lagged(t, 3.0 * (t - t[0]), 0.1), expected, atol=1e-12)
+
+
+def test_a_constant_command_and_no_lag_change_nothing() -> None:
+    t = np.linspace(0.0, 1.0, 50)
+    u = np.sin(9 * t)
+    assert lagged(t, u, 0.0) is u
+    np.testing.assert_allclose(lagged(t, np.full(50, 1.7), 0.2), 1.7, atol=1e-14)
+
+
+def path(n: int = 4000) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    t = np.linspace(0.0, 8.0, n)
+    command = 1.0 + 0.9 * np.sign(np.sin(2 * np.pi * 0.7 * t))
+    return t, 0.01 * np.sin(6 * t), 0.06 * np.cos(6 * t), command
+
+
+def test_the_force_has_the_parameters_of_the_lagging_input() -> None:
+    t, x, v, command = path()
+    ours = Damper("bingham + lag", LAWS).force(t, x, voltage=command, velocity=v)
+    same = Damper("bingham", {k: law for k, law in LAWS.items() if k != "lag.tau"})
+    np.testing.assert_allclose(ours, same.force(t, x, voltage=lagged(t, command, 0.03), velocity=v), atol=1e-9)
+
+
+def test_a_fit_of_records_with_steps_of_the_command_gives_it_back() -> None:
+    rng = np.random.default_rng(1)
+    t, x, v, command = path()
+    force = Damper("bingham + lag", LAWS).force(t, x, voltage=command, velocity=v) + rng.normal(0.0, 2.0, t.size)
+    record = Record(time=t, displacement=x, velocity=v, force=force, voltage=command, name="steps")
+    found = fit(
+        "bingham + lag",
+        record,
+        laws={"bingham.v0": "constant", "bingham.c0": "polynomial:1", "bingham.fc": "polynomial:1"},
+    )
+    assert found.converged, found.reason
+    assert found.parameters["lag.tau"] == pytest.approx(0.03, abs=4 * found.stderr["lag.tau"])
+    assert found.stderr["lag.tau"] < 0.002
+    assert found.damper is not None
+
+
+def test_constant_inputs_say_nothing_about_it() -> None:
+    truth = Damper("bingham", {"bingham.c0": 500.0, "bingham.fc": 90.0, "bingham.v0": 0.004})
+    found = fit("bingham + lag", sine(truth, 0.0))
+    assert np.isinf(found.stderr["lag.tau"])
+
+
+def test_what_cannot_be_is_said() -> None:
+    with pytest.raises(InputError, match="must be a constant"):
+        Damper("bingham + lag", LAWS | {"lag.tau": Polynomial((0.01, 0.01), 0.0, 3.0)})
+    with pytest.raises(InputError, match=r"without\('lag'\)"):
+        export(Damper("bingham + lag", LAWS), "c", ".")
