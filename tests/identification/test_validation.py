@@ -1,5 +1,6 @@
 """Cross-validation: nothing is predicted by what it was fitted on."""
 
+import numpy as np
 import pytest
 from tests.identification.synthetic import sine
 
@@ -44,6 +45,39 @@ def test_leaving_an_input_out_predicts_only_between_others(records: list[Record]
     assert sorted(done.scores) == sorted(r.name for r in records if r.voltage in (1.0, 2.0))
     assert len(done.folds) == 2
     assert max(s.l1 for s in done.scores.values()) < 0.05
+
+
+def test_each_random_part_has_some_of_every_input(records: list[Record]) -> None:
+    for fold in cross_validate("dahl", records, folds=3, seed=7).folds:
+        assert {name.partition("V")[0] for name in fold.scores} == {"0", "1", "2", "3"}
+
+
+def test_the_last_part_of_every_motion_is_predicted_from_the_first(records: list[Record]) -> None:
+    longer = [r for r in records if r.voltage in (0.0, 1.0)]
+    done = cross_validate("dahl", longer, split="time")
+    assert sorted(done.scores) == sorted(r.name for r in longer)
+    [fold] = done.folds
+    assert all("until" in name for name in fold.fitted_on)
+    for record in longer:
+        said = next(name for name in fold.fitted_on if name.startswith(record.name))
+        assert done.scores[record.name].window.start >= float(said.split()[-2]) - 1e-3
+    assert max(s.l1 for s in done.scores.values()) < 0.05
+
+
+def test_one_kind_of_motion_is_predicted_from_the_other(records: list[Record]) -> None:
+    damper = Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": 90.0, "dahl.rho": 3000.0})
+    t = np.arange(0.0, 12.0, 0.005)
+    noise = np.random.default_rng(4).normal(size=t.size)
+    x = np.convolve(np.cumsum(noise), np.hanning(101), "same")
+    x = 0.008 * (x - np.linspace(x[0], x[-1], t.size)) / np.abs(x).max() * np.minimum(t, 1.0)
+    force = damper.force(t, x, voltage=0.0)
+    broad = Record(time=t, displacement=x, force=force, voltage=0.0, velocity=np.gradient(x, t), name="broad")
+    sines = [sine(damper, 0.0, f"s{k}", 0.004 + 0.003 * k, 1.2 - 0.2 * k, noise=0.5, seed=k) for k in range(3)]
+    done = cross_validate("dahl", [broad, *sines], split="waveform")
+    assert [sorted(f.scores) for f in done.folds] == [["broad"], ["s0", "s1", "s2"]]
+    assert done.scores["broad"].l1 < 0.05
+    with pytest.raises(InputError, match="two kinds of motion"):
+        cross_validate("dahl", sines, split="waveform")
 
 
 def test_what_lies_beyond_the_fitted_records_is_told(records: list[Record]) -> None:

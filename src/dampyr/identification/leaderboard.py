@@ -212,7 +212,7 @@ def screen_all(
     """Every model bare and with each add-on; then, round by round, those in contention with one more."""
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
     ends = {base: base for base in bases}
-    going, rounds = list(bases), len(add_ons)
+    going, rounds = list(bases), max(len(add_ons), 1)
     for k in range(rounds):
         plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
         jobs = [partial(trial, model, small, seed, options) for models in plan.values() for model in models]

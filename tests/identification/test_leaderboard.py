@@ -1,0 +1,126 @@
+"""The model that predicts best is found, and everything says what it was not fitted on."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.identification.synthetic import sine
+
+from dampyr.errors import InputError
+from dampyr.identification import Leaderboard, leaderboard
+from dampyr.identification.screening import screening_set, shortened
+from dampyr.models import Damper, Interpolation
+from dampyr.records import Record, read_campaign
+
+VOLTS = (0.0, 1.0, 2.0)
+NAME = "hyperbolic_tangent"
+LAWS = {
+    f"{NAME}.c": Interpolation(VOLTS, (700.0, 1200.0, 1700.0)),
+    f"{NAME}.ft": Interpolation(VOLTS, (60.0, 210.0, 360.0)),
+    f"{NAME}.v0": 0.006,
+    f"{NAME}.s": 0.0,
+    "compliance.s": 3e-6,
+}
+
+
+def campaign(per_input: int = 4) -> list[Record]:
+    truth = Damper(f"{NAME} + compliance", LAWS)
+    return [
+        sine(truth, u, f"{u:g}V-{k}", 0.004 + 0.002 * k, 1.4 - 0.2 * k, noise=2.0, seed=k)
+        for u in VOLTS
+        for k in range(per_input)
+    ]
+
+
+@pytest.fixture(scope="module")
+def board() -> Leaderboard:
+    return leaderboard(campaign(), models=("dahl", NAME), add_ons=("spring", "lag", "compliance"))
+
+
+def test_the_model_that_made_the_records_wins(board: Leaderboard) -> None:
+    assert board.winner.model == f"{NAME} + compliance"
+    assert board.winner.error < 0.02
+    assert [e.error for e in board.entries] == sorted(e.error for e in board.entries)
+    assert board.runner_up is not None
+    assert board.runner_up.model.startswith("dahl")
+
+
+def test_every_score_is_of_a_prediction(board: Leaderboard) -> None:
+    by_record, by_input = board.winner.validations
+    assert sorted(by_record.scores) == sorted(r.name for r in campaign())
+    assert {name.partition("V")[0] for name in by_input.scores} == {"1"}
+    for validation in board.winner.validations:
+        assert all(not set(fold.fitted_on) & set(fold.scores) for fold in validation.folds)
+    assert board.winner.error == pytest.approx(0.5 * (by_record.error + by_input.error))
+
+
+def test_information_criteria_agree_with_the_prediction(board: Leaderboard) -> None:
+    aic = {e.model: e.aic for e in board.entries}
+    assert min(aic, key=lambda model: aic[model]) == board.winner.model
+    best = board.winner
+    n = best.fit.residuals.effective  # type: ignore[union-attr]
+    assert best.bic - best.aic == pytest.approx(best.parameters * (np.log(n) - 2.0))
+
+
+def test_a_lag_is_not_tried_where_nothing_lags(board: Leaderboard) -> None:
+    assert "input is constant" in board.left_out[0]
+    assert not any("lag" in t.model for s in board.screened for t in s.trials)
+
+
+def test_every_model_was_tried_bare_and_with_each_add_on(board: Leaderboard) -> None:
+    for one in board.screened:
+        models = [t.model for t in one.trials]
+        assert models[:3] == [one.base, f"{one.base} + spring", f"{one.base} + compliance"]
+
+
+def test_workers_change_nothing(board: Leaderboard) -> None:
+    told: list[tuple[str, float]] = []
+    with ThreadPoolExecutor(2) as executor:
+        same = leaderboard(
+            campaign(),
+            ("dahl", NAME),
+            ("spring", "lag", "compliance"),
+            executor=executor,
+            progress=lambda *a: told.append(a),
+        )
+    assert [(e.model, e.error) for e in same.entries] == [(e.model, e.error) for e in board.entries]
+    assert {what for what, _ in told} == {"choosing the velocity", "screening models", "validating the best"}
+
+
+def test_what_cannot_be_fitted_says_why_and_does_not_stop_the_rest() -> None:
+    flat = [r.replace(note="one voltage", voltage=1.0) for r in campaign() if r.voltage == 1.0]
+    found = leaderboard([*flat, *(r.replace(note="again", name=r.name + "b") for r in flat)], ("dahl", NAME), ())
+    assert np.isnan(found.winner.unseen_input)  # one input cannot be left out
+    with pytest.raises(InputError, match="five records or more"):
+        leaderboard(flat)
+    with pytest.raises(InputError, match="not among the parts"):
+        leaderboard(campaign(), ("no_such_model",))
+
+
+def test_the_screening_set_is_small_and_holds_every_input() -> None:
+    many = campaign(9)
+    small = screening_set(many)
+    assert {r.voltage for r in small} == set(VOLTS)
+    assert len(small) == 12
+    slow = sine(
+        Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0}), 0.0, frequency=0.2, seconds=60.0
+    )
+    short = shortened(slow)
+    assert short.n < 2000 < slow.n
+    assert short.time[-1] >= 4 / 0.2
+
+
+@pytest.mark.prove
+def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path) -> None:
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    records = read_campaign(campaign_folder)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
+        best = leaderboard(records, executor=executor).winner
+    by_record, by_input = best.validations
+    print(best.model, by_record.by_input, by_input.by_input)
+    for voltage, floor in ((0.0, 8.0), (0.8712, 5.8), (1.98, 5.2), (3.212, 5.2)):
+        assert 100 * by_record.by_input[voltage] <= floor
+    assert all(100 * one <= 11.0 for one in by_input.by_input.values())
