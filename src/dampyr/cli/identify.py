@@ -135,10 +135,12 @@ def _joint(
 ) -> tuple[Fit, list[Validation]]:
     """The fit to all records, and the validations that were asked for; of a leaderboard the winner's."""
     from dampyr.identification import cross_validate, fit
+    from dampyr.identification.leaderboard import held_in
 
     checks = list(board.winner.validations) if board else []
     if board:
-        model, options = board.winner.model, options | {"bandwidth": board.bandwidth}
+        model = board.winner.model
+        options = options | {"bandwidth": board.bandwidth, "fixed": held_in(model)}
     assert model is not None
     found = board.winner.fit if board else None
     if found is None:

@@ -33,6 +33,8 @@ from dampyr.models import names, part
 from dampyr.records import Record, default_bandwidth
 
 ADD_ONS = ("spring", "delay", "lag", "compliance")
+#: compositions that are tried like a model of the catalogue, and what one of the two parts leaves to the other
+PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}}
 FINALISTS = 4
 CONTENDING = 1.15
 WORTH = 0.02
@@ -129,7 +131,7 @@ def leaderboard(
     records
         five or more, at one input or several.
     models
-        compositions to begin from; None takes every model of the catalogue that is no add-on.
+        compositions to begin from; None takes every model of the catalogue that is no add-on, and the pairs of `PAIRS`.
     add_ons
         tried in addition, greedily.
     finalists
@@ -156,7 +158,7 @@ def leaderboard(
         bandwidth = chosen_bandwidth(listed, small, options)
     options["bandwidth"] = bandwidth
     allowed, left_out = _allowed(add_ons, listed)
-    bases = list(models) if models else [name for name in names() if not part(name).add_on]
+    bases = list(models) if models else [*(name for name in names() if not part(name).add_on), *PAIRS]
     screened = screen_all(bases, small, allowed, seed, options, executor, lambda done: tell("screening models", done))
     best = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
     if not best:
@@ -249,6 +251,13 @@ def _held(model: str) -> set[str]:
     return {*listed, *(held for name in listed for held in part(name).holds)}
 
 
+def held_in(model: str) -> dict[str, float]:
+    """The parameters that a pair within ``model`` holds, in SI units."""
+    listed = {name.strip() for name in model.split("+")}
+    pairs = [held for pair, held in PAIRS.items() if {name.strip() for name in pair.split("+")} <= listed]
+    return {name: value for held in pairs for name, value in held.items()}
+
+
 def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -> Trial:
     """The validation error of one model on the screening set; what cannot be fitted says why."""
     begun = time.perf_counter()
@@ -260,6 +269,7 @@ def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -
 
 
 def _validations(model: str, records: list[Record], folds: int, seed: int, options: dict[str, Any]) -> list[Validation]:
+    options = options | {"fixed": held_in(model)}
     found = [cross_validate(model, records, "record", folds=folds, seed=seed, **options)]
     if len({r.input_value for r in records}) > 2:
         found.append(cross_validate(model, records, "input", seed=seed, **options))
@@ -275,7 +285,7 @@ def judge(model: str, records: list[Record], seed: int, options: dict[str, Any])
     """One finalist on all records."""
     validations = _validations(model, records, min(5, len(records)), seed, options)
     begun = time.perf_counter()
-    found = fit(model, records, **options)
+    found = fit(model, records, **options | {"fixed": held_in(model)})
     seconds = time.perf_counter() - begun
     scores = list(validations[0].scores.values())
 
