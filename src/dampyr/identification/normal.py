@@ -6,14 +6,16 @@ own sums (a Schur complement) and the joint problem is never larger than the coe
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.identification import algebra
 from dampyr.identification.problem import Point, Problem
 from dampyr.identification.products import products, with_priors
+from dampyr.models.kernels import kept
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -57,42 +59,29 @@ class Normal:
 
     def gain(self, step: Step) -> float:
         """By how much a step lowers the cost, as the linear model has it."""
-        d = self._joined(step)
-        hd = (self.sums[:, :-1, :-1] @ d[:, :, None])[:, :, 0]
-        return float(np.sum(d * (self.sums[:, :-1, -1] - 0.5 * hd)))
+        return float(kept(algebra.gained)(self.sums, step.theta, step.local))
 
     def after(self, step: Step) -> Normal:
         """What holds after a step of unknowns that the force is affine in, where the derivatives by the others stay."""
-        d = self._joined(step)
-        b = self.sums[:, :-1, -1]
-        hd = (self.sums[:, :-1, :-1] @ d[:, :, None])[:, :, 0]
-        sums = self.sums.copy()
-        sums[:, :-1, -1] = sums[:, -1, :-1] = b - hd
-        sums[:, -1, -1] += np.sum(d * (hd - 2.0 * b), axis=1)
-        return replace(
-            self,
-            sums=sums,
-            low=self.low - step.theta,
-            high=self.high - step.theta,
-            local_low=self.local_low - step.local,
-            local_high=self.local_high - step.local,
+        sums = np.empty_like(self.sums)
+        kept(algebra.shifted)(self.sums, step.theta, step.local, sums)
+        limits = (
+            self.low - step.theta,
+            self.high - step.theta,
+            self.local_low - step.local,
+            self.local_high - step.local,
         )
+        return Normal(sums, self.linear, self.local_linear, *limits)
 
     def _solve_one(self, only_linear: bool, damping: float, curvature: Array | None) -> Step:
         """As `solve`, for one record: its nuisances are unknowns like the others."""
-        L = self.local_low.shape[1]
-        H, g = self.sums[0, :-1, :-1], self.sums[0, :-1, -1]
-        if damping:
-            H = H + damping * np.diag(H.diagonal())
-        if curvature is not None and np.any(curvature):
-            H = _bent(H, np.pad(curvature, ((L, 0), (L, 0))))
+        L, S = self.local_low.shape[1], self.sums[0]
+        if curvature is not None:
+            H = S[:-1, :-1] + damping * np.diag(S.diagonal()[:-1])
+            S, damping = np.column_stack((_bent(H, np.pad(curvature, ((L, 0), (L, 0)))), S[:-1, -1])), 0.0
         low, high = np.concatenate((self.local_low[0], self.low)), np.concatenate((self.local_high[0], self.high))
-        if only_linear:
-            chosen = np.flatnonzero(np.concatenate((self.local_linear, self.linear)))
-            step = np.zeros(g.size)
-            step[chosen] = bounded(H[np.ix_(chosen, chosen)], g[chosen], low[chosen], high[chosen])
-        else:
-            step = bounded(H, g, low, high)
+        chosen = np.concatenate((self.local_linear, self.linear)) if only_linear else np.ones(low.size, dtype=bool)
+        step = within(S, damping, low, high, chosen)
         return Step(step[L:], step[None, :L])
 
     @cached_property
@@ -182,11 +171,6 @@ def least(H: Array, g: Array) -> Array:
     if g.size == 0:
         return np.zeros(0)
     d = H.diagonal()
-    if np.all(d > 0.0):
-        scale = 1.0 / np.sqrt(d)
-        values, vectors = np.linalg.eigh(H * scale * scale[:, None])
-        if values[0] > BLIND * values[-1]:
-            return np.asarray(scale * (vectors @ ((vectors.T @ (scale * g)) / values)))
     scale = np.where(d > 0, 1.0 / np.sqrt(np.where(d > 0, d, 1.0)), 0.0)
     values, vectors = np.linalg.eigh(H * scale * scale[:, None])
     seen = values > BLIND * max(float(values.max(initial=0.0)), 1e-300)
@@ -195,13 +179,29 @@ def least(H: Array, g: Array) -> Array:
 
 
 def bounded(H: Array, g: Array, low: Array, high: Array) -> Array:
-    """The minimum of s'Hs/2 - g's inside the box, which holds 0: an active set, one limit at a time."""
+    """The minimum of s'Hs/2 - g's inside the box, which holds 0."""
+    return within(np.column_stack((H, g)), 0.0, low, high, np.ones(g.size, dtype=bool))
+
+
+def within(S: Array, damping: float, low: Array, high: Array, chosen: Bools) -> Array:
+    """As `bounded`, of the ``chosen`` unknowns; H and g stand side by side in ``S``, each diagonal element grows by ``damping``
+    of it."""
+    n = chosen.size
+    step, work, free = np.empty(n), np.empty((2 * n + 3, n)), np.empty(n, dtype=bool)
+    room = work[:n], work[n : 2 * n], work[2 * n :]
+    if kept(algebra.stepped)(S, damping, low, high, chosen, *room, free, step):
+        return step
+    some = np.flatnonzero(chosen)
+    H = S[:n, :n] + damping * np.diag(S.diagonal()[:n])
+    step = np.zeros(n)
+    step[some] = _bounded(H[np.ix_(some, some)], S[some, n], low[some], high[some])
+    return step
+
+
+def _bounded(H: Array, g: Array, low: Array, high: Array) -> Array:
+    """By eigenvalues: an active set, one limit at a time."""
     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
     s, free = np.zeros(g.size), high - low > 1e-12
-    if np.all(free):
-        wanted = least(H, g)
-        if np.all((wanted >= low) & (wanted <= high)):
-            return wanted
     for _ in range(10 * g.size + 10):
         wanted = s.copy()
         wanted[free] += least(H[np.ix_(free, free)], (g - H @ s)[free])
@@ -246,25 +246,16 @@ def _bent(H: Array, curvature: Array, least_part: float = 0.2, most: float = 10.
 def normal(problem: Problem, point: Point) -> Normal:
     """The linearised joint problem around ``point``."""
     sums = with_priors(problem, point, np.concatenate(products(problem, point)))
-    log, L = problem.is_logarithmic, problem.locals
-    scale = np.concatenate((np.ones(L), np.where(log, point.theta, 1.0), np.ones(1)))
-    low, high = problem.limits
-    ratio = np.maximum(high / np.where(log, point.theta, 1.0), 1.0)
-    local_low, local_high = problem.local_limits
-    return Normal(
-        sums=sums * np.outer(scale, scale),
-        linear=problem.is_linear,
-        local_linear=problem.is_local_linear,
-        low=np.where(log, -1.0, low - point.theta),
-        high=np.where(log, np.minimum(1.0, np.log(ratio)), high - point.theta),
-        local_low=local_low - point.local,
-        local_high=local_high - point.local,
-    )
+    below, above = np.empty((2, problem.size))
+    kept(algebra.walked)(sums, point.theta, problem.is_logarithmic, *problem.limits, below, above)
+    low, high = problem.local_limits
+    room = below, above, low - point.local, high - point.local
+    return Normal(sums, problem.is_linear, problem.is_local_linear, *room)
 
 
 def moved(problem: Problem, point: Point, step: Step) -> Point:
     """``point`` after a step (a factor exp(step) for what is walked in the logarithm), inside the limits to rounding."""
-    log = problem.is_logarithmic
-    theta = np.where(log, point.theta * np.exp(np.where(log, step.theta, 0.0)), point.theta + step.theta)
+    theta = np.empty(problem.size)
+    kept(algebra.moved_to)(point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta)
     low, high = problem.local_limits
-    return Point(problem.inside(theta), np.clip(point.local + step.local, low, high))
+    return Point(theta, np.minimum(np.maximum(point.local + step.local, low), high))

@@ -101,11 +101,33 @@ class Problem:
         high = [reach[name] for name in self.common] + [b for _, b in self.states]
         return np.array(low, dtype=float), np.array(high, dtype=float)
 
-    def inside(self, theta: Array) -> Array:
-        """Rounding may leave a value a hair outside its limit; an open limit is left by a billionth of an SI unit."""
+    @cached_property
+    def inner_limits(self) -> tuple[Array, Array]:
+        """The same with an open limit left by a billionth of an SI unit."""
         low, high = self.limits
         open_low = np.concatenate([np.full(c.size, c.quantity.open_low) for c in self.columns]).astype(bool)
-        return np.clip(theta, np.where(open_low & np.isfinite(low), low + 1e-9, low), high)
+        return np.where(open_low & np.isfinite(low), low + 1e-9, low), high
+
+    @cached_property
+    def affine(self) -> tuple[Array, Array]:
+        """The parameters (M, P) of each record as a constant, and a matrix (M, P, G) times the coefficients.
+
+        Only where no input varies within a record.
+        """
+        shape = len(self.pieces), len(self.columns)
+        constant, matrix = np.zeros(shape), np.zeros((*shape, self.size))
+        for k, owner in enumerate(self.owners):
+            column = self.columns[owner]
+            for r, one in enumerate(self.pieces):
+                if column.fixed is not None:
+                    constant[r, k] = column.fixed
+                else:
+                    matrix[r, k, self.slices[owner]] = column.basis(one.u)
+        return constant, matrix
+
+    def inside(self, theta: Array) -> Array:
+        """Rounding may leave a value a hair outside its limit."""
+        return np.clip(theta, *self.inner_limits)
 
 
 @dataclass(frozen=True)
@@ -141,8 +163,12 @@ class Point:
 def values_at(problem: Problem, point: Point, record: int) -> Array:
     """The parameter vector (P,) of a record, or (n, P) where its input varies, its own viscosity included."""
     u = problem.pieces[record].u
-    owned = zip(problem.owners, point.of(problem), strict=True)
-    values = np.stack([problem.columns[k].value(theta, u) for k, theta in owned], axis=-1)
+    if problem.varying:
+        owned = zip(problem.owners, point.of(problem), strict=True)
+        values = np.stack([problem.columns[k].value(theta, u) for k, theta in owned], axis=-1)
+    else:
+        constant, matrix = problem.affine
+        values = constant[record] + matrix[record] @ point.theta
     if "temperature" in problem.common:
         warmth = point.nuisance(problem, record, "temperature")
         values = values * np.where(is_viscous(problem), warmth, 1.0)

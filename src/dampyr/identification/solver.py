@@ -87,7 +87,7 @@ def descend(
     if not here.finite:
         return Outcome(point, float("inf"), False, "did not begin: the model's force is not finite at the start", 0, ())
     damping, reason, converged = 1e-3, "", False
-    curvature = np.zeros((problem.size, problem.size))
+    curvature: Array | None = None
     rounding = ROUNDING * sum(one.t.size for one in problem.pieces)
     all_linear = bool(np.all(here.linear) and np.all(here.local_linear))
     iteration = 0
@@ -108,12 +108,12 @@ def descend(
                 walked = new_point.coordinates(problem) - point.coordinates(problem)
                 curvature = _learnt(curvature, here, new_here, walked)
             else:
-                curvature = np.zeros_like(curvature)
+                curvature = None
             point, here = new_point, new_here
             damping = max(damping / 10.0, 1e-12)
         else:
             damping *= 10.0
-            curvature = np.zeros_like(curvature)
+            curvature = None
             if damping > 1e8:
                 converged = promised <= 1e-6 * here.cost
                 left = f"the last promised {promised / here.cost:.1g} of it"
@@ -141,12 +141,13 @@ def _settled(problem: Problem, point: Point) -> tuple[Point, Normal]:
     return point, there
 
 
-def _learnt(curvature: Array, old: Normal, new: Normal, step: Array) -> Array:
+def _learnt(curvature: Array | None, old: Normal, new: Normal, step: Array) -> Array:
     """The second derivatives that the normal equations leave out, as the last step shows them.
 
     The update of Dennis, Gay and Welsch (1981) with their sizing, on the coefficients with the nuisances eliminated.
     """
     here, there = old.reduced, new.reduced
+    curvature = np.zeros_like(here.matrix) if curvature is None else curvature
     change = here.target - there.target
     left = change - there.matrix @ step
     sized = curvature @ step

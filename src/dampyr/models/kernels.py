@@ -142,3 +142,9 @@ def _rebound(function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any
     copy.__module__ = function.__module__
     done[function] = jit(copy, keep, getattr(function, "reordered", False))
     return done[function]
+
+
+@lru_cache(maxsize=64)
+def kept(function: Callable[..., Any]) -> Any:
+    """A function that needs no composition, compiled with those of its own module that it calls, and kept on disk."""
+    return _rebound(function, {}, "alone", {}, keep=True)
