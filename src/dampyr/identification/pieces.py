@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from dampyr.errors import InputError
 from dampyr.records import Record, cycles, motion_start
 
 Array = NDArray[np.float64]
+HELD = 0.9  # of the range of displacement and velocity: a stretch of a record that speaks for the whole
 
 
 @dataclass(frozen=True)
@@ -81,3 +82,30 @@ def _cycle_numbers(record: Record) -> NDArray[np.int64]:
     if starts.size == 0:
         return np.zeros(record.n, dtype=np.int64)
     return np.maximum(np.searchsorted(starts, np.arange(record.n), side="right") - 1, 0).astype(np.int64)
+
+
+def thinned(one: Piece, samples: int) -> Piece:
+    """Every k-th sample of a record, so that at most ``samples`` are left."""
+    k = -(-one.t.size // samples)
+    if k < 2:
+        return one
+    u = one.u[::k] if np.ndim(one.u) else one.u  # type: ignore[index]
+    t, x, v, force = (np.ascontiguousarray(a[::k]) for a in (one.t, one.x, one.v, one.force))
+    weight = one.weight[::k].copy() if one.weight.size > 1 else one.weight
+    bend = None if one.bend is None else one.bend[::k].copy()
+    return replace(one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=one.cycle[::k], bend=bend)
+
+
+def opening(one: Piece, samples: int) -> Piece:
+    """The first ``samples`` of a record, twice as many and so on until they hold nearly its whole motion; at most all."""
+    whole = np.array([np.ptp(one.x), np.ptp(one.v)])
+    n = samples
+    while n < one.t.size and np.any(np.array([np.ptp(one.x[:n]), np.ptp(one.v[:n])]) < HELD * whole):
+        n *= 2
+    if n >= one.t.size:
+        return one
+    u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
+    weight = one.weight[:n] if one.weight.size > 1 else one.weight
+    bend = None if one.bend is None else one.bend[:n]
+    t, x, v, force, cycle = one.t[:n], one.x[:n], one.v[:n], one.force[:n], one.cycle[:n]
+    return replace(one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=cycle, bend=bend)

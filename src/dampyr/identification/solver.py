@@ -10,12 +10,13 @@ hold; so what the steps themselves tell about the second derivatives is added, a
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification.normal import Normal, moved, normal
+from dampyr.identification.pieces import opening
 from dampyr.identification.problem import Point, Problem, Share, apart
 
 Array = NDArray[np.float64]
@@ -24,6 +25,11 @@ TOLERANCE = 1e-8
 SMALL_STEP = 0.1  # of the sum of squares that a step of the linear unknowns alone has gained
 SURPRISE = 0.1  # of what a step promised: beyond it the second derivatives are learnt
 NEAR = 0.1  # of the cost: steps that promise more are too far from the end to learn from
+COARSE = 1e-4  # of the cost: where searches on some of the samples end
+OPENING_SAMPLES = 1500  # of each record, with which a search begins
+LEAST_SAVED = 3.0  # times the samples, for that to be worth it
+DAMPING = 1e-3  # of a search that begins, as a part of each diagonal element
+NEARBY = 1e-6  # of one that begins near its end
 ROUNDING = 1e-18  # of each sample's variance: records without noise are met to a billionth
 CONVERGED = "converged: no step lowers the sum of squares by more than 1e-8 of it"
 
@@ -51,8 +57,7 @@ def search(
     theta, local = point.theta.copy(), point.local.copy()
     ended = []
     for share in apart(problem):
-        part = Point(theta[share.coefficients], local[share.records])
-        found = descend(share.problem, part, progress, tolerance, most)
+        found = _found(share.problem, Point(theta[share.coefficients], local[share.records]), progress, tolerance, most)
         theta[share.coefficients], local[share.records] = found.point.theta, found.point.local
         ended.append((share, found))
     end = Point(theta, local)
@@ -65,6 +70,41 @@ def search(
         max(found.iterations for _, found in ended),
         _at_limit(problem, end),
     )
+
+
+def _found(
+    problem: Problem, point: Point, progress: Callable[[int, float], None] | None, tolerance: float, most: int
+) -> Outcome:
+    """The search on the first part of each record, then on all samples: only there can it converge."""
+    short = _opening(problem)
+    if short is None or most < 2:
+        return descend(problem, point, progress, tolerance, most)
+    near = descend(short, point, None, max(COARSE, tolerance), most // 2)
+    if not np.isfinite(near.cost):
+        return descend(problem, point, progress, tolerance, most)
+    done = near.iterations
+
+    def told(iteration: int, cost: float) -> None:
+        if progress:
+            progress(done + iteration, cost)
+
+    found = descend(problem, near.point, told, tolerance, most - done, NEARBY)
+    return replace(found, iterations=done + found.iterations)
+
+
+def _opening(problem: Problem) -> Problem | None:
+    """The problem on the first part of each record; None where that saves little, or an input varies.
+
+    A fit that is weighted sample by sample begins at the end of another, which a part of the samples would only leave.
+    """
+    if problem.varying or any(one.weight.size > 1 for one in problem.pieces):
+        return None
+    pieces = [opening(one, OPENING_SAMPLES) for one in problem.pieces]
+    if sum(one.t.size for one in problem.pieces) < LEAST_SAVED * sum(one.t.size for one in pieces):
+        return None
+    short = replace(problem, pieces=pieces)
+    short.__dict__.update((key, value) for key, value in problem.__dict__.items() if key != "pieces")
+    return short
 
 
 def _reasons(ended: list[tuple[Share, Outcome]]) -> tuple[bool, str]:
@@ -81,12 +121,13 @@ def descend(
     progress: Callable[[int, float], None] | None,
     tolerance: float,
     most: int = MOST_ITERATIONS,
+    damping: float = DAMPING,
 ) -> Outcome:
     """Minimise one problem whose records share coefficients."""
     point, here = _settled(problem, point)
     if not here.finite:
         return Outcome(point, float("inf"), False, "did not begin: the model's force is not finite at the start", 0, ())
-    damping, reason, converged = 1e-3, "", False
+    reason, converged = "", False
     curvature: Array | None = None
     rounding = ROUNDING * sum(one.t.size for one in problem.pieces)
     all_linear = bool(np.all(here.linear) and np.all(here.local_linear))

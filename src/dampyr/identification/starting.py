@@ -7,15 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from dampyr.identification.pieces import Piece
+from dampyr.identification.pieces import Piece, thinned
 from dampyr.identification.problem import Point, Problem, apart
-from dampyr.identification.solver import descend, projected_cost, search
+from dampyr.identification.solver import COARSE, descend, projected_cost, search
 from dampyr.models import Composition
 from dampyr.models.part import Scale
 
 MOST_STARTS = 48
 THINNED_SAMPLES = 1500  # of each record in the searches of several starts
-COARSE = 1e-4  # of the cost: where these end
 SAME = 1e-3  # of the cost: within it two starts ended in the same optimum
 APART = 1.0  # standard deviation of the logarithm by which random starts differ from the best
 SCANNED_SAMPLES = 3000
@@ -81,7 +80,7 @@ def best_of(problem: Problem, starts: int, seed: int) -> tuple[Point, int]:
     theta, local = point.theta.copy(), point.local.copy()
     for k, share in enumerate(apart(problem)):
         rng = np.random.default_rng([seed, k])
-        thin = replace(share.problem, pieces=[_thinned(one) for one in share.problem.pieces])
+        thin = replace(share.problem, pieces=[thinned(one, THINNED_SAMPLES) for one in share.problem.pieces])
         ends = [descend(thin, each, None, COARSE) for each in _several(thin, starts, rng)]
         best = min(ends, key=lambda end: end.cost)
         agreed = min(agreed, sum(end.cost <= (1.0 + SAME) * best.cost + 1e-12 for end in ends))
@@ -110,13 +109,6 @@ def _with(problem: Problem, neutral: Point, proposal: dict[str, float]) -> Point
         if column.size and column.name in proposal:
             theta[span] = proposal[column.name]
     return replace(neutral, theta=problem.inside(theta))
-
-
-def _thinned(one: Piece) -> Piece:
-    step = max(1, -(-one.t.size // THINNED_SAMPLES))
-    u = one.u[::step] if np.ndim(one.u) else one.u  # type: ignore[index]
-    t, x, v, force = (np.ascontiguousarray(a[::step]) for a in (one.t, one.x, one.v, one.force))
-    return replace(one, t=t, x=x, v=v, force=force, u=u, cycle=one.cycle[::step])
 
 
 def _best_start(problem: Problem, members: list[int]) -> dict[str, float]:
