@@ -47,15 +47,15 @@ class Normal:
     local_low: Array
     local_high: Array
 
-    @property
+    @cached_property
     def cost(self) -> float:
         """Half the sum of squares."""
-        return 0.5 * float(np.sum(self.sums[:, -1, -1]))
+        return 0.5 * float(self.sums[:, -1, -1].sum())
 
-    @property
+    @cached_property
     def finite(self) -> bool:
         """Whether the model could be evaluated there."""
-        return bool(np.all(np.isfinite(self.sums)))
+        return bool(np.isfinite(self.sums).all())
 
     def gain(self, step: Step) -> float:
         """By how much a step lowers the cost, as the linear model has it."""

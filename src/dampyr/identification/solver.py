@@ -82,6 +82,7 @@ def _found(
     near = descend(short, point, None, max(COARSE, tolerance), most // 2)
     if not np.isfinite(near.cost):
         return descend(problem, point, progress, tolerance, most)
+    _share_what_is_kept(short, problem)
     done = near.iterations
 
     def told(iteration: int, cost: float) -> None:
@@ -103,8 +104,13 @@ def _opening(problem: Problem) -> Problem | None:
     if sum(one.t.size for one in problem.pieces) < LEAST_SAVED * sum(one.t.size for one in pieces):
         return None
     short = replace(problem, pieces=pieces)
-    short.__dict__.update((key, value) for key, value in problem.__dict__.items() if key != "pieces")
+    _share_what_is_kept(problem, short)
     return short
+
+
+def _share_what_is_kept(one: Problem, other: Problem) -> None:
+    """What one problem has worked out from its columns holds for the other, on the same records' samples."""
+    other.__dict__.update((key, value) for key, value in one.__dict__.items() if key != "pieces")
 
 
 def _reasons(ended: list[tuple[Share, Outcome]]) -> tuple[bool, str]:

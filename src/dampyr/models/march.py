@@ -62,6 +62,7 @@ def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, 
             picked(first, count, rows, f, w, source, factor, gain, block)
             summed(block, (count + 7) // 8 * 8, products[group])
             first += count
+        mirrored(products[group])
 
 
 def march_products_delayed(  # type: ignore[no-untyped-def]
@@ -85,6 +86,7 @@ def march_products_delayed(  # type: ignore[no-untyped-def]
             picked(first, count, rows, f, w, source, factor, gain, block)
             summed(block, (count + 7) // 8 * 8, products[group])
             first += count
+        mirrored(products[group])
 
 
 def reach(i, t, x, v, a, p, s, D, row):  # type: ignore[no-untyped-def]
@@ -133,6 +135,13 @@ def summed(block, full, total):  # type: ignore[no-untyped-def]
             total[c, d] += sum_
 
 
+def mirrored(total):  # type: ignore[no-untyped-def]
+    """Products are the same both ways."""
+    for c in range(total.shape[0]):
+        for d in range(c):
+            total[c, d] = total[d, c]
+
+
 summed.reordered = True  # type: ignore[attr-defined]  # its sums may be taken in lanes
 
 
@@ -157,7 +166,7 @@ def products_along(
     """
     P, S, C = len(composition.parameters), composition.n_states, source.size
     D, rows = np.zeros((S, P + S)), np.zeros((BLOCK, P + S + 2))
-    D[:, P:] = np.eye(S)
+    np.fill_diagonal(D[:, P:], 1.0)
     rows[:, -1] = 1.0
     products, block, p = np.zeros((ends.size, C + 1, C + 1)), np.empty((C + 1, BLOCK)), _rows(values)
     given = (*path, p, force, weight, source, factor, gain, ends, _start(composition, state0), D, rows, block, products)
@@ -166,8 +175,7 @@ def products_along(
         bind(march_products, (composition,))(*given)
     else:
         bind(march_products_delayed, (composition,))(*given, k, float(p[0, k]), rows[0].copy(), rows[1].copy())
-    upper = np.triu(products, 1)
-    return np.asarray(products + upper.swapaxes(1, 2))
+    return products
 
 
 def march_laws(t, x, v, a, p, source, factor, s, kept, D, none, out, row, base, J):  # type: ignore[no-untyped-def]
@@ -247,7 +255,7 @@ def _start(composition: Composition, state0: Array | None) -> Array:
 
 
 def _rows(values: Array) -> Array:
-    return np.ascontiguousarray(np.atleast_2d(values), dtype=float)
+    return np.ascontiguousarray(values if values.ndim > 1 else values[None], dtype=float)
 
 
 def delayed(t: Array, values: Array, tau: float | Array) -> Array:

@@ -59,12 +59,19 @@ def sources(composition: Composition, site: int) -> list[str]:
 
 
 def towards(p: Part) -> dict[str, str]:
-    """Each formula of a part with its derivative along any direction of its arguments."""
+    """The formulas of a part with their derivatives: along any direction, and by each argument."""
     texts = {}
-    for formula in (p.advance, p.force, p.stretch):
+    for formula in (p.force, p.stretch):
         if formula is not None:
             texts[_along(formula)] = tangents(formula, _along(formula), _active(formula), [None])
+    for formula in (p.advance, p.force):
+        if formula is not None:
+            texts[_partials(formula)] = tangents(formula, _partials(formula), (), _active(formula))
     return texts
+
+
+def _partials(formula: Formula) -> str:
+    return f"{formula.name}_partials"
 
 
 def _along(formula: Formula) -> str:
@@ -114,8 +121,8 @@ def _ends(composition: Composition) -> list[str]:
     return lines
 
 
-def _called(formula: Formula, places: dict[str, str]) -> str:
-    return f"{formula.name}({', '.join(places[a] for a in formula.arguments)})"
+def _called(formula: Formula, places: dict[str, str], name: str = "") -> str:
+    return f"{name or formula.name}({', '.join(places[a] for a in formula.arguments)})"
 
 
 def _states(slot: Slot, form: str) -> dict[str, str]:
@@ -166,19 +173,18 @@ return f"""
 
 
 def _found(composition: Composition) -> list[str]:
-    """Lines that find the force ``f1`` at the end of a piece, the motion that is left, and the states there."""
+    """Lines that find the force ``f1`` at the end of a piece, and the motion that is left."""
     return [
         f"f0 = s[{_last(composition)}]",
         "f1 = solve_SITE(s, x0, x1, v0, v1, dt, p)",
         f"z0 = {_stretch(composition, 'f0')}",
         f"z1 = {_stretch(composition, 'f1')}",
         *SHRUNK,
-        *_ends(composition),
     ]
 
 
 def _advance(composition: Composition) -> tuple[str, list[str]]:
-    lines = [*_found(composition), *_kept(composition), "return"]
+    lines = [*_found(composition), *_ends(composition), *_kept(composition), "return"]
     return "advance(s, x0, x1, v0, v1, dt, p)", lines
 
 
@@ -212,19 +218,40 @@ class Direction:
         """Lines that leave the tangents of the states in ``out0, ...`` and the one of Phi in ``out``."""
         lines, terms = [], []
         for slot in _inner(composition):
-            places = INNER | _states(slot, "s[{}]") | _values(slot)
             seeds = (
                 self.motion | _states(slot, self.states) | {n: self.values.format(k) for n, k in slot.values.items()}
             )
             if slot.part.advance:
-                count = len(slot.states)
-                targets = [f"_{k}" for k in range(count)] + [f"{out}{k}" for k in slot.states.values()]
-                lines.append(f"{', '.join(targets)} = {_towards(slot.part.advance, places, seeds)}")
+                for k in slot.states.values():
+                    lines.append(f"{out}{k} = {_sum(slot.part.advance, str(k), seeds)}")
             if slot.part.force:
-                places |= _states(slot, "e{}")
                 seeds |= _states(slot, out + "{}") | {"x": self.motion["x1"], "v": self.motion["v1"]}
-                terms.append(f"{_towards(slot.part.force, places, seeds)}[1]")
+                terms.append(_sum(slot.part.force, "", seeds))
         return [*lines, f"{out} = {' + '.join(terms)}"]
+
+
+def _sum(formula: Formula, state: str, seeds: dict[str, str]) -> str:
+    """The tangent of a formula from its partial derivatives, which stand under names of its own."""
+    terms = [f"{formula.name}{state}_{a}*({seeds[a]})" for a in _active(formula) if seeds[a] != "0.0"]
+    return " + ".join(terms) or "0.0"
+
+
+def _by_arguments(composition: Composition) -> list[str]:
+    """Lines with the states at the end of a piece and all partial derivatives there, each computed once."""
+    lines = []
+    for slot in _inner(composition):
+        places = INNER | _states(slot, "s[{}]") | _values(slot)
+        if slot.part.advance:
+            formula, own = slot.part.advance, list(slot.states.values())
+            targets = [f"e{k}" for k in own] + [f"{formula.name}{k}_{a}" for a in _active(formula) for k in own]
+            lines.append(f"{', '.join(targets)} = {_called(formula, places, _partials(formula))}")
+        if slot.part.force:
+            formula = slot.part.force
+            targets = ["_", *(f"{formula.name}_{a}" for a in _active(formula))]
+            lines.append(
+                f"{', '.join(targets)} = {_called(formula, places | _states(slot, 'e{}'), _partials(formula))}"
+            )
+    return lines
 
 
 def _towards(formula: Formula, places: dict[str, str], seeds: dict[str, str]) -> str:
@@ -256,7 +283,7 @@ def _by_force(composition: Composition) -> list[str]:
 def _slopes(composition: Composition) -> tuple[str, list[str]]:
     by_x = Direction({"x0": "0.0", "x1": "1.0", "v0": "0.0", "v1": "0.0"}, "0.0", "0.0")
     by_v = Direction({"x0": "0.0", "x1": "0.0", "v0": "0.0", "v1": "1.0"}, "0.0", "0.0")
-    lines = [*_found(composition), *_by_force(composition), *by_x.lines(composition, "h"), "fx = h/(1.0 - b)"]
+    lines = [*_found(composition), *_by_arguments(composition), *_by_force(composition), *by_x.lines(composition, "h"), "fx = h/(1.0 - b)"]
     lines += [*by_v.lines(composition, "h"), "fv = h/(1.0 - b)"]
     for slot, formula in _beside(composition):
         places = {"x": "x1", "v": "v1", "a": "0.0"} | _values(slot)
@@ -290,6 +317,6 @@ def _spread(composition: Composition) -> tuple[str, list[str]]:
     for slot in _inner(composition):
         loop += [f"D[{k}, m] = h{k} + b{k}*df" for k in slot.states.values()]
     loop.append(f"D[{last}, m] = df")
-    lines = [*_found(composition), *_by_force(composition), f"for m in range({width}):"]
+    lines = [*_found(composition), *_by_arguments(composition), *_by_force(composition), f"for m in range({width}):"]
     lines += ["    " + line for line in loop]
     return "spread(s, D, x0, x1, v0, v1, dt, p)", [*lines, *_kept(composition), "return"]
