@@ -35,7 +35,8 @@ _PARTIALS: dict[Callable[..., float], tuple[Callable[..., float], ...]] = {}
 def intrinsic(*partials: Callable[..., float]) -> Callable[[Callable[..., float]], Callable[..., float]]:
     """Mark a function as an intrinsic with one partial derivative per argument, in their order.
 
-    A partial takes the value of the function and then its arguments.
+    A partial takes the value of the function and then its arguments. Without partials it is held: its value does not change
+    as far as derivatives go (an iteration whose last step the formula writes out).
     """
 
     def mark(function: Callable[..., float]) -> Callable[..., float]:
@@ -247,7 +248,7 @@ class _Tangent:
         if name in DERIVATIVES:
             return tangents[0] and f"{DERIVATIVES[name].format(a=texts[0])}*{tangents[0]}"
         partials = _PARTIALS[self.namespace[name]]
-        if not any(tangents):
+        if not any(tangents) or not partials:
             return None
         value = self._once(ast.unparse(node))
         arguments = ", ".join([value, *texts])

@@ -27,7 +27,7 @@ from dampyr.errors import InputError
 from dampyr.models.flow import flow
 from dampyr.models.part import Scale, checked
 from dampyr.models.parts import bouc_wen
-from dampyr.models.parts._series import drawn
+from dampyr.models.parts._series import drawn, speed, steepness
 from dampyr.units import Quantity
 
 HOLDS = ("spring",)
@@ -67,8 +67,15 @@ def advance(
     gain = rho / (1.0 + r + 0.5 * vc * kappa * dt)
     pull = gain * (x1 - x0 - vc * dt * (w + kappa * e))
     s = copysign(1.0, pull)
-    xi = drawn(s * w, abs(pull), gain * vc * dt, n, 2.0 * sigma - 1.0)
-    return s * flow(s * w, xi, n, 2.0 * sigma - 1.0), e + s * xi / rho
+    c = 2.0 * sigma - 1.0
+    y = s * w
+    beta = gain * vc * dt
+    near = drawn(y, abs(pull), beta, n, c)
+    half = flow(y, 0.5 * near, n, c)
+    end = flow(y, near, n, c)
+    excess = near + beta * ((y + 4.0 * half + end) / 6.0 - y) - abs(pull)
+    xi = near - excess / steepness(half, end, beta, n, c)
+    return s * (end + speed(end, n, c) * (xi - near)), e + s * xi / rho
 
 
 def force(w: float, e: float, x: float, v: float, kw: float, k1: float, vc: float, r: float, kappa: float) -> float:
