@@ -79,10 +79,16 @@ class Normal:
         if curvature is not None:
             H = S[:-1, :-1] + damping * np.diag(S.diagonal()[:-1])
             S, damping = np.column_stack((_bent(H, np.pad(curvature, ((L, 0), (L, 0)))), S[:-1, -1])), 0.0
-        low, high = np.concatenate((self.local_low[0], self.low)), np.concatenate((self.local_high[0], self.high))
-        chosen = np.concatenate((self.local_linear, self.linear)) if only_linear else np.ones(low.size, dtype=bool)
+        low, high, linear = self._joint_limits
+        chosen = linear if only_linear else np.ones(low.size, dtype=bool)
         step = within(S, damping, low, high, chosen)
         return Step(step[L:], step[None, :L])
+
+    @cached_property
+    def _joint_limits(self) -> tuple[Array, Array, Bools]:
+        """Of one record: how far nuisances and coefficients may step, and which are linear."""
+        low, high = np.concatenate((self.local_low[0], self.low)), np.concatenate((self.local_high[0], self.high))
+        return low, high, np.concatenate((self.local_linear, self.linear))
 
     @cached_property
     def reduced(self) -> Eliminated:

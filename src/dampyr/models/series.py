@@ -283,7 +283,13 @@ def _by_force(composition: Composition) -> list[str]:
 def _slopes(composition: Composition) -> tuple[str, list[str]]:
     by_x = Direction({"x0": "0.0", "x1": "1.0", "v0": "0.0", "v1": "0.0"}, "0.0", "0.0")
     by_v = Direction({"x0": "0.0", "x1": "0.0", "v0": "0.0", "v1": "1.0"}, "0.0", "0.0")
-    lines = [*_found(composition), *_by_arguments(composition), *_by_force(composition), *by_x.lines(composition, "h"), "fx = h/(1.0 - b)"]
+    lines = [
+        *_found(composition),
+        *_by_arguments(composition),
+        *_by_force(composition),
+        *by_x.lines(composition, "h"),
+        "fx = h/(1.0 - b)",
+    ]
     lines += [*by_v.lines(composition, "h"), "fv = h/(1.0 - b)"]
     for slot, formula in _beside(composition):
         places = {"x": "x1", "v": "v1", "a": "0.0"} | _values(slot)

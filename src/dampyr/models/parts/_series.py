@@ -50,6 +50,6 @@ def steepness(half: float, end: float, beta: float, n: float, c: float) -> float
 
 
 @intrinsic()
-def speed(end: float, n: float, c: float) -> float:
+def held_rate(end: float, n: float, c: float) -> float:
     """dy/dxi at the end, held likewise."""
     return rate(end, n, c)

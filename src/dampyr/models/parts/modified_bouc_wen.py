@@ -27,7 +27,7 @@ from dampyr.errors import InputError
 from dampyr.models.flow import flow
 from dampyr.models.part import Scale, checked
 from dampyr.models.parts import bouc_wen
-from dampyr.models.parts._series import drawn, speed, steepness
+from dampyr.models.parts._series import drawn, held_rate, steepness
 from dampyr.units import Quantity
 
 HOLDS = ("spring",)
@@ -75,7 +75,7 @@ def advance(
     end = flow(y, near, n, c)
     excess = near + beta * ((y + 4.0 * half + end) / 6.0 - y) - abs(pull)
     xi = near - excess / steepness(half, end, beta, n, c)
-    return s * (end + speed(end, n, c) * (xi - near)), e + s * xi / rho
+    return s * (end + held_rate(end, n, c) * (xi - near)), e + s * xi / rho
 
 
 def force(w: float, e: float, x: float, v: float, kw: float, k1: float, vc: float, r: float, kappa: float) -> float:
