@@ -52,7 +52,7 @@ def test_every_score_is_of_a_prediction(board: Leaderboard) -> None:
     assert {name.partition("V")[0] for name in by_input.scores} == {"1"}
     for validation in board.winner.validations:
         assert all(not set(fold.fitted_on) & set(fold.scores) for fold in validation.folds)
-    assert board.winner.error == pytest.approx(0.5 * (by_record.error + by_input.error))
+    assert board.winner.error == pytest.approx(0.75 * by_record.error + 0.25 * by_input.error)
 
 
 def test_information_criteria_agree_with_the_prediction(board: Leaderboard) -> None:

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 MOST_ITERATIONS = 80
 TOLERANCE = 1e-8
 SMALL_STEP = 0.1  # of the sum of squares that a step of the linear unknowns alone has gained
+STALLED = 1e-5  # of the cost: less than a tenth of what one effective sample in 10,000 is worth
 SURPRISE = 0.1  # of what a step promised: beyond it the second derivatives are learnt
 NEAR = 0.1  # of the cost: steps that promise more are too far from the end to learn from
 COARSE = 1e-4  # of the cost: where searches on some of the samples end
@@ -162,7 +163,7 @@ def descend(
             damping *= 10.0
             curvature = None
             if damping > 1e8:
-                converged = promised <= 1e-6 * here.cost
+                converged = promised <= STALLED * here.cost
                 left = f"the last promised {promised / here.cost:.1g} of it"
                 reason = f"stopped where no step lowers the sum of squares any more ({left})"
                 break

@@ -178,7 +178,11 @@ class Interpolation:
         piece = np.clip(np.searchsorted(self.knots, u, side="right") - 1, 0, len(self.knots) - 2)
         d = u - np.asarray(self.knots)[piece]
         c = self.pieces[:, piece]
-        return c[0] + d * (c[1] + d * (c[2] + d * c[3]))
+        curve = c[0] + d * (c[1] + d * (c[2] + d * c[3]))
+        if u.size and (u.min() < self.low or u.max() > self.high):
+            return curve
+        ends = np.asarray(self.values)[np.stack((piece, piece + 1))]
+        return np.minimum(np.maximum(curve, ends.min(axis=0)), ends.max(axis=0))  # which rounding alone could leave
 
     def with_coefficients(self, coefficients: ArrayLike) -> Self:
         return replace(self, values=_checked_numbers("values", coefficients))

@@ -68,7 +68,10 @@ def _short(fit: Fit, checks: Sequence[Validation]) -> Section:
     worst = extremes(fit.scores)[-1][1]
     rows: list[list[Cell]] = [
         ["model", str(fit.problem.composition)],
-        ["the search", ("" if fit.converged else "did not converge: ") + fit.reason],
+        [
+            "the search",
+            ("" if fit.converged or fit.reason.startswith("did not") else "did not converge: ") + fit.reason,
+        ],
         ["input", _inputs(fit)],
         [
             "describes its records",

@@ -18,9 +18,9 @@ def leaderboard_section(board: Leaderboard) -> Section:
     words = f"{best.model} predicts best: {100 * best.error:.3g} %"
     words += f"; the runner-up, {second.model}, has {100 * second.error:.3g} %." if second else "."
     words += (
-        " The error is the mean of two: the L1 ratio of records that were left out (five random parts), and of whole inputs "
-        "that were left out where there are three or more, every input counting the same. Nothing here was scored on what "
-        "it was fitted on. AIC and BIC are of the fits to all records and count effective samples; they are shown, not used."
+        " The error is three quarters of the L1 ratio of records that were left out (five random parts), and one of that of "
+        "whole inputs that were left out where there are three or more, every input counting the same. Nothing here was "
+        "scored on what it was fitted on. AIC and BIC are of the fits to all records; they are shown, not used."
     )
     rows: list[list[Cell]] = [
         [k, e.model, *(100 * v for v in (e.error, e.l1, e.unseen_input, e.nrmse, e.pointwise, e.energy)), e.parameters,
