@@ -1,6 +1,8 @@
 """The model that predicts best is found, and everything says what it was not fitted on."""
 
-from concurrent.futures import ThreadPoolExecutor
+import sys
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ from dampyr.identification.screening import screening_set, shortened
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record, read_campaign
 
+module = sys.modules["dampyr.identification.leaderboard"]
 VOLTS = (0.0, 1.0, 2.0)
 NAME = "hyperbolic_tangent"
 LAWS = {
@@ -74,16 +77,40 @@ def test_every_model_was_tried_bare_and_with_each_add_on(board: Leaderboard) -> 
         assert models[:3] == [one.base, f"{one.base} + spring", f"{one.base} + compliance"]
 
 
-def test_workers_change_nothing(board: Leaderboard) -> None:
+class Backwards(Executor):
+    """Begins nothing before all is asked for, and ends the last first, as busy workers may."""
+
+    def __init__(self) -> None:
+        self.waiting: list[tuple[Future, Callable[[], object]]] = []  # type: ignore[type-arg]
+
+    def submit(self, fn, /, *args, **kwargs):  # type: ignore[no-untyped-def]
+        future: Future = Future()  # type: ignore[type-arg]
+        self.waiting.append((future, fn))
+        if len(self.waiting) == self.expected:
+            while self.waiting:
+                last, run = self.waiting.pop()
+                last.set_result(run())
+        return future
+
+    expected = 0
+
+
+def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[tuple[str, float]] = []
-    with ThreadPoolExecutor(2) as executor:
-        same = leaderboard(
-            campaign(),
-            ("dahl", NAME),
-            ("spring", "lag", "compliance"),
-            executor=executor,
-            progress=lambda *a: told.append(a),
-        )
+    plain = module._run
+
+    def run(jobs, executor, tell):  # type: ignore[no-untyped-def]
+        executor.expected = len(jobs)
+        return plain(jobs, executor, tell)
+
+    monkeypatch.setattr(module, "_run", run)
+    same = leaderboard(
+        campaign(),
+        ("dahl", NAME),
+        ("spring", "lag", "compliance"),
+        executor=Backwards(),
+        progress=lambda *a: told.append(a),
+    )
     assert [(e.model, e.error) for e in same.entries] == [(e.model, e.error) for e in board.entries]
     assert {what for what, _ in told} == {"choosing the velocity", "screening models", "validating the best"}
 

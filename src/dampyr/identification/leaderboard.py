@@ -151,6 +151,9 @@ def leaderboard(
     Raises :class:`~dampyr.errors.InputError` for fewer than five records, or where no model could be fitted.
     """
     listed = [r for r in records if r.role != "validation"]
+    unknown = [r.name for r in listed if r.input is None]
+    if unknown:
+        raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
     if len(listed) < 5:
         raise InputError(f"a leaderboard needs five records or more to fit, not {len(listed)}; name a model instead")
     begun = time.perf_counter()

@@ -25,9 +25,8 @@ from dampyr.units import Quantity
 
 BULGING = "stable, but its loops bulge the wrong way for a damper"
 HOLDS = ("spring",)
-SHARPEST_TURN = (
-    100.0  # of sigma: the friction leaves its limit on a hundredth of the path that led there, nobody measures less
-)
+# where sigma is 1000, friction leaves its limit on a thousandth of the path that led there
+SHARPEST_TURN = 1000.0
 SHARPEST_KNEE = 50.0  # of n: the loop is a parallelogram to the eye
 STATES = {"w": (-1.0, 1.0)}
 
