@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -115,6 +115,15 @@ def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monk
     assert {what for what, _ in told} == {"choosing the velocity", "screening models", "validating the best"}
 
 
+def test_forked_workers_are_refused() -> None:
+    from multiprocessing import get_all_start_methods, get_context
+
+    if "fork" not in get_all_start_methods():
+        return  # nothing can fork here
+    with ProcessPoolExecutor(1, mp_context=get_context("fork")) as executor, pytest.raises(InputError, match="spawn"):
+        leaderboard(campaign(), (NAME,), (), executor=executor)
+
+
 def test_what_cannot_be_fitted_says_why_and_does_not_stop_the_rest() -> None:
     flat = [r.replace(note="one voltage", voltage=1.0) for r in campaign() if r.voltage == 1.0]
     found = leaderboard([*flat, *(r.replace(note="again", name=r.name + "b") for r in flat)], ("dahl", NAME), ())
@@ -140,7 +149,6 @@ def test_the_screening_set_is_small_and_holds_every_input() -> None:
 
 @pytest.mark.prove
 def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path) -> None:
-    from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
     records = read_campaign(campaign_folder)

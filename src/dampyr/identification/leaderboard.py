@@ -141,7 +141,9 @@ def leaderboard(
     finalists
         how many are validated on all records.
     executor
-        runs the trials, such as a ``ProcessPoolExecutor``; None runs them one after the other. The result is the same.
+        runs the trials, such as ``ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"))``; None runs them one
+        after the other. The result is the same. Forked processes are refused: they share locks and threads with what was
+        compiled and computed before, and may crash.
     progress
         called with what is being done and the fraction done.
     options
@@ -150,6 +152,7 @@ def leaderboard(
 
     Raises :class:`~dampyr.errors.InputError` for fewer than five records, or where no model could be fitted.
     """
+    _refuse_forks(executor)
     listed = [r for r in records if r.role != "validation"]
     unknown = [r.name for r in listed if r.input is None]
     if unknown:
@@ -174,6 +177,15 @@ def leaderboard(
     entries = list(_run(finals, executor, lambda done: tell("validating the best", done)))
     ranked = with_criteria(sorted(entries, key=lambda one: (one.error, one.model)))
     return Leaderboard(tuple(ranked), tuple(screened), bandwidth, left_out, time.perf_counter() - begun)
+
+
+def _refuse_forks(executor: Executor | None) -> None:
+    context = getattr(executor, "_mp_context", None)
+    if context is not None and context.get_start_method() == "fork":
+        raise InputError(
+            "the executor forks its processes, which may crash after compiled code has run; make it with "
+            "mp_context=multiprocessing.get_context('spawn')"
+        )
 
 
 def _run(jobs: Sequence[Callable[[], Any]], executor: Executor | None, tell: Callable[[float], None]) -> list[Any]:
