@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +10,7 @@ import numpy as np
 
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.models.laws import from_card
+from dampyr.whole import write_whole
 
 if TYPE_CHECKING:
     from dampyr.models.damper import Damper
@@ -20,22 +19,11 @@ SCHEMA = 1
 
 
 def write(damper: Damper, path: Path) -> Path:
-    """Write ``damper`` to ``path``: beside it first, then moved into place, so that a kill leaves the old or the new."""
+    """Write ``damper`` to ``path``, whole or not at all."""
     import tomli_w
 
-    text = tomli_w.dumps(_tables(damper))
-    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            file.write(
-                "# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n" + text
-            )
-            file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    head = "# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n"
+    write_whole(path, head + tomli_w.dumps(_tables(damper)))
     return path
 
 

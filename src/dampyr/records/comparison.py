@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import io
-import os
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
 from dampyr.errors import FileError
 from dampyr.records.record import Array, Record
+from dampyr.whole import write_whole
 
 SIGNATURE = "# written by dampyr: measured and predicted force"
 HEADER = "time [s],displacement [m],measured force [N],predicted force [N]"
@@ -33,7 +32,7 @@ def write_comparison(record: Record, predicted: Array, path: str | Path, offset:
     values = np.column_stack([record.time, record.displacement, record.force, predicted + offset])
     head = f"{SIGNATURE}\n# record {record.name}; the predicted force holds an offset of {offset:.6g} N\n{HEADER}"
     np.savetxt(page, values, delimiter=",", header=head, comments="", fmt="%.9g")
-    _write_whole(path, page.getvalue())
+    write_whole(path, page.getvalue())
     return path
 
 
@@ -51,20 +50,3 @@ def check_free(path: Path) -> None:
 def file_name(record: Record) -> str:
     """The name of a record as that of a file: ``NAME.csv``, with ``_`` for what separates folders."""
     return f"{record.name.translate(str.maketrans('/:', '__')).replace(chr(92), '_')}.csv"
-
-
-def _write_whole(path: Path, text: str) -> None:
-    try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    except OSError as problem:
-        raise FileError(
-            path, f"cannot be written ({problem.strerror}); choose a folder that can be written to"
-        ) from problem
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

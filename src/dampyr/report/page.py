@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
 import re
-import tempfile
 import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +15,7 @@ from typing import Any
 from dampyr.errors import InputError
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
 from dampyr.report.svg import inline_svg
+from dampyr.whole import write_whole
 
 DASH = "–"
 _MARKS = {"agrees": "✓", "differs": "≠", "cannot be checked": "?"}
@@ -70,15 +69,7 @@ def write_page(path: str | Path, html: str) -> Path:
     """Write a page whole or not at all: a reader never sees half of it."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-", suffix=".part")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(html)
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    write_whole(path, html)
     return path
 
 

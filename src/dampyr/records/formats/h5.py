@@ -18,8 +18,6 @@ In MATLAB: ``h5read("test.h5", "/calibrated/force")`` and ``h5readatt("test.h5",
 from __future__ import annotations
 
 import contextlib
-import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +29,7 @@ from dampyr.errors import FileError
 from dampyr.records.files import Request
 from dampyr.records.record import CHANNELS, Array, Label, Record, as_role
 from dampyr.units import to_si
+from dampyr.whole import whole_file
 
 FORMAT = "dampyr record"
 SCHEMA = 1
@@ -108,21 +107,8 @@ def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None
     (a whole number) say of which test of a campaign it is which try.
     """
     path = Path(path)
-    try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-        os.close(handle)
-    except OSError as problem:
-        raise FileError(path, f"cannot be written ({problem.strerror}); choose a folder that exists") from problem
-    try:
-        _fill(record, name, raw or {})
-        with open(name, "rb+") as written:  # noqa: PTH123 - a descriptor is needed to sync
-            os.fsync(written.fileno())
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
-    _sync_folder(path.parent)
+    with whole_file(path) as beside:
+        _fill(record, str(beside), raw or {})
     return path
 
 
@@ -155,16 +141,6 @@ def _fill_raw(file: Any, raw: Mapping[str, Raw]) -> None:
         data = group.create_dataset(name, data=channel.values)
         kept = {k: v for k, v in vars(channel).items() if k != "values"}
         data.attrs.update(kept)
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make the move itself last through a power cut, where the system can."""
-    with contextlib.suppress(OSError, AttributeError):  # Windows has no descriptors of folders
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
 
 
 @contextlib.contextmanager
