@@ -1,6 +1,5 @@
 """The model that predicts best is found, and everything says what it was not fitted on."""
 
-import sys
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from pathlib import Path
@@ -10,12 +9,11 @@ import pytest
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import Leaderboard, leaderboard
-from dampyr.identification.screening import screening_set, shortened
+from dampyr.identification import Leaderboard, jobs, leaderboard
+from dampyr.identification.thinning import screening_set, shortened
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record, read_campaign
 
-module = sys.modules["dampyr.identification.leaderboard"]
 VOLTS = (0.0, 1.0, 2.0)
 NAME = "hyperbolic_tangent"
 LAWS = {
@@ -97,13 +95,13 @@ class Backwards(Executor):
 
 def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[tuple[str, float]] = []
-    plain = module._run
+    plain = jobs.run_all
 
-    def run(jobs, executor, tell):  # type: ignore[no-untyped-def]
-        executor.expected = len(jobs)
-        return plain(jobs, executor, tell)
+    def run(some, executor, tell):  # type: ignore[no-untyped-def]
+        executor.expected = len(some)
+        return plain(some, executor, tell)
 
-    monkeypatch.setattr(module, "_run", run)
+    monkeypatch.setattr(jobs, "run_all", run)
     same = leaderboard(
         campaign(),
         ("dahl", NAME),

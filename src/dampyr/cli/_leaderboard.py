@@ -1,4 +1,4 @@
-"""The leaderboard on the command line: two processes or as many as there are cores, and what is printed of it."""
+"""The leaderboard on the command line: spread over the cores, and what is printed of it."""
 
 from __future__ import annotations
 

@@ -135,7 +135,7 @@ def _joint(
 ) -> tuple[Fit, list[Validation]]:
     """The fit to all records, and the validations that were asked for; of a leaderboard the winner's."""
     from dampyr.identification import cross_validate, fit
-    from dampyr.identification.leaderboard import held_in
+    from dampyr.identification.screening import held_in
 
     checks = list(board.winner.validations) if board else []
     if board:

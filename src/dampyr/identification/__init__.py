@@ -8,11 +8,12 @@ predicts records that it was not fitted on, `leaderboard` which model does it be
 
 from dampyr.identification.findings import Trend, findings, trends, warnings_of
 from dampyr.identification.fit import Fit, Nuisance, fit
-from dampyr.identification.leaderboard import Entry, Leaderboard, Screened, Trial, leaderboard
+from dampyr.identification.leaderboard import Entry, Leaderboard, leaderboard
 from dampyr.identification.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.plastic_region import PlasticRegion, plastic_region
 from dampyr.identification.residuals import Residuals, Trace, analyse, residuals
 from dampyr.identification.score import Score, Window, compare, prediction, score
+from dampyr.identification.screening import Screened, Trial
 from dampyr.identification.validation import Fold, Validation, cross_validate
 
 __all__ = [

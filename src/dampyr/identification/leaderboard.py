@@ -1,8 +1,8 @@
 r"""Which model predicts best: every model of the catalogue, bare and with add-ons, ranked by what it predicts unseen.
 
-First each model is *screened* on a few shortened records: bare, then with the add-on that lowers its error most, then with the
-next, as long as that lowers it by `WORTH` and the model is within `CONTENDING` times the best. Then the best few are fitted and
-validated on all records. The validation error is
+First each model is *screened* on a few shortened records (`dampyr.identification.screening`): bare, then with the add-on that
+lowers its error most, then with the next, as long as that lowers it by 2 % and the model is within 15 % of the best. Then the
+best few are fitted and validated on all records. The validation error is
 
 .. math:: E = \tfrac34 E_\text{record} + \tfrac14 E_\text{input}
 
@@ -20,7 +20,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -28,50 +28,25 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification import jobs
 from dampyr.identification.fit import Fit, fit
-from dampyr.identification.screening import screening_set
-from dampyr.identification.validation import Validation, cross_validate
+from dampyr.identification.screening import (
+    PAIRS,
+    Screened,
+    chosen_bandwidth,
+    held_in,
+    screen_all,
+    validation_error,
+    validations_of,
+)
+from dampyr.identification.thinning import screening_set
+from dampyr.identification.validation import Validation
 from dampyr.models import names, part
-from dampyr.records import Record, default_bandwidth
+from dampyr.records import Record
 
 ADD_ONS = ("spring", "delay", "lag", "compliance")
-#: compositions that are tried like a model of the catalogue, and what one of the two parts leaves to the other
-PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}}
-BETWEEN = 0.25
 FINAL_STEPS = 300
 FINALISTS = 5
-CONTENDING = 1.15
-WORTH = 0.02
-SCREENING_STEPS = 15
-PROBE = "hyperbolic_tangent + spring + compliance"
-
-
-@dataclass(frozen=True)
-class Trial:
-    """One model on the screening set: its validation error there, or infinity and the reason."""
-
-    model: str
-    error: float
-    seconds: float
-    reason: str = ""
-
-
-@dataclass(frozen=True)
-class Screened:
-    """One model of the catalogue: every trial, the bare one first; the best is `best`."""
-
-    base: str
-    trials: tuple[Trial, ...]
-
-    @property
-    def bare(self) -> Trial:
-        """Without add-ons."""
-        return self.trials[0]
-
-    @property
-    def best(self) -> Trial:
-        """With the add-ons that were worth it."""
-        return min(self.trials, key=lambda one: one.error)
 
 
 @dataclass(frozen=True)
@@ -142,8 +117,8 @@ def leaderboard(
         how many are validated on all records.
     executor
         runs the trials, such as ``ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"))``; None runs them one
-        after the other. The result is the same. Forked processes are refused: they share locks and threads with what was
-        compiled and computed before, and may crash.
+        after the other. The result is the same. Forked processes are refused: in trials they crashed after compiled code
+        had run in the process that they came from.
     progress
         called with what is being done and the fraction done.
     options
@@ -152,7 +127,7 @@ def leaderboard(
 
     Raises :class:`~dampyr.errors.InputError` for fewer than five records, or where no model could be fitted.
     """
-    _refuse_forks(executor)
+    jobs.refuse_forks(executor)
     listed = [r for r in records if r.role != "validation"]
     unknown = [r.name for r in listed if r.input is None]
     if unknown:
@@ -174,33 +149,9 @@ def leaderboard(
     if not best:
         raise InputError(f"no model could be fitted; the first said: {screened[0].bare.reason}")
     finals = [partial(judge, one.model, listed, seed, options) for one in best[:finalists]]
-    entries = list(_run(finals, executor, lambda done: tell("validating the best", done)))
+    entries = jobs.run_all(finals, executor, lambda done: tell("validating the best", done))
     ranked = with_criteria(sorted(entries, key=lambda one: (one.error, one.model)))
     return Leaderboard(tuple(ranked), tuple(screened), bandwidth, left_out, time.perf_counter() - begun)
-
-
-def _refuse_forks(executor: Executor | None) -> None:
-    context = getattr(executor, "_mp_context", None)
-    if context is not None and context.get_start_method() == "fork":
-        raise InputError(
-            "the executor forks its processes, which may crash after compiled code has run; make it with "
-            "mp_context=multiprocessing.get_context('spawn')"
-        )
-
-
-def _run(jobs: Sequence[Callable[[], Any]], executor: Executor | None, tell: Callable[[float], None]) -> list[Any]:
-    """The jobs' results in their order, whatever the order in which they come."""
-    tell(0.0)
-    if executor is None:
-        found = []
-        for k, job in enumerate(jobs):
-            found.append(job())
-            tell((k + 1) / len(jobs))
-        return found
-    futures: list[Future[Any]] = [executor.submit(job) for job in jobs]
-    for k, _ in enumerate(as_completed(futures)):
-        tell((k + 1) / len(jobs))
-    return [future.result() for future in futures]
 
 
 def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -212,106 +163,12 @@ def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[s
     return tuple(add_ons), ()
 
 
-def chosen_bandwidth(records: list[Record], small: list[Record], options: dict[str, Any]) -> float | None:
-    """The velocity as recorded (None) or derived, whichever lets the probe predict better."""
-    derived = round(max(default_bandwidth(record) for record in records), 1)
-    if any(record.velocity is None for record in records):
-        return derived
-    errors = {b: trial(PROBE, small, 0, options | {"bandwidth": b}).error for b in (None, derived)}
-    return None if errors[None] < errors[derived] else derived
-
-
-def screen_all(
-    bases: Sequence[str],
-    small: list[Record],
-    add_ons: Sequence[str],
-    seed: int,
-    options: dict[str, Any],
-    executor: Executor | None,
-    tell: Callable[[float], None],
-) -> list[Screened]:
-    """Every model bare and with each add-on; then, round by round, those in contention with one more."""
-    trials: dict[str, list[Trial]] = {base: [] for base in bases}
-    ends = {base: base for base in bases}
-    going, rounds = list(bases), max(len(add_ons), 1)
-    for k in range(rounds):
-        plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
-        jobs = [partial(trial, model, small, seed, options) for models in plan.values() for model in models]
-        found = iter(_run(jobs, executor, lambda done, k=k: tell((k + done) / rounds)))  # type: ignore[misc]
-        for base, models in plan.items():
-            trials[base] += [next(found) for _ in models]
-        going = _still_going(going, trials, ends)
-    tell(1.0)
-    return [Screened(base, tuple(trials[base])) for base in bases]
-
-
-def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
-    """The model with one add-on more, whichever it does not hold yet; itself too where it is still bare."""
-    held = _held(model)
-    return [model] * bare + [f"{model} + {a}" for a in add_ons if a not in held]
-
-
-def _still_going(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
-    """The models that the last add-on was worth it for and that are not far behind the best; ``ends`` follows them."""
-    lead = min(one.error for found in trials.values() for one in found)
-    kept = []
-    for base in going:
-        before = min((t.error for t in trials[base] if t.model == ends[base]), default=float("inf"))
-        best = min(trials[base], key=lambda one: one.error)
-        if best.model != ends[base] and best.error < (1.0 - WORTH) * before:
-            ends[base] = best.model
-            if best.error <= CONTENDING * lead:
-                kept.append(base)
-    return kept
-
-
-def _held(model: str) -> set[str]:
-    listed = [name.strip() for name in model.split("+")]
-    return {*listed, *(held for name in listed for held in part(name).holds)}
-
-
-def held_in(model: str) -> dict[str, float]:
-    """The parameters that a pair within ``model`` holds, in SI units."""
-    listed = {name.strip() for name in model.split("+")}
-    pairs = [held for pair, held in PAIRS.items() if {name.strip() for name in pair.split("+")} <= listed]
-    return {name: value for held in pairs for name, value in held.items()}
-
-
-def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -> Trial:
-    """The validation error of one model on the screening set; what cannot be fitted says why."""
-    begun = time.perf_counter()
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DampyrWarning)  # of a model that may never be chosen
-            found = _validations(model, small, 2, seed, options | {"steps": SCREENING_STEPS})
-        reasons = [reason for one in found for reason in one.failed.values()]
-        return Trial(model, validation_error(found), time.perf_counter() - begun, "; ".join(reasons[:1]))
-    except (InputError, np.linalg.LinAlgError) as problem:
-        return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))
-
-
-def _validations(model: str, records: list[Record], folds: int, seed: int, options: dict[str, Any]) -> list[Validation]:
-    options = options | {"fixed": held_in(model)}
-    found = [cross_validate(model, records, "record", folds=folds, seed=seed, **options)]
-    if len({r.input_value for r in records}) > 2:
-        found.append(cross_validate(model, records, "input", seed=seed, **options))
-    return found
-
-
-def validation_error(validations: Sequence[Validation]) -> float:
-    """The splits' errors, weighted."""
-    if len(validations) == 1:
-        return validations[0].error
-    by_record, by_input = validations
-    return (1.0 - BETWEEN) * by_record.error + BETWEEN * by_input.error
-
-
 def judge(model: str, records: list[Record], seed: int, options: dict[str, Any]) -> Entry:
     """One finalist on all records."""
     options = options | {"steps": FINAL_STEPS}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
-        validations = _validations(model, records, min(5, len(records)), seed, options)
+        validations = validations_of(model, records, min(5, len(records)), seed, options)
         begun = time.perf_counter()
         found = fit(model, records, **options | {"fixed": held_in(model)})
     seconds = time.perf_counter() - begun

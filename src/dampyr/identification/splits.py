@@ -31,12 +31,12 @@ class Task:
 
 def split_tasks(records: Sequence[Record], split: str, folds: int = 5, seed: int = 0) -> list[Task]:
     """The folds of a split: see `dampyr.identification.cross_validate`."""
-    if split not in SPLITS:
-        raise InputError(f"{split!r} is no split; choose {', '.join(SPLITS)}")
+    if split != "time" and split not in PARTS:
+        raise InputError(f"{split!r} is no split; choose {', '.join([*PARTS, 'time'])}")
     listed = list(records)
     if split == "time":
         return [_early(listed)]
-    return [_apart(listed, part) for part in SPLITS[split](listed, folds, seed)]
+    return [_apart(listed, part) for part in PARTS[split](listed, folds, seed)]
 
 
 def _apart(records: list[Record], part: list[int]) -> Task:
@@ -97,15 +97,11 @@ def _by_waveform(records: list[Record], folds: int, seed: int) -> list[list[int]
     return [[k for k, kind in enumerate(kinds) if kind == one] for one in known]
 
 
-def _by_time(records: list[Record], folds: int, seed: int) -> list[list[int]]:
-    return [list(range(len(records)))]
-
-
-SPLITS: dict[str, Callable[[list[Record], int, int], list[list[int]]]] = {
+#: which records each fold predicts
+PARTS: dict[str, Callable[[list[Record], int, int], list[list[int]]]] = {
     "record": _by_record,
     "input": _by_input,
     "frequency": _by_frequency,
     "amplitude": _by_amplitude,
     "waveform": _by_waveform,
-    "time": _by_time,
 }

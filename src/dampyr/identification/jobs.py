@@ -1,0 +1,34 @@
+"""Jobs that need nothing of each other, run one after the other or by an executor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future, as_completed
+from typing import Any
+
+from dampyr.errors import InputError
+
+
+def refuse_forks(executor: Executor | None) -> None:
+    """Raise :class:`~dampyr.errors.InputError` for an executor that forks its processes."""
+    context = getattr(executor, "_mp_context", None)
+    if context is not None and context.get_start_method() == "fork":
+        raise InputError(
+            "the executor forks its processes, which may crash after compiled code has run; make it with "
+            "mp_context=multiprocessing.get_context('spawn')"
+        )
+
+
+def run_all(jobs: Sequence[Callable[[], Any]], executor: Executor | None, tell: Callable[[float], None]) -> list[Any]:
+    """The jobs' results in their order, whatever the order in which they come."""
+    tell(0.0)
+    if executor is None:
+        found = []
+        for k, job in enumerate(jobs):
+            found.append(job())
+            tell((k + 1) / len(jobs))
+        return found
+    futures: list[Future[Any]] = [executor.submit(job) for job in jobs]
+    for k, _ in enumerate(as_completed(futures)):
+        tell((k + 1) / len(jobs))
+    return [future.result() for future in futures]

@@ -1,0 +1,153 @@
+"""Every model of a list tried on a few short records, bare and with add-ons, by what it predicts."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification import jobs
+from dampyr.identification.validation import Validation, cross_validate
+from dampyr.models import compose
+from dampyr.records import Record, default_bandwidth
+
+#: compositions that are tried like a model of the catalogue, and what one of the two parts leaves to the other
+PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}}
+BETWEEN = 0.25
+CONTENDING = 1.15
+WORTH = 0.02
+STEPS = 15
+PROBE = "hyperbolic_tangent + spring + compliance"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One model on the screening set: its validation error there, or infinity and the reason."""
+
+    model: str
+    error: float
+    seconds: float
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Screened:
+    """One model of the catalogue: every trial, the bare one first; the best is `best`."""
+
+    base: str
+    trials: tuple[Trial, ...]
+
+    @property
+    def bare(self) -> Trial:
+        """Without add-ons."""
+        return self.trials[0]
+
+    @property
+    def best(self) -> Trial:
+        """With the add-ons that were worth it."""
+        return min(self.trials, key=lambda one: one.error)
+
+
+def chosen_bandwidth(records: list[Record], small: list[Record], options: dict[str, Any]) -> float | None:
+    """The velocity as recorded (None) or derived, whichever lets the probe predict better."""
+    derived = round(max(default_bandwidth(record) for record in records), 1)
+    if any(record.velocity is None for record in records):
+        return derived
+    errors = {b: trial(PROBE, small, 0, options | {"bandwidth": b}).error for b in (None, derived)}
+    return None if errors[None] < errors[derived] else derived
+
+
+def screen_all(
+    bases: Sequence[str],
+    small: list[Record],
+    add_ons: Sequence[str],
+    seed: int,
+    options: dict[str, Any],
+    executor: Executor | None,
+    tell: Callable[[float], None],
+) -> list[Screened]:
+    """Every model bare and with each add-on; then, round by round, those in contention with one more."""
+    trials: dict[str, list[Trial]] = {base: [] for base in bases}
+    ends = {base: base for base in bases}
+    going, rounds = list(bases), max(len(add_ons), 1)
+    for k in range(rounds):
+        plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
+        tasks = [partial(trial, model, small, seed, options) for models in plan.values() for model in models]
+        found = iter(jobs.run_all(tasks, executor, lambda done, k=k: tell((k + done) / rounds)))  # type: ignore[misc]
+        for base, models in plan.items():
+            trials[base] += [next(found) for _ in models]
+        going = _still_going(going, trials, ends)
+    tell(1.0)
+    return [Screened(base, tuple(trials[base])) for base in bases]
+
+
+def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
+    """The model with one add-on more, whichever it does not hold yet; itself too where it is still bare."""
+    held = _held(model)
+    return [model] * bare + [f"{model} + {a}" for a in add_ons if a not in held]
+
+
+def _still_going(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
+    """The models that the last add-on was worth it for and that are not far behind the best; ``ends`` follows them."""
+    lead = min(one.error for found in trials.values() for one in found)
+    kept = []
+    for base in going:
+        before = min((t.error for t in trials[base] if t.model == ends[base]), default=float("inf"))
+        best = min(trials[base], key=lambda one: one.error)
+        if best.model != ends[base] and best.error < (1.0 - WORTH) * before:
+            ends[base] = best.model
+            if best.error <= CONTENDING * lead:
+                kept.append(base)
+    return kept
+
+
+def _held(model: str) -> set[str]:
+    """The parts of a model, and the add-ons that they have inside."""
+    parts = compose(model).parts
+    return {p.name for p in parts} | {held for p in parts for held in p.holds}
+
+
+def held_in(model: str) -> dict[str, float]:
+    """The parameters that a pair within ``model`` holds, in SI units."""
+    parts = set(compose(model).names)
+    pairs = [held for pair, held in PAIRS.items() if set(compose(pair).names) <= parts]
+    return {name: value for held in pairs for name, value in held.items()}
+
+
+def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -> Trial:
+    """The validation error of one model on the screening set; what cannot be fitted says why."""
+    begun = time.perf_counter()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DampyrWarning)  # of a model that may never be chosen
+            found = validations_of(model, small, 2, seed, options | {"steps": STEPS})
+        reasons = [reason for one in found for reason in one.failed.values()]
+        return Trial(model, validation_error(found), time.perf_counter() - begun, "; ".join(reasons[:1]))
+    except (InputError, np.linalg.LinAlgError) as problem:
+        return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))
+
+
+def validations_of(
+    model: str, records: list[Record], folds: int, seed: int, options: dict[str, Any]
+) -> list[Validation]:
+    """By record, and by input where there are three or more."""
+    options = options | {"fixed": held_in(model)}
+    found = [cross_validate(model, records, "record", folds=folds, seed=seed, **options)]
+    if len({r.input_value for r in records}) > 2:
+        found.append(cross_validate(model, records, "input", seed=seed, **options))
+    return found
+
+
+def validation_error(validations: Sequence[Validation]) -> float:
+    """The splits' errors, weighted."""
+    if len(validations) == 1:
+        return validations[0].error
+    by_record, by_input = validations
+    return (1.0 - BETWEEN) * by_record.error + BETWEEN * by_input.error
