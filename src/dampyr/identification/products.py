@@ -214,17 +214,6 @@ def _stored(
     return np.stack([part.T @ part for part in np.split(table, ends[:-1])])
 
 
-def linearised(problem: Problem, one: Piece, values: Array, states: Array) -> tuple[Array, Array]:
-    """The force (n,) of the parts, delayed, and its derivatives (n, P + S) by parameters and states."""
-    model, J = along_with_columns(problem.composition, one.t, one.x, one.v, values, states)
-    k = problem.composition.delay
-    if k is None:
-        return model, J
-    late = delayed(one.t, J, values[..., k]).copy()
-    late[:, k] = delayed_by_tau(one.t, model, values[..., k])
-    return delayed(one.t, model, values[..., k]), late
-
-
 def with_priors(problem: Problem, point: Point, sums: Array) -> Array:
     """The sums (M, K, K) with what is expected of gains and temperatures: as one more row each."""
     out = sums

@@ -9,7 +9,6 @@ the functions in ``DERIVATIVES`` and *intrinsics*, which are functions that come
 from __future__ import annotations
 
 import ast
-import copy
 import inspect
 import textwrap
 from collections.abc import Callable, Iterable
@@ -273,10 +272,3 @@ def partials_of(formula: Formula) -> dict[str, Callable[..., float]]:
         for partial in _PARTIALS.get(function, ()):
             found[partial.__name__] = partial
     return found
-
-
-def renamed(formula: Formula, name: str) -> Formula:
-    """The same formula under another name."""
-    tree = copy.deepcopy(formula.tree)
-    tree.name = name
-    return Formula(name, formula.arguments, tree, formula.namespace)
