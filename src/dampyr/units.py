@@ -17,6 +17,9 @@ import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
 
+STANDARD_GRAVITY = 9.80665
+"""m/s2, exact by definition; what one g is wherever dampyr reads or shows g."""
+
 
 @dataclass(frozen=True)
 class Quantity:

@@ -8,8 +8,7 @@ from importlib.resources import files
 import numpy as np
 
 from dampyr.ground_motions.motion import GroundMotion
-
-STANDARD_GRAVITY = 9.80665
+from dampyr.units import STANDARD_GRAVITY
 
 
 @lru_cache(maxsize=1)

@@ -9,11 +9,10 @@ from numpy.typing import ArrayLike
 
 from dampyr.report import style
 from dampyr.report.style import ACCELERATION, TIME
+from dampyr.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-STANDARD_GRAVITY = 9.80665
 
 
 def ground_motion(time: ArrayLike, acceleration: ArrayLike, title: str = "") -> Figure:
