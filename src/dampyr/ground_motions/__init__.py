@@ -1,12 +1,53 @@
 """Ground motions: El Centro 1940 built in, others read from PEER's .AT2, plain columns and MATLAB files.
 
-``el_centro()``, ``read(path, units=..., dt=...)``, ``GroundMotion(acceleration, dt)`` and
-``motion.scaled(1.5)``. A format is one file in ``formats/``.
+``el_centro()``, ``read(path, units=..., dt=...)``, ``GroundMotion(acceleration, dt)``. A format is one file in ``formats/``.
+
+Each of ``motion.scaled(1.5)``, ``motion.scaled_to_pga(3.0)``, ``motion.scaled_to_sa(4.0, 0.5)``, ``corrected``, ``filtered``,
+``resampled``, ``trimmed`` and ``padded`` gives a new motion, whose ``history`` says what was done. How strong it is:
+``spectrum``, ``measures``.
 """
 
+from dampyr.ground_motions.baseline import corrected
 from dampyr.ground_motions.builtin import el_centro
+from dampyr.ground_motions.cutting import padded, trimmed
+from dampyr.ground_motions.filters import filtered
+from dampyr.ground_motions.measures import (
+    Measures,
+    arias,
+    cumulative_absolute_velocity,
+    husid,
+    measures,
+    pgd,
+    pgv,
+    sa,
+    significant_duration,
+)
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.reading import formats as known_formats
 from dampyr.ground_motions.reading import read
+from dampyr.ground_motions.resampling import resampled
+from dampyr.ground_motions.spectrum import STANDARD_PERIODS, Spectrum, spectrum
 
-__all__ = ["GroundMotion", "el_centro", "read", "known_formats"]
+__all__ = [
+    "GroundMotion",
+    "el_centro",
+    "read",
+    "known_formats",
+    "Spectrum",
+    "spectrum",
+    "STANDARD_PERIODS",
+    "Measures",
+    "measures",
+    "pgv",
+    "pgd",
+    "sa",
+    "arias",
+    "husid",
+    "significant_duration",
+    "cumulative_absolute_velocity",
+    "corrected",
+    "filtered",
+    "resampled",
+    "trimmed",
+    "padded",
+]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.ground_motions import integrals
 
 Array = NDArray[np.float64]
 
@@ -17,13 +18,15 @@ class GroundMotion:
     """Ground acceleration (n,) [m/s2] every ``dt`` seconds from t = 0, linear between samples.
 
     Checked when made: at least two finite samples, dt > 0; an :class:`~dampyr.errors.InputError` says what
-    is wrong. ``source`` says where the numbers are from. The array is a copy and read-only.
+    is wrong. ``source`` says where the numbers are from, ``history`` what was done to them since, in order. The
+    array is a copy and read-only.
     """
 
     acceleration: Array
     dt: float
     name: str = "ground motion"
     source: str = ""
+    history: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         values = np.array(self.acceleration, dtype=float)
@@ -43,6 +46,7 @@ class GroundMotion:
         values.flags.writeable = False
         object.__setattr__(self, "acceleration", values)
         object.__setattr__(self, "dt", float(self.dt))
+        object.__setattr__(self, "history", tuple(self.history))
 
     @property
     def n(self) -> int:
@@ -64,9 +68,46 @@ class GroundMotion:
         """Peak ground acceleration [m/s2], its size."""
         return float(np.max(np.abs(self.acceleration)))
 
+    @property
+    def velocity(self) -> Array:
+        """Ground velocity (n,) [m/s] from rest: the exact integral of the acceleration."""
+        return integrals.velocity(self.acceleration, self.dt)
+
+    @property
+    def displacement(self) -> Array:
+        """Ground displacement (n,) [m] from 0: the exact integral of the velocity. A raw record drifts; see ``corrected``."""
+        return integrals.displacement(self.acceleration, self.dt)
+
+    def changed(self, acceleration: ArrayLike, note: str, dt: float | None = None) -> GroundMotion:
+        """A new motion with these samples and ``note``, what was done, added to its history."""
+        values = np.asarray(acceleration, dtype=float)
+        return replace(self, acceleration=values, dt=self.dt if dt is None else dt, history=(*self.history, note))
+
     def scaled(self, factor: float) -> GroundMotion:
         """The same motion, ``factor`` times as strong; a negative factor turns it round."""
         if not np.isfinite(factor):
             raise InputError(f"the scale {factor!r} is not a finite number")
         values = np.asarray(self.acceleration) * factor
-        return replace(self, acceleration=values, name=f"{self.name} x {factor:g}")
+        name = f"{self.name} x {factor:g}"
+        return replace(self, acceleration=values, name=name, history=(*self.history, f"scaled by {factor:.12g}"))
+
+    def scaled_to_pga(self, value: float) -> GroundMotion:
+        """The same motion with a peak ground acceleration of ``value`` [m/s2]."""
+        return self.scaled(_factor(value, self.pga, f"{self.name}: a PGA of"))
+
+    def scaled_to_sa(self, value: float, period: float, damping: float = 0.05) -> GroundMotion:
+        """The same motion with a pseudo-acceleration of ``value`` [m/s2] at ``period`` [s] and ``damping`` (ratio)."""
+        from dampyr.ground_motions.spectrum import spectrum
+
+        found = float(spectrum(self, period, damping).pseudo_acceleration)
+        return self.scaled(_factor(value, found, f"{self.name}: Sa({period:g} s) of"))
+
+
+def _factor(value: float, found: float, words: str) -> float:
+    if not np.isfinite(value) or value <= 0:
+        raise InputError(f"{words} {value:g} m/s^2 is not allowed; it must be greater than 0")
+    if found <= 0:
+        raise InputError(
+            f"{words} {value:g} m/s^2 cannot be reached by scaling: the motion is 0 there; take another one"
+        )
+    return value / found

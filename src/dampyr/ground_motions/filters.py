@@ -1,0 +1,72 @@
+"""Butterworth filters without phase shift: what is too slow or too fast to be ground motion taken out.
+
+The filter runs forward and backward (acausal), which doubles its order and makes the gain at a corner 1/2 (-6 dB). Zeros are
+put before and after the record first, 1.5 * order / corner seconds in all as in [BooreBommer2005]_, so that the filter rings
+there and not into the record.
+
+References
+----------
+.. [BooreBommer2005] D. M. Boore and J. J. Bommer, "Processing of strong-motion accelerograms: needs, options and consequences",
+   Soil Dynamics and Earthquake Engineering 25(2), 93-115, 2005.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dampyr.errors import InputError
+from dampyr.ground_motions.motion import GroundMotion
+
+
+def filtered(
+    motion: GroundMotion,
+    low: float | None = None,
+    high: float | None = None,
+    order: int = 4,
+    keep_pads: bool = False,
+) -> GroundMotion:
+    """The motion between the corners ``low`` and ``high`` [Hz]: band-pass, or high-pass or low-pass where one is None.
+
+    Parameters
+    ----------
+    order : of the one-way filter, 1 to 10; the two passes have twice this order.
+    keep_pads : keep the zeros with what rings in them. Without them the motion keeps its length, but its velocity and
+        displacement need no longer end near 0; keep them where these matter, or correct the baseline afterwards.
+    """
+    nyquist = 0.5 / motion.dt
+    corners = [each for each in (low, high) if each is not None]
+    if (
+        not corners
+        or not all(0 < each < nyquist for each in corners)
+        or (len(corners) == 2 and corners[0] >= corners[1])
+    ):
+        raise InputError(
+            f"corners low = {low} and high = {high} Hz are not allowed; give one or both, 0 < low < high < {nyquist:g} Hz "
+            f"(half the sampling rate)"
+        )
+    if int(order) != order or not 1 <= order <= 10:
+        raise InputError(f"order = {order!r} is not allowed; it must be a whole number from 1 to 10")
+    pad = math.ceil(0.75 * order / corners[0] / motion.dt)
+    values = _twice(np.pad(motion.acceleration, pad), low, high, int(order), 2 * nyquist)
+    kept = values if keep_pads else values[pad : pad + motion.n]
+    note = f"Butterworth {_band(low, high)}, order {order}, forward and backward"
+    return motion.changed(kept, note + (f", {pad * motion.dt:g} s more at each end" if keep_pads else ""))
+
+
+def _twice(values: np.ndarray, low: float | None, high: float | None, order: int, rate: float) -> np.ndarray:
+    from scipy.signal import butter, sosfiltfilt
+
+    if low is not None and high is not None:
+        sos = butter(order, (low, high), "bandpass", output="sos", fs=rate)
+    else:
+        kind = "highpass" if high is None else "lowpass"
+        sos = butter(order, high if low is None else low, kind, output="sos", fs=rate)
+    return np.asarray(sosfiltfilt(sos, values, padtype=None), dtype=float)
+
+
+def _band(low: float | None, high: float | None) -> str:
+    if low is None:
+        return f"low-pass at {high:g} Hz"
+    return f"high-pass at {low:g} Hz" if high is None else f"band-pass from {low:g} to {high:g} Hz"
