@@ -1,6 +1,7 @@
-"""Ground motions: El Centro 1940 built in, others read from PEER's .AT2, plain columns and MATLAB files.
+"""Ground motions: El Centro 1940 built in, others read from PEER's .AT2, plain columns and MATLAB files, or made by seed.
 
-``el_centro()``, ``read(path, units=..., dt=...)``, ``GroundMotion(acceleration, dt)``. A format is one file in ``formats/``.
+``el_centro()``, ``read(path, units=..., dt=...)``, ``GroundMotion(acceleration, dt)`` and
+``kanai_tajimi(30.0, 0.01, seed=1, pga=3.0)``. A format is one file in ``formats/``.
 
 Each of ``motion.scaled(1.5)``, ``motion.scaled_to_pga(3.0)``, ``motion.scaled_to_sa(4.0, 0.5)``, ``corrected``, ``filtered``,
 ``resampled``, ``trimmed`` and ``padded`` gives a new motion, whose ``history`` says what was done. How strong it is:
@@ -10,6 +11,7 @@ Each of ``motion.scaled(1.5)``, ``motion.scaled_to_pga(3.0)``, ``motion.scaled_t
 from dampyr.ground_motions.baseline import corrected
 from dampyr.ground_motions.builtin import el_centro
 from dampyr.ground_motions.cutting import padded, trimmed
+from dampyr.ground_motions.envelopes import RisePlateauDecay, ShinozukaSato, stationary
 from dampyr.ground_motions.filters import filtered
 from dampyr.ground_motions.measures import (
     Measures,
@@ -26,7 +28,9 @@ from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.reading import formats as known_formats
 from dampyr.ground_motions.reading import read
 from dampyr.ground_motions.resampling import resampled
+from dampyr.ground_motions.soils import FIRM, MEDIUM, SOFT, Soil
 from dampyr.ground_motions.spectrum import STANDARD_PERIODS, Spectrum, spectrum
+from dampyr.ground_motions.synthetic import kanai_tajimi
 
 __all__ = [
     "GroundMotion",
@@ -50,4 +54,12 @@ __all__ = [
     "resampled",
     "trimmed",
     "padded",
+    "kanai_tajimi",
+    "Soil",
+    "FIRM",
+    "MEDIUM",
+    "SOFT",
+    "RisePlateauDecay",
+    "ShinozukaSato",
+    "stationary",
 ]
