@@ -70,6 +70,8 @@ def test_what_is_typed_is_what_is_meant(value: float) -> None:
 def test_a_typed_quantity_carries_no_noise() -> None:
     assert units.parse("12.4 mm", "m") == 0.0124
     assert units.parse("0.1 s", "s") == 0.1
+    assert units.parse("12.4mm", "m") == units.parse("1.24e1mm", "m") == 0.0124
+    assert units.parse("0.3g", "m/s^2") == pytest.approx(0.3 * 9.80665)
     assert units.parse(3, "V") == 3.0
 
 

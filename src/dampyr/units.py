@@ -7,6 +7,7 @@ Everything between is SI: m, m/s, N, s, V, A, 1/m.
 from __future__ import annotations
 
 import math
+import re
 import tokenize
 import warnings
 from dataclasses import dataclass
@@ -139,20 +140,21 @@ def for_people(unit: str) -> tuple[str, float]:
     return _FOR_PEOPLE.get(unit, (unit, 1.0))
 
 
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(?![\d.,_])")
+
+
 def parse(text: str | float, si: str) -> float:
-    """A quantity as typed, ``"12.4 mm"``, in the SI unit ``si``; a bare number is SI already.
+    """A quantity as typed, ``"12.4 mm"`` or ``"0.3g"``, in the SI unit ``si``; a bare number is SI already.
 
     >>> parse("12.4 mm", "m")
     0.0124
     """
     if isinstance(text, int | float):
         return float(text)
-    number, _, unit = text.strip().partition(" ")
-    try:
-        value = float(number)
-    except ValueError:
-        raise InputError(f"{text!r} is not a quantity; write a number and a unit, such as '12.4 mm'") from None
-    return round_trip(to_si(value, unit.strip() or si, si))
+    found = _NUMBER.match(text.strip())
+    if found is None:
+        raise InputError(f"{text!r} is not a quantity; write a number and a unit, such as '12.4 mm'")
+    return round_trip(to_si(float(found[0]), text.strip()[found.end() :].strip() or si, si))
 
 
 def round_trip(value: float) -> float:
