@@ -36,6 +36,8 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "one_law": lambda: report.parameters_against_input(LAWS[:1]),
     "building": lambda: report.building_response(T, {"no damper": X, "0 V": 0.5 * X}),
     "motion": lambda: report.ground_motion(T, 3.1266 * np.cos(T)),
+    "ground": lambda: report.ground_histories(T, 3.0 * np.cos(T), V, X),
+    "spectrum": lambda: report.response_spectrum(T[4:], {"2 %": X[4:] + 0.02, "5 %": 0.5 * X[4:] + 0.02}),
     "theta": lambda: report.theta(X, F, {"x*": (0.0, 0.0)}, (X, F)),
     "phase": lambda: report.phase_portrait(Axis("x", "1"), Axis("z", "1"), {"z": (X, V)}, {"bound": 0.5}),
     "memory": lambda: report.memory([(T, np.exp(-T)), (T[:200], np.cos(9 * T[:200]))], 0.31),
@@ -103,6 +105,20 @@ def test_peaks_of_a_building_are_told() -> None:
 
 def test_the_peak_of_a_motion_is_told_in_g() -> None:
     assert "peak 3.127 m/s² = 0.3188 g at 0 s" in lines(MAKERS["motion"]())
+
+
+def test_a_ground_motion_is_shown_three_times_in_mm_and_s() -> None:
+    acceleration, velocity, displacement = MAKERS["ground"]().axes
+    np.testing.assert_allclose(velocity.lines[0].get_ydata(), 1e3 * V)
+    np.testing.assert_allclose(displacement.lines[0].get_ydata(), 1e3 * X)
+    assert acceleration.get_title(loc="left") == "largest sample 3 m/s² at 0 s"
+    assert velocity.get_ylabel() == "velocity [mm/s]"
+
+
+def test_a_spectrum_tells_its_peak_and_shows_its_periods() -> None:
+    fig = MAKERS["spectrum"]()
+    assert "2 %: 0.032 m/s² at 0.5 s" in lines(fig)
+    assert [label.get_text() for label in fig.axes[0].get_xticklabels()] == ["0.05", "0.1", "0.2", "0.5", "1", "2"]
 
 
 def test_the_calibrated_box_and_the_greatest_speed_are_in_mm_and_hz() -> None:

@@ -14,6 +14,7 @@ from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text,
 from dampyr.report.figures.building import building_response
 from dampyr.report.figures.calibrated import calibrated
 from dampyr.report.figures.correlation import correlation, strong_pairs
+from dampyr.report.figures.ground_histories import ground_histories
 from dampyr.report.figures.ground_motion import ground_motion
 from dampyr.report.figures.history import history
 from dampyr.report.figures.laws import Law, parameters_against_input
@@ -22,6 +23,7 @@ from dampyr.report.figures.memory import memory
 from dampyr.report.figures.phase_portrait import phase_portrait
 from dampyr.report.figures.residual_sizes import residual_sizes
 from dampyr.report.figures.residual_velocity import residual_velocity
+from dampyr.report.figures.response_spectrum import response_spectrum
 from dampyr.report.figures.scores import scores
 from dampyr.report.figures.theta import theta
 from dampyr.report.page import page, write_page
@@ -44,6 +46,8 @@ __all__ = [
     "parameters_against_input",
     "building_response",
     "ground_motion",
+    "ground_histories",
+    "response_spectrum",
     "theta",
     "phase_portrait",
     "scores",
