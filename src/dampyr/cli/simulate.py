@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._motion import Ground, motion_options
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.ground_motions import GroundMotion
     from dampyr.structures import Response
 
 
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 @click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current.")
 @click.option("--storey", default=1, show_default=True, help="Where the damper stands; i joins floors i-1 and i.")
 @click.option("--motion", type=click.Path(path_type=Path), help="A ground motion file; without it El Centro 1940.")
-@click.option("--motion-unit", metavar="UNIT", help="Of the acceleration in a plain file, such as g.")
-@click.option("--dt", type=float, help="s between samples, for a plain file with one column.")
-@click.option("--scale", default=1.0, show_default=True, help="Factor on the ground motion.")
+@motion_options
 @click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay where it is the rig's.")
 @click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
 @click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
@@ -34,9 +32,7 @@ def command(
     currents: tuple[float, ...],
     storey: int,
     motion: Path | None,
-    motion_unit: str | None,
-    dt: float | None,
-    scale: float,
+    ground: Ground,
     without: tuple[str, ...],
     allow_extrapolation: bool,
     report: Path | None,
@@ -51,18 +47,17 @@ def command(
     from dampyr.structures import respond
 
     damper = _damper(card).without(*without)
-    ground = _motion(motion, motion_unit, dt)
-    ground = ground if scale == 1.0 else ground.scaled(scale)
+    shaking = ground.motion(motion)
     building = structures.two_storey()
     inputs = voltages if damper.input == "V" else currents
     if (currents if damper.input == "V" else voltages) or not inputs:
         word = "voltage" if damper.input == "V" else "current"
         raise InputError(f"this damper takes a {word}; give --{word}, one or several times, and nothing else")
-    cases = {"no damper": respond(building, ground)}
+    cases = {"no damper": respond(building, shaking)}
     for u in inputs:
         given: dict[str, Any] = {"voltage": u} if damper.input == "V" else {"current": u}
         cases[f"{u:g} {damper.input}"] = respond(
-            building, ground, {storey: damper}, **given, allow_extrapolation=allow_extrapolation
+            building, shaking, {storey: damper}, **given, allow_extrapolation=allow_extrapolation
         )
     if report:
         from dampyr.report.response_page import write_response_page
@@ -78,7 +73,7 @@ def command(
     ]  # fmt: skip
     floors = [f"floor {k + 1}" for k in range(building.n)]
     print_table(
-        f"{building.name}, {ground.name}: peaks",
+        f"{building.name}, {shaking.name}: peaks",
         ["case", *floors, "drift", "acceleration", "base shear", "damper force", "scheme"],
         rows,
         ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", ""],
@@ -94,12 +89,6 @@ def _damper(card: Path | None) -> Any:
     from dampyr.studies import raminelli_2020
 
     return raminelli_2020.damper()
-
-
-def _motion(path: Path | None, unit: str | None, dt: float | None) -> GroundMotion:
-    from dampyr import ground_motions
-
-    return ground_motions.el_centro() if path is None else ground_motions.read(path, units=unit, dt=dt)
 
 
 def _told(response: Response) -> dict[str, Any]:

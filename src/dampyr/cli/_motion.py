@@ -1,0 +1,102 @@
+"""A ground motion named on the command line: where it is, and how strong it shall be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dampyr.errors import InputError
+
+if TYPE_CHECKING:
+    from dampyr.ground_motions import GroundMotion
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What the command line says about a ground motion."""
+
+    unit: str | None
+    dt: float | None
+    scale: float | None
+    pga: str | None
+    sa: str | None
+
+    def motion(self, path: Path | None, baseline: bool = False) -> GroundMotion:
+        """The motion in the file, or El Centro 1940; less its ``baseline`` where asked for; as strong as asked for."""
+        from dampyr import ground_motions
+
+        if path is None and (self.unit is not None or self.dt is not None):
+            raise InputError("--motion-unit and --dt belong to a file of one's own; El Centro 1940 knows its own")
+        found = ground_motions.el_centro() if path is None else ground_motions.read(path, units=self.unit, dt=self.dt)
+        return self._scaled(ground_motions.corrected(found) if baseline else found)
+
+    def _scaled(self, found: GroundMotion) -> GroundMotion:
+        given = [f"--{name}" for name in ("scale", "pga", "sa") if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise InputError(f"{' and '.join(given)} contradict each other; give one of them")
+        if self.scale is not None:
+            return found if self.scale == 1.0 else found.scaled(self.scale)
+        if self.pga is not None:
+            return found.scaled_to_pga(acceleration(self.pga))
+        return found if self.sa is None else found.scaled_to_sa(*spectral(self.sa))
+
+
+def motion_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options ``--motion-unit --dt --scale --pga --sa``; they come as ``ground``, a `Ground`."""
+
+    @click.option("--motion-unit", metavar="UNIT", help="Of the acceleration in a plain file, such as g.")
+    @click.option("--dt", type=float, help="s between samples, for a plain file with one column.")
+    @click.option("--scale", type=float, metavar="FACTOR", help="Factor on the ground motion.")
+    @click.option("--pga", metavar="A", help="Scale to this peak acceleration, such as 0.3g or '3 m/s^2'.")
+    @click.option("--sa", metavar="A@T[@D]", help="Scale to this Sa at a period and damping, such as 0.5g@0.48s@5%.")
+    @wraps(command)
+    def wrapped(
+        *rest: Any,
+        motion_unit: str | None,
+        dt: float | None,
+        scale: float | None,
+        pga: str | None,
+        sa: str | None,
+        **options: Any,
+    ) -> Any:
+        return command(*rest, ground=Ground(motion_unit, dt, scale, pga, sa), **options)
+
+    return wrapped
+
+
+def acceleration(text: str) -> float:
+    """Such as ``0.3g`` or ``3 m/s^2`` in m/s2; a unit is asked for, since a bare 0.3 may mean either."""
+    from dampyr import units
+
+    try:
+        float(text)
+    except ValueError:
+        return units.parse(text, "m/s^2")
+    raise InputError(f"{text!r} has no unit; write it as in {text.strip()}g or '{text.strip()} m/s^2'")
+
+
+def spectral(text: str) -> tuple[float, float, float]:
+    """``0.5g@0.48s@5%`` as acceleration [m/s2], period [s] and damping; 5 % where it is left out."""
+    from dampyr import units
+
+    parts = text.split("@")
+    if len(parts) not in (2, 3):
+        raise InputError(f"{text!r} is no spectral acceleration; write it as in 0.5g@0.48s or 0.5g@0.48s@5%")
+    return acceleration(parts[0]), units.parse(parts[1], "s"), ratio(parts[2]) if len(parts) == 3 else 0.05
+
+
+def ratio(text: str) -> float:
+    """A damping, ``5%`` or ``0.05``, as a ratio below 1."""
+    number = text.strip()
+    try:
+        value = float(number.removesuffix("%")) / (100 if number.endswith("%") else 1)
+    except ValueError:
+        raise InputError(f"{text!r} is no damping; write it as in 5% or 0.05") from None
+    if not 0 <= value < 1:
+        raise InputError(f"a damping of {text} is not allowed; it must be from 0 to less than 1, as in 5% or 0.05")
+    return value

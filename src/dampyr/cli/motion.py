@@ -1,0 +1,88 @@
+"""Motion: how strong an earthquake is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dampyr.cli._motion import Ground, motion_options, ratio
+from dampyr.cli._output import as_json_option, print_json, print_table
+
+if TYPE_CHECKING:
+    from dampyr.ground_motions import GroundMotion, Measures, Spectrum
+
+
+@click.command()
+@click.argument("file", required=False, type=click.Path(path_type=Path))
+@motion_options
+@click.option("--baseline", is_flag=True, help="Take the baseline off first, so that the displacement does not drift.")
+@click.option("--damping", "dampings", multiple=True, metavar="D", help="Of the spectrum, such as 2%; may be repeated.")
+@click.option("--period", "periods", multiple=True, type=float, metavar="S", help="Of the spectrum; may be repeated.")
+@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
+@as_json_option
+def command(
+    file: Path | None,
+    ground: Ground,
+    baseline: bool,
+    dampings: tuple[str, ...],
+    periods: tuple[float, ...],
+    report: Path | None,
+    as_json: bool,
+) -> None:
+    """Tell how strong a ground motion is: peaks, intensity, duration, response spectrum.
+
+    FILE is a ground motion; without it El Centro 1940 is taken.
+    """
+    from dampyr.ground_motions import measures, spectrum
+    from dampyr.report import motion_page
+
+    motion = ground.motion(file, baseline)
+    at = periods or motion_page.TABLE
+    found = measures(motion)
+    peaks = spectrum(motion, at, [ratio(each) for each in dampings] or [0.05])
+    if report:
+        shown = [ratio(each) for each in dampings] or motion_page.DAMPINGS
+        motion_page.write_motion_page(motion, report, shown, at)
+    if as_json:
+        print_json(_told(motion, found, peaks))
+        return
+    drift = motion_page.drift_in_words(motion)
+    print_table(
+        f"{motion.name}: {motion.n} samples every {motion.dt:g} s, {motion.duration:g} s",
+        ["measure", "value", "unit"],
+        motion_page.measures_rows(found),
+        notes=[*motion.history, *([f"{drift} (--baseline)"] if drift else [])],
+    )
+    click.echo()
+    print_table(
+        "Response spectrum", motion_page.SPECTRUM_COLUMNS, motion_page.spectrum_rows(peaks), motion_page.SPECTRUM_UNITS
+    )
+
+
+def _told(motion: GroundMotion, found: Measures, peaks: Spectrum) -> dict[str, Any]:
+    return {
+        "name": motion.name,
+        "source": motion.source,
+        "history": motion.history,
+        "samples": motion.n,
+        "dt_s": motion.dt,
+        "duration_s": motion.duration,
+        "pga_m_s2": found.pga,
+        "pgv_m_s": found.pgv,
+        "pgd_m": found.pgd,
+        "arias_m_s": found.arias,
+        "duration_5_95_s": found.duration_5_95,
+        "duration_5_75_s": found.duration_5_75,
+        "cumulative_absolute_velocity_m_s": found.cumulative_absolute_velocity,
+        "spectrum": {
+            "damping": peaks.damping,
+            "period_s": peaks.periods,
+            "displacement_m": peaks.displacement,
+            "velocity_m_s": peaks.velocity,
+            "acceleration_m_s2": peaks.acceleration,
+            "pseudo_velocity_m_s": peaks.pseudo_velocity,
+            "pseudo_acceleration_m_s2": peaks.pseudo_acceleration,
+        },
+    }
