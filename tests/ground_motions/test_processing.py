@@ -18,6 +18,7 @@ from dampyr.ground_motions import (
     significant_duration,
     trimmed,
 )
+from dampyr.ground_motions.resampling import above
 
 N, DT = 4001, 0.01
 TIME = np.arange(N) * DT
@@ -141,6 +142,13 @@ def test_a_longer_step_takes_out_or_folds_and_says_what_is_lost() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert "0 % of the Arias" in resampled(slow, 0.04, "band-limited").history[0].replace("e-", "0 % of the Arias")
+
+
+def test_the_share_above_a_frequency_counts_the_mean_once_and_tones_twice() -> None:
+    """A tone of sqrt(2) beside its mean of 1: half of the mean square each."""
+    assert above(GroundMotion(1 + np.sqrt(2) * np.cos(2 * np.pi * 10.0 * TIME), DT), 5.0) == pytest.approx(
+        0.5, abs=2e-3
+    )
 
 
 def test_a_shorter_step_that_does_not_divide() -> None:

@@ -7,8 +7,8 @@ The state at the end of a step is a fixed linear map of the state at its start a
 no digits for long periods, where the closed form is a difference of nearly equal numbers, and holds for any damping, 1 and
 more too. Steps longer than 0.4 / (omega (1 + 2 zeta)) are divided; the series, 15 terms, is then good to the last bit.
 
-Peaks are those of the motion itself. Where a response turns inside a step and could exceed the peak so far, the instant is
-found by Newton on the same series.
+Peaks are those of the motion itself. Where a response turns inside a step and could exceed the peak so far, by a bound from its
+rates at the two ends, the instant is found by Newton on the same series; turning and turning back within a step counts too.
 
 References
 ----------
@@ -50,13 +50,13 @@ def solution(u: float, v: float, p: float, slope: float, omega: float, zeta: flo
 
 
 def turning(
-    cu: float, cv: float, u: float, v: float, p: float, slope: float, omega: float, zeta: float, h: float
-) -> float:
-    """The size of cu*u + cv*v where its rate is 0 inside a step; its rate has opposite signs at the two ends."""
+    cu: float, cv: float, u: float, v: float, p: float, slope: float, omega: float, zeta: float,
+    low: float, high: float, rising: bool,
+) -> float:  # fmt: skip
+    """The size of y = cu*u + cv*v where it turns between ``low`` and ``high`` s into a step; ``rising``: y rises at ``low``."""
     c, k = 2 * zeta * omega, omega * omega
-    low, high = 0.0, h
-    rising = cu * v + cv * (-p - c * v - k * u) > 0
-    t = 0.5 * h
+    least = 1e-9 * (high - low)
+    t = 0.5 * (low + high)
     x, y = u, v
     for _ in range(60):
         x, y = solution(u, v, p, slope, omega, zeta, t)
@@ -70,7 +70,7 @@ def turning(
         nearer = t - rate / bend
         if not low < nearer < high:
             nearer = 0.5 * (low + high)
-        if abs(nearer - t) <= 1e-9 * h:
+        if abs(nearer - t) <= least:
             break
         t = nearer
     return abs(cu * x + cv * y)
@@ -80,13 +80,19 @@ def inside(
     cu: float, cv: float, u: float, v: float, u1: float, v1: float, p: float, slope: float,
     omega: float, zeta: float, h: float, peak: float,
 ) -> float:  # fmt: skip
-    """The peak of |cu*u + cv*v| so far and inside a step from (u, v) to (u1, v1)."""
+    """The peak of abs(cu*u + cv*v) so far and where it turns inside a step from (u, v) to (u1, v1), once or twice."""
     c, k = 2 * zeta * omega, omega * omega
-    rate0 = cu * v + cv * (-p - c * v - k * u)
-    rate1 = cu * v1 + cv * (-(p + slope * h) - c * v1 - k * u1)
-    size = max(abs(cu * u + cv * v), abs(cu * u1 + cv * v1))
-    if rate0 * rate1 < 0 and size + h * max(abs(rate0), abs(rate1)) > peak:
-        return max(peak, turning(cu, cv, u, v, p, slope, omega, zeta, h))
+    a, a1 = -p - c * v - k * u, -(p + slope * h) - c * v1 - k * u1
+    rate, rate1 = cu * v + cv * a, cu * v1 + cv * a1
+    if rate * rate1 < 0:
+        return max(peak, turning(cu, cv, u, v, p, slope, omega, zeta, 0.0, h, rate > 0))
+    bend, bend1 = cu * a + cv * (-slope - c * a - k * v), cu * a1 + cv * (-slope - c * a1 - k * v1)
+    if rate * bend < 0 and rate1 * bend1 > 0:
+        t = h * bend / (bend - bend1)
+        x, y = solution(u, v, p, slope, omega, zeta, t)
+        if (cu * y + cv * (-(p + slope * t) - c * y - k * x)) * rate < 0:
+            peak = max(peak, turning(cu, cv, u, v, p, slope, omega, zeta, 0.0, t, rate > 0))
+            peak = max(peak, turning(cu, cv, u, v, p, slope, omega, zeta, t, h, rate < 0))
     return peak
 
 
@@ -111,17 +117,24 @@ def one(a: Array, h: float, omega: float, zeta: float, sampled: bool, peaks: Arr
     us, vs = solution(0.0, 0.0, 0.0, 1.0, omega, zeta, s)
     c, k = 2 * zeta * omega, omega * omega
     u = v = most_u = most_v = most_a = 0.0
+    b = -a[0]
     for n in range(len(a) - 1):
         slope = (a[n + 1] - a[n]) / h
         for m in range(parts):
             p = a[n] + slope * (m * s)
             u1 = uu * u + uv * v + up * p + us * slope
             v1 = vu * u + vv * v + vp * p + vs * slope
+            b1 = -(p + slope * s) - c * v1 - k * u1
             if not sampled:
-                most_u = inside(1.0, 0.0, u, v, u1, v1, p, slope, omega, zeta, s, most_u)
-                most_v = inside(0.0, 1.0, u, v, u1, v1, p, slope, omega, zeta, s, most_v)
-                most_a = inside(k, c, u, v, u1, v1, p, slope, omega, zeta, s, most_a)
-            u, v = u1, v1
+                jerk, jerk1 = -slope - c * b - k * v, -slope - c * b1 - k * v1
+                if abs(u1) + s * (abs(v1) + s * (abs(b) + abs(b1))) > most_u:
+                    most_u = inside(1.0, 0.0, u, v, u1, v1, p, slope, omega, zeta, s, most_u)
+                if abs(v1) + s * (abs(b1) + s * (abs(jerk) + abs(jerk1))) > most_v:
+                    most_v = inside(0.0, 1.0, u, v, u1, v1, p, slope, omega, zeta, s, most_v)
+                bends = abs(k * b + c * jerk) + abs(k * b1 + c * jerk1)
+                if abs(k * u1 + c * v1) + s * (abs(k * v1 + c * b1) + s * bends) > most_a:
+                    most_a = inside(k, c, u, v, u1, v1, p, slope, omega, zeta, s, most_a)
+            u, v, b = u1, v1, b1
             if not sampled or m == parts - 1:
                 most_u, most_v, most_a = max(most_u, abs(u)), max(most_v, abs(v)), max(most_a, abs(k * u + c * v))
     peaks[0], peaks[1], peaks[2] = most_u, most_v, most_a

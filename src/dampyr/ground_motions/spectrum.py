@@ -91,7 +91,7 @@ def spectrum(
     shape = zeta.shape + T.shape
     omega = np.zeros_like(T)
     np.divide(2 * np.pi, T, out=omega, where=T > 0)
-    peaks = _peaks(motion, np.atleast_1d(omega), np.atleast_1d(zeta), sampled)
+    peaks = _peaks(motion, np.array(omega, ndmin=1), np.array(zeta, ndmin=1), sampled)
     peaks[:, :, np.atleast_1d(T) == 0] = np.array([0.0, 0.0, motion.pga])[:, None, None]
     d, v, a = (each.reshape(shape) for each in peaks)
     pseudo = np.where(T > 0, omega**2 * d, motion.pga)
