@@ -93,6 +93,7 @@ def test_the_ground_comes_to_rest_where_it_began(soil: Soil, envelope: object) -
         motion = kanai_tajimi(20.0, 0.01, seed, pga=3.0, soil=soil, envelope=envelope)  # type: ignore[arg-type]
         assert abs(motion.velocity[-1]) < 1e-3 * pgv(motion)
         assert abs(motion.displacement[-1]) < 2e-3 * pgd(motion)
+        assert np.abs(motion.acceleration[-50:]).max() < 1e-4 * motion.pga, "nothing rings at the Nyquist frequency"
         assert motion.pga == pytest.approx(3.0, rel=1e-14)
 
 
