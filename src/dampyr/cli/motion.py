@@ -31,7 +31,7 @@ def command(
     report: Path | None,
     as_json: bool,
 ) -> None:
-    """Tell how strong a ground motion is: peaks, intensity, duration, response spectrum.
+    """Tell how strong an earthquake is: its peaks and its spectrum.
 
     FILE is a ground motion; without it El Centro 1940 is taken.
     """

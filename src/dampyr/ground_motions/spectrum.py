@@ -86,7 +86,7 @@ def spectrum(
     short pulses, low damping) add a rest first, ``padded(motion, seconds)``. Raises :class:`~dampyr.errors.InputError` for
     periods and dampings that make no sense.
     """
-    T, zeta = np.asarray(periods, dtype=float), np.asarray(damping, dtype=float)
+    T, zeta = np.array(periods, dtype=float), np.array(damping, dtype=float)
     _check(T, zeta, motion.dt)
     shape = zeta.shape + T.shape
     omega = np.zeros_like(T)
