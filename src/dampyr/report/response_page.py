@@ -76,8 +76,8 @@ def _displacements(cases: Mapping[str, Response]) -> list[FigureBlock]:
 
 def _loops(cases: Mapping[str, Response]) -> list[FigureBlock | Text]:
     blocks: list[FigureBlock | Text] = [
-        FigureBlock(loops(r.stroke[d], None, None, {"force": r.force[d]}), f"{name}: damper in storey {storey}.")
+        FigureBlock(loops(r.stroke[d], None, None, {"force": r.force[d]}), f"{name}: damper, {site}.")
         for name, r in cases.items()
-        for d, storey in enumerate(r.storeys)
+        for d, site in enumerate(r.sites)
     ]
     return blocks or [Text("No case has a damper.")]

@@ -1,19 +1,30 @@
-"""Buildings, dampers in their storeys, and what they do in an earthquake.
+"""Buildings, dampers in them, and what they do in an earthquake.
 
 ``respond(building, motion, dampers={storey: damper}, voltage=...)`` marches a building through a ground
-motion; ``two_storey()`` is the building of chapter 5, ``Building(M, C, K)`` and ``shear_building(...)``
-make others, ``state_space`` writes one as matrices.
+motion; a damper stands in a storey or between any two floors, ``{(0, 2): damper}``. ``two_storey()`` is the
+building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
+``condense`` make others, ``state_space`` writes one as matrices.
 """
 
-from dampyr.structures.building import Building, shear_building, two_storey
+from dampyr.structures.building import Building
+from dampyr.structures.condensation import Condensed, condense
+from dampyr.structures.laboratory import two_storey, two_storey_model
+from dampyr.structures.quarter_car import quarter_car, road
 from dampyr.structures.respond import respond
 from dampyr.structures.response import Energy, Response
+from dampyr.structures.shear import shear_building, single_mass
 from dampyr.structures.state_space import StateSpace, state_space
 
 __all__ = [
     "Building",
     "two_storey",
+    "two_storey_model",
     "shear_building",
+    "single_mass",
+    "quarter_car",
+    "road",
+    "condense",
+    "Condensed",
     "respond",
     "Response",
     "Energy",

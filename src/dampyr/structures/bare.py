@@ -52,6 +52,14 @@ def _samples(building: Building, motion: GroundMotion) -> Array:
     return state
 
 
+def largest(x: Array, v: Array, dt: float) -> float:
+    """The largest displacement of a motion (n,) sampled every ``dt``, between its samples too."""
+    peak = np.zeros(1)
+    state = np.column_stack([x, v])
+    _raise(peak, state[:-1], state[1:], dt)
+    return float(max(peak[0], abs(x[0])))
+
+
 def _both(state: Array, matrix: Array) -> Array:
     """``matrix`` applied to displacements and velocities alike."""
     n = len(matrix)

@@ -5,19 +5,23 @@ r"""A building: masses, dashpots and springs that move with the ground.
 q are the displacements relative to the ground, one degree of freedom per storey from the ground up,
 :math:`\iota` the influence of the ground motion (ones), :math:`f_d` the force of damper d (positive against
 positive stroke rate) and :math:`\lambda_d` its connection: storey i joins the floors i-1 and i, floor 0 is
-the ground.
+the ground; a damper may also join any two floors.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.structures.connection import GROUND, floor, row
+
+if TYPE_CHECKING:
+    from dampyr.structures.condensation import Condensed
 
 Array = NDArray[np.float64]
 
@@ -53,18 +57,21 @@ class Building:
     def _set(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
-    def connection(self, storey: int) -> Array:
-        """The row (n,) that turns floor displacements into the drift of ``storey``, counted from 1."""
-        if isinstance(storey, bool) or not isinstance(storey, int | np.integer) or not 1 <= storey <= self.n:
-            raise InputError(
-                f"storey {storey!r} is not in {self.name}; storeys are whole numbers "
-                f"from 1 (ground to first floor) to {self.n}"
-            )
-        row = np.zeros(self.n)
-        row[storey - 1] = 1.0
-        if storey > 1:
-            row[storey - 2] = -1.0
-        return row
+    def connection(self, place: int | tuple[int | str, int | str]) -> Array:
+        """The row (n,) that turns floor displacements into the stroke of a damper there.
+
+        ``place`` is a storey, counted from 1, or two floors (i, j) by label or count, 0 or "ground" for the
+        ground: the stroke is q_j - q_i, and (i-1, i) is storey i.
+        """
+        return row(self, place)
+
+    def condensed(self, keep: Sequence[int | str]) -> Condensed:
+        """The building on the floors ``keep`` alone, by label or count: see
+        :func:`~dampyr.structures.condensation.condense`."""
+        from dampyr.structures.condensation import condense
+
+        kept = [floor(self, name) - 1 for name in keep]
+        return condense(self.M, self.C, self.K, kept, self.name, self.floors, self.influence)
 
     @property
     def frequencies(self) -> Array:
@@ -91,85 +98,6 @@ class Building:
         return values, vectors
 
 
-def two_storey() -> Building:
-    """The two-storey building (5.2), in SI: 145.8 kg floors, 2.0856 and 5.4603 Hz, 3.0 % damping in
-    both modes.
-
-    The dissertation prints N s2/mm, N/mm and N s/mm; one of each is 1000 of the SI unit. Source: Raminelli
-    2020, eq. (5.2), after Aguirre et al. 2010.
-    """
-    per_mm = 1000.0
-    return Building(
-        M=np.array([[0.1458, 0.0], [0.0, 0.1458]]) * per_mm,
-        C=np.array([[0.2489, -0.0830], [-0.0830, 0.1659]]) * per_mm,
-        K=np.array([[131.1, -65.55], [-65.55, 65.55]]) * per_mm,
-        name="two-storey building (5.2)",
-    )
-
-
-def shear_building(
-    masses: ArrayLike,
-    stiffnesses: ArrayLike,
-    damping_ratio: float | None = None,
-    dashpots: ArrayLike | None = None,
-    method: str = "rayleigh",
-    name: str = "shear building",
-) -> Building:
-    r"""A building with a mass per floor and a spring per storey, from the ground up.
-
-    Parameters
-    ----------
-    masses, stiffnesses : (n,) [kg], [N/m]
-    damping_ratio : of the first two modes (``method="rayleigh"``, :math:`C = \alpha M + \beta K`) or of
-        every mode (``method="modal"``)
-    dashpots : (n,) [N s/m], one per storey, instead of a ratio. Give one of the two.
-    """
-    mass, spring = _positive("masses", masses), _positive("stiffnesses", stiffnesses)
-    if len(mass) != len(spring):
-        raise InputError(f"{len(mass)} masses and {len(spring)} stiffnesses do not match; give one of each per storey")
-    if (damping_ratio is None) == (dashpots is None):
-        raise InputError("a shear building takes either damping_ratio= or dashpots=; give one of the two")
-    M, K = np.diag(mass), _storeys(spring)
-    if dashpots is not None:
-        each = np.asarray(dashpots, dtype=float)
-        if each.shape != mass.shape or not np.all(np.isfinite(each)) or each.min() < 0:
-            raise InputError(
-                f"dashpots = {each.tolist()} must be {len(mass)} finite numbers of at least 0 N s/m, one per storey"
-            )
-        return Building(M, _storeys(each), K, name)
-    return Building(M, _damping(M, K, float(damping_ratio), method), K, name)  # type: ignore[arg-type]
-
-
-def _storeys(values: Array) -> Array:
-    """The matrix of one element per storey: its drift times its value, at both of its floors."""
-    n = len(values)
-    drift = np.eye(n) - np.eye(n, k=-1)
-    return drift.T @ np.diag(values) @ drift
-
-
-def _damping(M: Array, K: Array, ratio: float, method: str) -> Array:
-    from scipy.linalg import eigh
-
-    if not 0 <= ratio < 1:
-        raise InputError(f"damping_ratio = {ratio:g} is not allowed; it must be at least 0 and below 1 (0.03 is 3 %)")
-    if method not in ("rayleigh", "modal"):
-        raise InputError(f"damping method {method!r} is not known; choose 'rayleigh' or 'modal'")
-    square, modes = eigh(K, M)
-    omega = np.sqrt(square)
-    if method == "modal":
-        shapes = M @ modes
-        return shapes @ np.diag(2 * ratio * omega) @ shapes.T
-    first, second = omega[0], omega[min(1, len(omega) - 1)]
-    return 2 * ratio * (first * second * M + K) / (first + second)
-
-
-def _positive(name: str, values: ArrayLike) -> Array:
-    array = np.atleast_1d(np.asarray(values, dtype=float))
-    if array.ndim != 1 or not len(array) or not np.all(np.isfinite(array)) or array.min() <= 0:
-        raise InputError(f"{name} = {array.tolist()} must be a list of finite numbers greater than 0, one per storey")
-    return array
-
-
 def _matrix(letter: str, values: ArrayLike) -> Array:
     array = np.atleast_2d(np.array(values, dtype=float))
     if array.ndim != 2 or array.shape[0] != array.shape[1]:
@@ -194,6 +122,7 @@ def _check_sizes(building: Building) -> None:
 
 
 _SIGNS = (("M", "greater than", "masses"), ("K", "at least", "stiffnesses"), ("C", "at least", "dashpots"))
+_MASSLESS = "; what has no mass is left out by dampyr.structures.condense(M, C, K, keep)"
 
 
 def _check_definite(building: Building) -> None:
@@ -204,7 +133,7 @@ def _check_definite(building: Building) -> None:
         if bad:
             raise InputError(
                 f"{letter} has the eigenvalue {values[0]:g}; every one must be {low} "
-                f"0, so check the signs and sizes of the {word}"
+                f"0, so check the signs and sizes of the {word}{_MASSLESS if letter == 'M' else ''}"
             )
 
 
@@ -214,6 +143,8 @@ def _labels(building: Building) -> tuple[str, ...]:
         raise InputError(
             f"floors = {list(labels)} does not label {building.n} floors; give {building.n} different names"
         )
+    if reserved := set(labels) & set(GROUND):
+        raise InputError(f"a floor is called {reserved.pop()!r}, which means the ground; give it another name")
     return labels
 
 

@@ -91,7 +91,7 @@ def _check_bounded(out: Output, motion: GroundMotion) -> None:
 
 
 def connections(building: Building, sites: tuple[Site, ...]) -> Array:
-    return np.array([building.connection(site.storey) for site in sites]).reshape(len(sites), building.n)
+    return np.array([building.connection(site.place) for site in sites]).reshape(len(sites), building.n)
 
 
 def drifts(building: Building) -> Array:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.models.damper import INPUTS
 from dampyr.structures.building import Building
+from dampyr.structures.connection import normal, told
 
 Array = NDArray[np.float64]
 SHORTEST_DELAY = 2e-5
@@ -20,13 +21,19 @@ SHORTEST_DELAY = 2e-5
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """One damper in one storey, at one input."""
+    """One damper in a storey, or between any two floors (then ``storey`` is 0), at one input."""
 
     storey: int
     damper: Any
     input_value: float | None
     values: Array
     delay: float
+    floors: tuple[int, int] | None = None
+
+    @property
+    def place(self) -> int | tuple[int, int]:
+        """The storey, or the two floors by count, 0 for the ground."""
+        return self.storey if self.floors is None else self.floors
 
     @property
     def composition(self) -> Any:
@@ -36,14 +43,15 @@ class Site:
 
 def place(
     building: Building,
-    dampers: Mapping[int, Any] | None,
+    dampers: Mapping[Any, Any] | None,
     voltage: Any,
     current: Any,
     allow_extrapolation: bool,
 ) -> tuple[Site, ...]:
-    """The sites of ``dampers``, a mapping from storey to a damper or a list of them, at a constant input.
+    """The sites of ``dampers``, a mapping from place to a damper or a list of them, at a constant input.
 
-    ``voltage`` [V] or ``current`` [A] is one number for all or a mapping from storey to number. The static
+    A place is a storey, or two floors by label or count (see :mod:`dampyr.structures.connection`).
+    ``voltage`` [V] or ``current`` [A] is one number for all or a mapping from place to number. The static
     force of a damper is left out: a building is at rest in its equilibrium with it.
     """
     if voltage is not None and current is not None:
@@ -52,55 +60,81 @@ def place(
         raise InputError(
             f"dampers is a {type(dampers).__name__}; write a mapping from storey to damper, such as {{1: damper}}"
         )
+    voltage, current = _by_place(building, voltage), _by_place(building, current)
     sites = []
-    for storey, entry in (dampers or {}).items():
-        building.connection(storey)
+    for key, entry in (dampers or {}).items():
+        there = normal(building, key)
         for damper in entry if isinstance(entry, list | tuple) else (entry,):
-            sites.append(_site(int(storey), damper, voltage, current, allow_extrapolation))
-    _check_storeys(voltage if current is None else current, dampers or {})
+            sites.append(_site(there, damper, voltage, current, allow_extrapolation))
+    _check_places(voltage if current is None else current, sites)
     return tuple(sites)
 
 
-def _site(storey: int, damper: Any, voltage: Any, current: Any, allow_extrapolation: bool) -> Site:
+def _by_place(building: Building, value: Any) -> Any:
+    """A mapping of inputs with its places written in one way; (1, 2) and storey 2 are the same."""
+    if not isinstance(value, Mapping):
+        return value
+    found: dict[Any, Any] = {}
+    for key, u in value.items():
+        there = _known(building, key)
+        if there in found:
+            raise InputError(f"two inputs are given for the place {told(there)}; give one")
+        found[there] = u
+    return found
+
+
+def _known(building: Building, key: Any) -> Any:
+    """The place, or the number itself where no such storey is there: it then holds no damper, which is said."""
+    return key if isinstance(key, int) else normal(building, key)
+
+
+def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolation: bool) -> Site:
     for needed in ("values", "composition"):
         if not hasattr(damper, needed):
-            raise InputError(f"storey {storey} holds a {type(damper).__name__}; put a dampyr.models.Damper there")
-    u = _input(storey, damper, voltage, current)
+            raise InputError(
+                f"the place {told(there)} holds a {type(damper).__name__}; put a dampyr.models.Damper there"
+            )
+    u = _input(there, damper, voltage, current)
     values = damper.values(u, static=False, allow_extrapolation=allow_extrapolation)
     where = damper.composition.delay
     delay = 0.0 if where is None else float(values[where])
     if 0 < delay < SHORTEST_DELAY:
         raise InputError(
-            f"the damper in storey {storey} has a delay of {delay:g} s, below the "
+            f"the damper {told(there)} has a delay of {delay:g} s, below the "
             f"{SHORTEST_DELAY:g} s that can be resolved; set it to 0"
         )
-    return Site(storey, damper, u, np.array(values, dtype=float), delay)
+    storey, floors = (there, None) if isinstance(there, int) else (0, there)
+    return Site(storey, damper, u, np.array(values, dtype=float), delay, floors)
 
 
-def _input(storey: int, damper: Any, voltage: Any, current: Any) -> float:
+def _input(there: Any, damper: Any, voltage: Any, current: Any) -> float:
     kind = getattr(damper, "input", "V")
     given = {"V": voltage, "A": current}
     value, other = given[kind], given["A" if kind == "V" else "V"]
     if isinstance(value, Mapping):
-        value = value.get(storey)
+        value = value.get(there)
     if value is None and other is not None:
         wrong = INPUTS["A" if kind == "V" else "V"]
         raise InputError(
-            f"{wrong}= is given, but the damper in storey {storey} takes a {INPUTS[kind]}; write {INPUTS[kind]}="
+            f"{wrong}= is given, but the damper {told(there)} takes a {INPUTS[kind]}; write {INPUTS[kind]}="
         )
     if value is None:
         raise InputError(
-            f"the damper in storey {storey} has no {INPUTS[kind]}; write {INPUTS[kind]}=, a number in {kind} (0 is one)"
+            f"the damper {told(there)} has no {INPUTS[kind]}; write {INPUTS[kind]}=, a number in {kind} (0 is one)"
         )
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
-        raise InputError(
-            f"{INPUTS[kind]} = {value!r} in storey {storey} is not a finite number; write a constant in {kind}"
-        )
+        raise InputError(f"{INPUTS[kind]} = {value!r} {told(there)} is not a finite number; write a constant in {kind}")
     return float(value)
 
 
-def _check_storeys(value: Any, dampers: Mapping[int, Any]) -> None:
-    if isinstance(value, Mapping) and (stray := sorted(set(value) - set(dampers))):
+def _check_places(value: Any, sites: list[Site]) -> None:
+    taken = {site.place for site in sites}
+    if isinstance(value, Mapping) and (stray := [there for there in value if there not in taken]):
         raise InputError(
-            f"an input is given for storey {stray[0]}, which holds no damper; dampers stand in {sorted(dampers)}"
+            f"an input is given for {_name(stray[0])}, which holds no damper; "
+            f"dampers stand in {', '.join(_name(there) for there in dict.fromkeys(s.place for s in sites))}"
         )
+
+
+def _name(there: Any) -> str:
+    return f"storey {there}" if isinstance(there, int) else f"floors {there[0]}-{there[1]}"

@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import GroundMotion
+from dampyr.structures.bare import largest
 from dampyr.structures.building import Building
+from dampyr.structures.connection import label, told
 from dampyr.structures.marching import Run, connections, drifts, runner
 from dampyr.structures.placement import Site, place
 from dampyr.structures.response import Energy, Response
@@ -33,9 +35,9 @@ MOST_STEPS = 20_000_000
 def respond(
     building: Building,
     motion: GroundMotion,
-    dampers: Mapping[int, Any] | None = None,
-    voltage: float | Mapping[int, float] | None = None,
-    current: float | Mapping[int, float] | None = None,
+    dampers: Mapping[Any, Any] | None = None,
+    voltage: float | Mapping[Any, float] | None = None,
+    current: float | Mapping[Any, float] | None = None,
     accuracy: str | float = "strict",
     step: float | None = None,
     allow_extrapolation: bool = False,
@@ -44,10 +46,11 @@ def respond(
 
     Parameters
     ----------
-    dampers : storey -> damper, or a list of dampers that stand side by side; storey i joins floors i-1 and
-        i (0 is the ground). None for the bare building. The static force of a damper is left out, springs
-        stay.
-    voltage, current : constant input, one number for all dampers or a mapping from storey to number.
+    dampers : place -> damper, or a list of dampers that stand side by side. A place is a storey i, which
+        joins the floors i-1 and i (0 is the ground), or any two floors (i, j) by label or count, such as
+        (0, 2): the stroke is q_j - q_i, and (1, 2) is storey 2. None for the bare building. The static
+        force of a damper is left out, springs stay; ``damper.on_brace(stiffness)`` puts it on a brace.
+    voltage, current : constant input, one number for all dampers or a mapping from place to number.
     accuracy : "strict" (2e-4), "fast" (1e-3) or a number: the largest relative change of a peak
         displacement or drift when the step is halved. The scheme is of fourth order, so the error of the
         finer one is well below.
@@ -65,7 +68,7 @@ def respond(
     else:
         best = _single(run, _division(motion, step, sites))
     response = _response(building, motion, sites, best)
-    _warn(response)
+    _warn(response, sites)
     for note in response.outside:
         warnings.warn(note, DampyrWarning, stacklevel=2)
     return response
@@ -95,7 +98,7 @@ def _division(motion: GroundMotion, step: float, sites: tuple[Site, ...]) -> int
         if 0 < site.delay < motion.dt / m * (1 - 1e-9):
             raise InputError(
                 f"step = {step:g} s is longer than the delay of {site.delay:g} s "
-                f"of the damper in storey {site.storey}; "
+                f"of the damper {told(site.place)}; "
                 "take a step of at most the delay"
             )
     return m
@@ -169,6 +172,7 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         peak_force=out.force_peak,
         energy=_energy(building, out),
         storeys=tuple(site.storey for site in sites),
+        sites=tuple(label(building, site.place) for site in sites),
         inputs=tuple(site.input_value for site in sites),
         floors=tuple(building.floors),
         scheme="linear" if not sites else "general" if general else "exact path",
@@ -178,21 +182,22 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         converged=not run.reason,
         reason=run.reason,
         title=f"{building.name}, {motion.name}",
-        outside=tuple(note for d, site in enumerate(sites) for note in _outside(site, d, rows, out)),
+        outside=tuple(note for d, site in enumerate(sites) for note in _outside(site, rows[d], out, motion.dt)),
     )
 
 
-def _outside(site: Site, d: int, rows: Array, out: Output) -> list[str]:
+def _outside(site: Site, row: Array, out: Output, dt: float) -> list[str]:
     """Which calibrated limits of displacement and velocity the motion of a site leaves."""
-    n = rows.shape[1]
-    speed = float(np.max(np.abs(out.state[:, n:] @ rows[d])))
-    reached = {"displacement": (float(out.drift_peak[site.storey - 1]), "m"), "velocity": (speed, "m/s")}
+    n = len(row)
+    stroke, rate = out.state[:, :n] @ row, out.state[:, n:] @ row
+    reach = out.drift_peak[site.storey - 1] if site.storey else largest(stroke, rate, dt)
+    reached = {"displacement": (float(reach), "m"), "velocity": (float(np.max(np.abs(rate))), "m/s")}
     notes = []
     for name, (value, unit) in reached.items():
         limit = site.damper.ranges.get(name, (0.0, math.inf))[1]
         if value > 1.01 * limit:
             notes.append(
-                f"the damper in storey {site.storey} reaches a {name} of {value:.4g} {unit}; "
+                f"the damper {told(site.place)} reaches a {name} of {value:.4g} {unit}; "
                 f"it was calibrated up to {limit:.4g} {unit}"
             )
     return notes
@@ -206,14 +211,14 @@ def _energy(building: Building, out: Output) -> Energy:
     return Energy(work[0].copy(), kinetic, strain, work[1].copy(), work[2:].copy())
 
 
-def _warn(response: Response) -> None:
+def _warn(response: Response, sites: tuple[Site, ...]) -> None:
     if not response.converged:
         warnings.warn(f"the response is not to its accuracy: {response.reason}", DampyrWarning, stacklevel=3)
     scale = 1e-6 * float(np.max(np.abs(response.energy.input)))
-    for storey, work in zip(response.storeys, response.energy.dampers, strict=True):
+    for site, work in zip(sites, response.energy.dampers, strict=True):
         if work[-1] < -scale:
             warnings.warn(
-                f"the damper in storey {storey} fed {-work[-1]:.3g} J into "
+                f"the damper {told(site.place)} fed {-work[-1]:.3g} J into "
                 "the building over the whole motion; "
                 "check its delay and the sign of its force",
                 DampyrWarning,

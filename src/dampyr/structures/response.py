@@ -70,14 +70,14 @@ class Response:
     drift: Array  # (n, T) m, storey 1 first
     base_shear: Array  # (T,) N that springs, dashpots and dampers hand to the ground, signed as displacement
     force: Array  # (N, T) N, as applied; positive opposes positive velocity
-    stroke: Array  # (N, T) m, the drift of each site's storey
+    stroke: Array  # (N, T) m, what each site's floors move apart
     peak_displacement: Array  # (n,) m
     peak_drift: Array  # (n,) m
     peak_acceleration: Array  # (n,) m/s2, absolute
     peak_base_shear: float  # N
     peak_force: Array  # (N,) N
     energy: Energy
-    storeys: tuple[int, ...]  # (N,) where the sites are
+    storeys: tuple[int, ...]  # (N,) where the sites are; 0 for one that joins other floors than a storey does
     inputs: tuple[float | None, ...]  # (N,) V or A
     floors: tuple[str, ...]
     scheme: str  # "linear" (no damper), "exact path" or "general"
@@ -89,6 +89,7 @@ class Response:
     converged: bool
     reason: str
     title: str = ""
+    sites: tuple[str, ...] = ()  # (N,) where the sites are, such as "storey 1" and "0-2"
     outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
 
     def to_xarray(self) -> Any:
@@ -105,6 +106,7 @@ class Response:
             "floor": list(self.floors),
             "storey": np.arange(1, len(self.floors) + 1),
             "damper": np.arange(1, count + 1),
+            "damper_site": ("damper", np.array(self.sites, dtype=str)),
             "damper_storey": ("damper", np.array(self.storeys, dtype=int)),
         }
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())

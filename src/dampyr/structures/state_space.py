@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,14 +35,14 @@ class StateSpace:
     connection: Array
 
 
-def state_space(building: Building, storey: int | Sequence[int] = 1) -> StateSpace:
-    """Equations (5.3) to (5.6) for dampers in one storey or several.
+def state_space(building: Building, storey: int | Sequence[Any] = 1) -> StateSpace:
+    """Equations (5.3) to (5.6) for dampers in one storey or a list of places, each a storey or two floors.
 
     Lambda holds -1 on the floor above the damper and +1 on the one below: a force that opposes the growth
     of the drift is positive.
     """
     n = building.n
-    storeys = storey if isinstance(storey, Sequence) else [storey]
-    rows = np.array([building.connection(s) for s in storeys]).reshape(-1, n)
+    places = storey if isinstance(storey, Sequence) else [storey]
+    rows = np.array([building.connection(place) for place in places]).reshape(-1, n)
     a, e, b = system(building, rows)
     return StateSpace(a, b, e, a[n:].copy(), b[n:].copy(), -rows.T)

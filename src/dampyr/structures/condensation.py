@@ -1,0 +1,150 @@
+r"""Degrees of freedom left out, their motion following the others through the springs alone (Guyan).
+
+.. math:: q = T q_k, \qquad T_k = I, \quad T_r = -K_{rr}^{-1} K_{rk}, \qquad
+          M' = T^T M T, \quad C' = T^T C T, \quad K' = T^T K T
+
+Exact where what is left out has neither mass nor damping, as the joints of a frame that turn without inertia. Otherwise
+every frequency rises: see ``frequency_errors``, and keep more. A damper needs both of its floors among those that are kept.
+
+Reference: R. J. Guyan, Reduction of stiffness and mass matrices, AIAA Journal 3 (1965).
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.structures.building import Building
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Condensed(Building):
+    """A building on k of m degrees of freedom, which knows where the others are.
+
+    ``T`` (m, k) makes displacements of all from those that are kept, in the order of ``all_floors`` (m
+    labels). ``exact`` says whether nothing was lost. ``frequency_errors`` (k,) are the relative rises of the
+    natural frequencies above those of the whole (nan for a free mode).
+    """
+
+    T: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    all_floors: tuple[str, ...] = ()
+    exact: bool = False
+    frequency_errors: Array = field(default_factory=lambda: np.zeros(0))
+
+    def recover(self, motion: ArrayLike) -> Array:
+        """Displacements or velocities (m, T) of all degrees of freedom, from those (k, T) of a response."""
+        kept = np.asarray(motion, dtype=float)
+        if kept.ndim not in (1, 2) or len(kept) != self.n:
+            raise InputError(f"a motion of shape {kept.shape} is no motion of {self.n} floors; pass one row for each")
+        return self.T @ kept
+
+
+def condense(
+    M: ArrayLike,
+    C: ArrayLike,
+    K: ArrayLike,
+    keep: Sequence[int],
+    name: str = "building",
+    floors: Sequence[str] = (),
+    influence: ArrayLike | None = None,
+) -> Condensed:
+    r"""A building from matrices (m, m) of which some degrees of freedom may have no mass.
+
+    ``keep`` are the indices, from 0 as in the arrays, of those that stay, in the order in which they shall
+    be floors from the ground up; ``floors`` (m labels, default 1 to m) and ``influence`` (m,) are those of
+    all. The ground's push is kept whole: :math:`\iota' = M'^{-1} T^T M \iota`. Warns
+    (:class:`~dampyr.errors.DampyrWarning`) where the result is not exact, and says by how much the
+    frequencies rise; :class:`~dampyr.errors.InputError` where a degree of freedom that is left out is
+    held by no spring.
+    """
+    matrices = [_square(letter, each) for letter, each in zip("MCK", (M, C, K), strict=True)]
+    if len({len(each) for each in matrices}) > 1:
+        raise InputError("M, C and K differ in size; they must have one row per degree of freedom each")
+    m, c, k = matrices
+    kept = _kept(keep, len(k))
+    labels = _labels(floors, len(k))
+    T, left = _recovery(k, kept, labels), np.delete(np.arange(len(k)), kept)
+    exact = not (np.any(m[left]) or np.any(c[left]))
+    iota = np.ones(len(k)) if influence is None else np.asarray(influence, dtype=float)
+    own = [0.5 * (each + each.T) for each in (T.T @ m @ T, T.T @ c @ T, T.T @ k @ T)]
+    # what is kept must have mass, which the building below checks and says
+    pushed = iota[kept] if exact or np.linalg.det(own[0]) <= 0 else np.linalg.solve(own[0], T.T @ m @ iota)
+    made = Building(*own, name, [labels[i] for i in kept], pushed)
+    errors = _frequency_errors(made, m, k)
+    if not exact:
+        _warn(made, c, left, errors)
+    return Condensed(
+        *own, name, made.floors, made.influence, T=T, all_floors=labels, exact=exact, frequency_errors=errors
+    )
+
+
+def _square(letter: str, values: ArrayLike) -> Array:
+    array = np.array(values, dtype=float)
+    if array.ndim != 2 or array.shape[0] != array.shape[1] or not np.all(np.isfinite(array)):
+        raise InputError(f"{letter} has shape {array.shape}; it must be square, of finite numbers")
+    if np.max(np.abs(array - array.T)) > 1e-9 * np.max(np.abs(array)):
+        raise InputError(f"{letter} is not symmetric; make {letter}[i][j] = {letter}[j][i]")
+    return array
+
+
+def _kept(keep: Sequence[int], size: int) -> list[int]:
+    wrong = [i for i in keep if isinstance(i, bool) or not isinstance(i, int | np.integer) or not 0 <= i < size]
+    if wrong or not len(keep) or len(set(keep)) != len(keep):
+        raise InputError(f"keep = {list(keep)} is not allowed; give different whole numbers from 0 to {size - 1}")
+    return [int(i) for i in keep]
+
+
+def _labels(floors: Sequence[str], size: int) -> tuple[str, ...]:
+    labels = tuple(str(each) for each in floors) or tuple(str(i + 1) for i in range(size))
+    if len(labels) != size:
+        raise InputError(f"floors = {list(labels)} does not label {size} degrees of freedom; give {size} names")
+    return labels
+
+
+def _recovery(k: Array, kept: list[int], labels: tuple[str, ...]) -> Array:
+    left = np.delete(np.arange(len(k)), kept)
+    T = np.zeros((len(k), len(kept)))
+    T[kept] = np.eye(len(kept))
+    if len(left):
+        block = k[np.ix_(left, left)]
+        values = np.linalg.eigvalsh(block)
+        if values[0] <= 1e-12 * np.max(np.abs(k)):
+            raise InputError(
+                f"what is left out ({', '.join(labels[i] for i in left)}) is not held by springs: its stiffness has "
+                f"the eigenvalue {values[0]:g}, which must be greater than 0; keep more, or add the springs"
+            )
+        T[left] = -np.linalg.solve(block, k[np.ix_(left, kept)])
+    return T
+
+
+def _frequency_errors(made: Building, m: Array, k: Array) -> Array:
+    """How far the frequencies lie above the lowest of the whole, whose mass may be singular."""
+    from scipy.linalg import eigh
+
+    shift = 1e-3 * np.trace(k) / np.trace(m)
+    inverse = eigh(m, k + shift * m, eigvals_only=True)[::-1][: made.n]
+    square = 1.0 / inverse - shift
+    ours = (2 * np.pi * made.frequencies) ** 2
+    free = square <= 1e-9 * square[-1]
+    return np.where(free, np.nan, np.sqrt(np.maximum(ours / np.where(free, 1.0, square), 0.0)) - 1.0)
+
+
+def _warn(made: Building, c: Array, left: Any, errors: Array) -> None:
+    known = np.nan_to_num(errors)
+    worst = int(np.argmax(known))
+    damped = " and damping" if np.any(c[left]) else ""
+    warnings.warn(
+        f"{made.name}: what was left out has mass{damped}, so the condensed building is not exact: frequency 1 "
+        f"rises by {100 * known[0]:.2g} %, the worst, frequency {worst + 1}, by {100 * known[worst]:.2g} %; "
+        "keep more where that matters",
+        DampyrWarning,
+        stacklevel=3,
+    )

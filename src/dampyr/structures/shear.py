@@ -1,0 +1,92 @@
+"""Shear buildings: a mass per floor, a spring per storey; with one floor, the single mass of the textbooks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import InputError
+from dampyr.structures.building import Building
+from dampyr.structures.damping import modal, rayleigh
+
+Array = NDArray[np.float64]
+
+
+def shear_building(
+    masses: ArrayLike,
+    stiffnesses: ArrayLike,
+    damping_ratio: float | Sequence[float] | None = None,
+    dashpots: ArrayLike | None = None,
+    method: str = "rayleigh",
+    name: str = "shear building",
+    modes: tuple[int, int] = (1, 2),
+) -> Building:
+    r"""A building with a mass per floor and a spring per storey, from the ground up.
+
+    Parameters
+    ----------
+    masses, stiffnesses : (n,) [kg], [N/m]
+    damping_ratio : with ``method="rayleigh"``, :math:`C = \alpha M + \beta K`, of two modes, one ratio for
+        both or a pair; with ``method="modal"`` of every mode, one for all or n of them by rising frequency.
+    modes : the two modes of ``"rayleigh"``, counted from 1 by rising frequency.
+    dashpots : (n,) [N s/m], one per storey, instead of a ratio. Give one of the two.
+
+    :class:`~dampyr.errors.InputError` for numbers that do not match, and for a pair of ratios that would
+    give some mode a negative one.
+    """
+    mass, spring = _positive("masses", masses), _positive("stiffnesses", stiffnesses)
+    if len(mass) != len(spring):
+        raise InputError(f"{len(mass)} masses and {len(spring)} stiffnesses do not match; give one of each per storey")
+    M, K = np.diag(mass), _storeys(spring)
+    if damping_ratio is None and dashpots is not None:
+        return Building(M, _storeys(_dashpots(dashpots, len(mass))), K, name)
+    if damping_ratio is None or dashpots is not None:
+        raise InputError("a shear building takes either damping_ratio= or dashpots=; give one of the two")
+    if method not in ("rayleigh", "modal"):
+        raise InputError(f"damping method {method!r} is not known; choose 'rayleigh' or 'modal'")
+    C = rayleigh(M, K, damping_ratio, modes) if method == "rayleigh" else modal(M, K, damping_ratio)
+    return Building(M, C, K, name)
+
+
+def single_mass(
+    mass: float,
+    frequency: float | None = None,
+    stiffness: float | None = None,
+    damping_ratio: float = 0.0,
+    name: str = "single mass",
+) -> Building:
+    r"""One mass [kg] on one spring: :math:`\ddot q + 2\zeta\omega\dot q + \omega^2 q = -a_g`.
+
+    Give its ``frequency`` [Hz] or its ``stiffness`` [N/m], and the ``damping_ratio`` (0.05 is 5 %).
+    """
+    if (frequency is None) == (stiffness is None):
+        raise InputError("a single mass takes either frequency= in Hz or stiffness= in N/m; give one of the two")
+    if stiffness is None:
+        omega = 2 * np.pi * _positive("frequency", frequency)  # type: ignore[arg-type]
+        stiffness = float(_positive("mass", mass)[0] * omega[0] ** 2)
+    return shear_building([mass], [stiffness], damping_ratio=damping_ratio, name=name)
+
+
+def _dashpots(values: ArrayLike, count: int) -> Array:
+    each = np.asarray(values, dtype=float)
+    if each.shape != (count,) or not np.all(np.isfinite(each)) or each.min() < 0:
+        raise InputError(
+            f"dashpots = {each.tolist()} must be {count} finite numbers of at least 0 N s/m, one per storey"
+        )
+    return each
+
+
+def _storeys(values: Array) -> Array:
+    """The matrix of one element per storey: its drift times its value, at both of its floors."""
+    n = len(values)
+    drift = np.eye(n) - np.eye(n, k=-1)
+    return drift.T @ np.diag(values) @ drift
+
+
+def _positive(name: str, values: ArrayLike) -> Array:
+    array = np.atleast_1d(np.asarray(values, dtype=float))
+    if array.ndim != 1 or not len(array) or not np.all(np.isfinite(array)) or array.min() <= 0:
+        raise InputError(f"{name} = {array.tolist()} must be a list of finite numbers greater than 0, one per storey")
+    return array
