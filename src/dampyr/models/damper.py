@@ -142,6 +142,29 @@ class Damper:
             covariance=None if self.covariance is None else self.covariance[np.ix_(kept, kept)],
         )
 
+    def on_brace(self, stiffness: float) -> Damper:
+        r"""The damper in series with a brace of ``stiffness`` k [N/m]: the damper feels the motion less F/k.
+
+        The brace is the part ``compliance``, whose s grows by 1/k; a damper that has one already gives way by both. All of
+        the damper stands behind it, its spring too; strokes are then those of damper and brace together. The step of a
+        response counts to first order only (docs/explanations/building.md). Raises InputError for a part that needs the
+        acceleration (inertia), which would act beside the brace.
+        """
+        if isinstance(stiffness, bool) or not np.isfinite(stiffness) or stiffness <= 0:
+            raise InputError(f"the stiffness of a brace {stiffness!r} N/m is not allowed; it must be greater than 0")
+        beside = [p.name for p in self.composition.parts if p.force is not None and "a" in p.force.arguments]
+        if beside:
+            raise InputError(
+                f"{beside[0]} needs the acceleration and would act beside the brace, not behind it; "
+                f"leave it out first, with .without({beside[0]!r})"
+            )
+        laws = self.all_laws
+        if "compliance.s" in laws:
+            return replace(self, laws=laws | {"compliance.s": laws["compliance.s"].shifted(1.0 / stiffness)})
+        known = None if self.covariance is None else np.pad(self.covariance, (0, 1))  # the brace is known exactly
+        parts = (*self.composition.names, "compliance")
+        return replace(self, parts=parts, laws=laws | {"compliance.s": 1.0 / stiffness}, covariance=known)
+
     def check_input(self, u: ArrayLike, allow_extrapolation: bool = False) -> Array:
         """``u`` as an array; :class:`~dampyr.errors.RangeError` outside the calibrated range unless allowed by name."""
         values = np.asarray(u, dtype=float)

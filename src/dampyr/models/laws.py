@@ -49,6 +49,10 @@ class Law(Protocol):
         """The same law with other numbers."""
         ...
 
+    def shifted(self, amount: float) -> Self:
+        """The same law with ``amount`` added at every input."""
+        ...
+
     def extremes(self) -> tuple[float, float]:
         """The smallest and the largest value inside the range."""
         ...
@@ -93,6 +97,9 @@ class Constant:
     def with_coefficients(self, coefficients: ArrayLike) -> Self:
         return replace(self, value=_checked_numbers("value", coefficients)[0])
 
+    def shifted(self, amount: float) -> Self:
+        return replace(self, value=self.value + amount)
+
     def extremes(self) -> tuple[float, float]:
         return self.value, self.value
 
@@ -118,6 +125,9 @@ class Polynomial:
 
     def with_coefficients(self, coefficients: ArrayLike) -> Self:
         return replace(self, coefficients=_checked_numbers("coefficients", coefficients))
+
+    def shifted(self, amount: float) -> Self:
+        return replace(self, coefficients=(self.coefficients[0] + amount, *self.coefficients[1:]))
 
     def extremes(self) -> tuple[float, float]:
         turning = np.polynomial.Polynomial(self.coefficients).deriv().roots()
@@ -186,6 +196,9 @@ class Interpolation:
 
     def with_coefficients(self, coefficients: ArrayLike) -> Self:
         return replace(self, values=_checked_numbers("values", coefficients))
+
+    def shifted(self, amount: float) -> Self:
+        return replace(self, values=tuple(value + amount for value in self.values))
 
     def extremes(self) -> tuple[float, float]:
         return min(self.values), max(self.values)
