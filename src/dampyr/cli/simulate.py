@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 @click.argument("card", required=False, type=click.Path(path_type=Path))
 @click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; repeat it to compare.")
 @click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current.")
-@click.option("--storey", default=1, show_default=True, help="Where the damper stands; i joins floors i-1 and i.")
+@click.option("--storey", type=int, help="Where the damper stands; i joins floors i-1 and i.  [default: 1]")
+@click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead; 0 is the ground.")
+@click.option("--brace", type=float, metavar="N/M", help="Stiffness of a brace in series with the damper.")
 @click.option("--motion", type=click.Path(path_type=Path), help="A ground motion file; without it El Centro 1940.")
 @motion_options
 @click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay where it is the rig's.")
@@ -30,7 +32,9 @@ def command(
     card: Path | None,
     voltages: tuple[float, ...],
     currents: tuple[float, ...],
-    storey: int,
+    storey: int | None,
+    between: tuple[str, str] | None,
+    brace: float | None,
     motion: Path | None,
     ground: Ground,
     without: tuple[str, ...],
@@ -47,6 +51,8 @@ def command(
     from dampyr.structures import respond
 
     damper = _damper(card).without(*without)
+    damper = damper if brace is None else damper.on_brace(brace)
+    place = _place(storey, between)
     shaking = ground.motion(motion)
     building = structures.two_storey()
     inputs = voltages if damper.input == "V" else currents
@@ -57,7 +63,7 @@ def command(
     for u in inputs:
         given: dict[str, Any] = {"voltage": u} if damper.input == "V" else {"current": u}
         cases[f"{u:g} {damper.input}"] = respond(
-            building, shaking, {storey: damper}, **given, allow_extrapolation=allow_extrapolation
+            building, shaking, {place: damper}, **given, allow_extrapolation=allow_extrapolation
         )
     if report:
         from dampyr.report.response_page import write_response_page
@@ -81,6 +87,12 @@ def command(
     )
 
 
+def _place(storey: int | None, between: tuple[str, str] | None) -> Any:
+    if storey is not None and between is not None:
+        raise InputError("both --storey and --between say where the damper stands; give one of the two")
+    return between or (1 if storey is None else storey)
+
+
 def _damper(card: Path | None) -> Any:
     if card is not None:
         from dampyr.models import Damper
@@ -98,6 +110,7 @@ def _told(response: Response) -> dict[str, Any]:
         "peak_acceleration_m_s2": response.peak_acceleration,
         "peak_base_shear_N": response.peak_base_shear,
         "peak_force_N": response.peak_force,
+        "sites": response.sites,
         "scheme": response.scheme,
         "step_s": response.step,
         "error_estimate": response.error_estimate,
