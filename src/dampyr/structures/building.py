@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.structures.connection import GROUND, floor, row
+from dampyr.structures.connection import GROUND, row
 
 if TYPE_CHECKING:
     from dampyr.structures.condensation import Condensed
@@ -70,8 +70,7 @@ class Building:
         :func:`~dampyr.structures.condensation.condense`."""
         from dampyr.structures.condensation import condense
 
-        kept = [floor(self, name) - 1 for name in keep]
-        return condense(self.M, self.C, self.K, kept, self.name, self.floors, self.influence)
+        return condense(self.M, self.C, self.K, keep, self.name, self.floors, self.influence)
 
     @property
     def frequencies(self) -> Array:

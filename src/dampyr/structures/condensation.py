@@ -14,13 +14,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.structures.building import Building
+from dampyr.structures.connection import counted
 
 Array = NDArray[np.float64]
 
@@ -51,39 +51,50 @@ def condense(
     M: ArrayLike,
     C: ArrayLike,
     K: ArrayLike,
-    keep: Sequence[int],
+    keep: Sequence[int | str],
     name: str = "building",
     floors: Sequence[str] = (),
     influence: ArrayLike | None = None,
 ) -> Condensed:
     r"""A building from matrices (m, m) of which some degrees of freedom may have no mass.
 
-    ``keep`` are the indices, from 0 as in the arrays, of those that stay, in the order in which they shall
-    be floors from the ground up; ``floors`` (m labels, default 1 to m) and ``influence`` (m,) are those of
-    all. The ground's push is kept whole: :math:`\iota' = M'^{-1} T^T M \iota`. Warns
-    (:class:`~dampyr.errors.DampyrWarning`) where the result is not exact, and says by how much the
-    frequencies rise; :class:`~dampyr.errors.InputError` where a degree of freedom that is left out is
-    held by no spring.
+    ``keep`` are those that stay, by label or count from 1, in the order in which they shall be floors from the
+    ground up; ``floors`` (m labels, default 1 to m) and ``influence`` (m,) are those of all. The ground's push
+    is kept whole: :math:`\iota' = M'^{-1} T^T M \iota`. Warns (:class:`~dampyr.errors.DampyrWarning`) where the
+    result is not exact, and says by how much the frequencies rise; :class:`~dampyr.errors.InputError` where a
+    degree of freedom that is left out is held by no spring.
     """
-    matrices = [_square(letter, each) for letter, each in zip("MCK", (M, C, K), strict=True)]
-    if len({len(each) for each in matrices}) > 1:
-        raise InputError("M, C and K differ in size; they must have one row per degree of freedom each")
-    m, c, k = matrices
-    kept = _kept(keep, len(k))
+    m, c, k = _matrices(M, C, K)
     labels = _labels(floors, len(k))
-    T, left = _recovery(k, kept, labels), np.delete(np.arange(len(k)), kept)
-    exact = not (np.any(m[left]) or np.any(c[left]))
-    iota = np.ones(len(k)) if influence is None else np.asarray(influence, dtype=float)
-    own = [0.5 * (each + each.T) for each in (T.T @ m @ T, T.T @ c @ T, T.T @ k @ T)]
-    # what is kept must have mass, which the building below checks and says
-    pushed = iota[kept] if exact or np.linalg.det(own[0]) <= 0 else np.linalg.solve(own[0], T.T @ m @ iota)
-    made = Building(*own, name, [labels[i] for i in kept], pushed)
+    kept = _kept(keep, labels, name)
+    left = [i for i in range(len(k)) if i not in kept]
+    T = _recovery(k, kept, left, labels)
+    made = Building(_reduced(T, m), _reduced(T, c), _reduced(T, k), name, [labels[i] for i in kept])
+    pushed = np.asarray(np.linalg.solve(made.M, T.T @ m @ _influence(influence, len(k))), dtype=np.float64)
     errors = _frequency_errors(made, m, k)
+    exact = not (np.any(m[left]) or np.any(c[left]))
     if not exact:
-        _warn(made, c, left, errors)
-    return Condensed(
-        *own, name, made.floors, made.influence, T=T, all_floors=labels, exact=exact, frequency_errors=errors
-    )
+        _warn(name, bool(np.any(c[left])), errors)
+    return Condensed(made.M, made.C, made.K, name, made.floors, pushed, T, labels, exact, errors)
+
+
+def _reduced(T: Array, matrix: Array) -> Array:
+    small = T.T @ matrix @ T
+    return np.asarray(0.5 * (small + small.T))
+
+
+def _matrices(*given: ArrayLike) -> list[Array]:
+    found = [_square(letter, values) for letter, values in zip("MCK", given, strict=True)]
+    if len({len(each) for each in found}) > 1:
+        raise InputError("M, C and K differ in size; they must have one row per degree of freedom each")
+    return found
+
+
+def _influence(values: ArrayLike | None, size: int) -> Array:
+    iota = np.ones(size) if values is None else np.asarray(values, dtype=float)
+    if iota.shape != (size,):
+        raise InputError(f"influence has shape {iota.shape}; it must be {size} numbers, one per degree of freedom")
+    return iota
 
 
 def _square(letter: str, values: ArrayLike) -> Array:
@@ -95,11 +106,13 @@ def _square(letter: str, values: ArrayLike) -> Array:
     return array
 
 
-def _kept(keep: Sequence[int], size: int) -> list[int]:
-    wrong = [i for i in keep if isinstance(i, bool) or not isinstance(i, int | np.integer) or not 0 <= i < size]
-    if wrong or not len(keep) or len(set(keep)) != len(keep):
-        raise InputError(f"keep = {list(keep)} is not allowed; give different whole numbers from 0 to {size - 1}")
-    return [int(i) for i in keep]
+def _kept(keep: Sequence[int | str], labels: tuple[str, ...], name: str) -> list[int]:
+    kept = [counted(labels, each, name) - 1 for each in keep]
+    if not kept or -1 in kept or len(set(kept)) != len(kept):
+        raise InputError(
+            f"keep = {list(keep)} is not allowed; give different floors of {name}, the ground not among them"
+        )
+    return kept
 
 
 def _labels(floors: Sequence[str], size: int) -> tuple[str, ...]:
@@ -109,19 +122,18 @@ def _labels(floors: Sequence[str], size: int) -> tuple[str, ...]:
     return labels
 
 
-def _recovery(k: Array, kept: list[int], labels: tuple[str, ...]) -> Array:
-    left = np.delete(np.arange(len(k)), kept)
+def _recovery(k: Array, kept: list[int], left: list[int], labels: tuple[str, ...]) -> Array:
     T = np.zeros((len(k), len(kept)))
     T[kept] = np.eye(len(kept))
-    if len(left):
-        block = k[np.ix_(left, left)]
+    if left:
+        block = k[left][:, left]
         values = np.linalg.eigvalsh(block)
         if values[0] <= 1e-12 * np.max(np.abs(k)):
             raise InputError(
                 f"what is left out ({', '.join(labels[i] for i in left)}) is not held by springs: its stiffness has "
                 f"the eigenvalue {values[0]:g}, which must be greater than 0; keep more, or add the springs"
             )
-        T[left] = -np.linalg.solve(block, k[np.ix_(left, kept)])
+        T[left] = -np.linalg.solve(block, k[left][:, kept])
     return T
 
 
@@ -137,12 +149,12 @@ def _frequency_errors(made: Building, m: Array, k: Array) -> Array:
     return np.where(free, np.nan, np.sqrt(np.maximum(ours / np.where(free, 1.0, square), 0.0)) - 1.0)
 
 
-def _warn(made: Building, c: Array, left: Any, errors: Array) -> None:
+def _warn(name: str, damped: bool, errors: Array) -> None:
     known = np.nan_to_num(errors)
     worst = int(np.argmax(known))
-    damped = " and damping" if np.any(c[left]) else ""
+    lost = "mass and damping" if damped else "mass"
     warnings.warn(
-        f"{made.name}: what was left out has mass{damped}, so the condensed building is not exact: frequency 1 "
+        f"{name}: what was left out has {lost}, so the condensed building is not exact: frequency 1 "
         f"rises by {100 * known[0]:.2g} %, the worst, frequency {worst + 1}, by {100 * known[worst]:.2g} %; "
         "keep more where that matters",
         DampyrWarning,

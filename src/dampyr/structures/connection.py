@@ -6,6 +6,7 @@ A *place* is a storey, a number from 1 up, or a pair of floors, each by its labe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +27,7 @@ def normal(building: Building, place: Any) -> int | tuple[int, int]:
         return _storey(building, place)
     if len(place) != 2:
         raise InputError(f"{place!r} names {len(place)} floors; a damper stands between 2, such as (0, 2)")
-    first, second = (floor(building, each) for each in place)
+    first, second = (counted(building.floors, each, building.name) for each in place)
     if first == second:
         raise InputError(f"{place!r} joins floor {second} to itself; a damper needs two different ends")
     return second if second == first + 1 else (first, second)
@@ -54,16 +55,16 @@ def told(place: int | tuple[int, int]) -> str:
     return f"in storey {place}" if isinstance(place, int) else f"between floors {place[0]} and {place[1]}"
 
 
-def floor(building: Building, name: Any) -> int:
+def counted(floors: Sequence[str], name: Any, owner: str) -> int:
     """A floor by label (text) or count (a whole number), as its count; 0 is the ground."""
     if isinstance(name, str):
-        if name in GROUND or name in building.floors:
-            return 0 if name in GROUND else building.floors.index(name) + 1
-    elif isinstance(name, int | np.integer) and not isinstance(name, bool) and 0 <= name <= building.n:
+        if name in GROUND or name in floors:
+            return 0 if name in GROUND else list(floors).index(name) + 1
+    elif isinstance(name, int | np.integer) and not isinstance(name, bool) and 0 <= name <= len(floors):
         return int(name)
     raise InputError(
-        f"floor {name!r} is not in {building.name}; write 0 for the ground, a whole number up to {building.n}, "
-        f"or a label: {', '.join(building.floors)}"
+        f"floor {name!r} is not in {owner}; write 0 for the ground, a whole number up to {len(floors)}, "
+        f"or a label: {', '.join(floors)}"
     )
 
 

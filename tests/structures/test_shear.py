@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+
+from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion, el_centro
+from dampyr.structures import respond, shear_building, single_mass, two_storey_model
+
+
+def test_a_single_mass_under_a_constant_push_follows_the_closed_form():
+    zeta, f, a = 0.05, 1.6, 0.7
+    omega, t = 2 * np.pi * f, 0.02 * np.arange(300)
+    response = respond(single_mass(800.0, frequency=f, damping_ratio=zeta), GroundMotion(np.full(300, a), 0.02))
+    ringing = omega * np.sqrt(1 - zeta**2)
+    decay = np.exp(-zeta * omega * t)
+    shape = np.cos(ringing * t) + zeta * omega / ringing * np.sin(ringing * t)
+    expected = -a / omega**2 * (1.0 - decay * shape)
+    assert response.displacement[0] == pytest.approx(expected, abs=1e-12)
+    top = a / omega**2 * (1.0 + np.exp(-zeta * np.pi / np.sqrt(1 - zeta**2)))
+    assert response.peak_displacement[0] == pytest.approx(top, rel=1e-6)
+
+
+def test_frequency_or_stiffness_say_the_same():
+    by_stiffness = single_mass(5.0, stiffness=2000.0, damping_ratio=0.02)
+    by_frequency = single_mass(5.0, frequency=20.0 / (2 * np.pi), damping_ratio=0.02)
+    assert by_stiffness.K[0, 0] == pytest.approx(by_frequency.K[0, 0])
+    assert by_stiffness.C[0, 0] == pytest.approx(2 * 0.02 * 20.0 * 5.0)
+
+
+def test_mass_does_not_matter_to_a_single_mass():
+    light, heavy = (respond(single_mass(m, frequency=2.0, damping_ratio=0.02), el_centro()) for m in (1.0, 900.0))
+    assert light.displacement == pytest.approx(heavy.displacement, rel=1e-9, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, r"either frequency= in Hz or stiffness= in N/m"),
+        ({"frequency": 1.0, "stiffness": 1.0}, r"give one of the two"),
+        ({"frequency": -1.0}, r"frequency = \[-1.0\] must be"),
+        ({"stiffness": 1.0, "damping_ratio": (0.02, 0.03)}, r"2 damping ratios are given"),
+    ],
+)
+def test_wrong_single_masses_are_refused(arguments, message):
+    with pytest.raises(InputError, match=message):
+        single_mass(1.0, **arguments)
+
+
+def test_the_laboratory_model_has_storey_elements():
+    model = two_storey_model()
+    assert model.M.tolist() == [[24.3, 0.0], [0.0, 24.3]]
+    assert model.K.tolist() == [[15040.0, -8220.0], [-8220.0, 8220.0]]
+    np.testing.assert_allclose(model.C, [[1.229, -0.29], [-0.29, 0.29]], rtol=1e-14)
+    # the roots of m^2 w^4 - m (k1 + 2 k2) w^2 + k1 k2 = 0
+    root = np.sqrt((6820.0 + 2 * 8220.0) ** 2 - 4 * 6820.0 * 8220.0)
+    square = np.array([6820.0 + 2 * 8220.0 - root, 6820.0 + 2 * 8220.0 + root]) / (2 * 24.3)
+    assert model.frequencies == pytest.approx(np.sqrt(square) / (2 * np.pi), rel=1e-10)
+    assert model.frequencies == pytest.approx([1.687, 4.626], abs=5e-4)
+
+
+def test_twenty_storeys_with_several_dampers(cubics, tangent):
+    building = shear_building([2e4] * 20, np.linspace(40e6, 15e6, 20), damping_ratio=(0.02, 0.03), modes=(1, 4))
+    motion = GroundMotion(np.asarray(el_centro().acceleration)[:151], 0.02, "start of El Centro")
+    dampers = {1: tangent, (0, 3): cubics, ("18", "20"): cubics}
+    voltage = {1: 0.0, (0, 3): 1.98, (18, 20): 1.98}
+    response = respond(building, motion, dampers, voltage=voltage)
+    fine = respond(building, motion, dampers, voltage=voltage, step=0.00025)
+    assert response.converged
+    assert response.sites == ("storey 1", "0-3", "18-20")
+    assert response.peak_drift == pytest.approx(fine.peak_drift, rel=1e-3)
+    assert np.abs(fine.energy.residual).max() < 1e-6 * fine.energy.input.max()
+
+
+def test_a_pair_of_ratios_needs_two_modes():
+    with pytest.raises(InputError, match=r"2 damping ratios are given; give one"):
+        shear_building([1.0], [1.0], damping_ratio=(0.02, 0.03))
