@@ -29,7 +29,10 @@ Array = np.ndarray
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.rglob("*.md"))]
-HOW_TO = [DOCS / "how-to" / name for name in ("read-your-own-files.md", "another-laboratory.md", "ground-motions.md")]
+HOW_TO = [
+    DOCS / "how-to" / f"{name}.md"
+    for name in ("read-your-own-files", "another-laboratory", "ground-motions", "your-own-structure")
+]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 

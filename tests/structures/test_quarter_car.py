@@ -61,10 +61,12 @@ def test_a_road_integrates_back_to_its_heights():
         assert y == pytest.approx(heights[k + 1], abs=1e-12)
 
 
-def test_golden_car_has_its_published_ratios():
+def test_golden_car_has_the_frequencies_of_its_ratios():
     car = quarter_car(1.0, 0.15, 63.3, 653.0, 6.0)
+    square = np.roots([0.15, -(653.0 + 1.15 * 63.3), 653.0 * 63.3])[::-1]
     assert car.floors == ("unsprung", "sprung")
-    assert car.frequencies == pytest.approx([1.2088, 11.0078], rel=1e-2)
+    assert car.frequencies == pytest.approx(np.sqrt(square) / (2 * np.pi), rel=1e-9)
+    assert car.frequencies == pytest.approx([1.208, 11.005], abs=1e-3)
 
 
 @pytest.mark.parametrize(
