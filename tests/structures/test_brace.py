@@ -69,7 +69,7 @@ def test_three_dampers_and_a_brace_equal_a_stiff_reference(reference):
     assert response.converged
     assert response.scheme == "general"
     np.testing.assert_allclose(response.displacement, reference[:3], atol=5e-4 * size)
-    np.testing.assert_allclose(response.force[0], BRACE * reference[6], atol=3e-2 * BRACE * np.abs(reference[6]).max())
+    np.testing.assert_allclose(response.force[0], BRACE * reference[6], atol=1e-3 * BRACE * np.abs(reference[6]).max())
 
 
 def test_the_error_falls_with_the_step_to_the_reference(reference):
@@ -79,7 +79,7 @@ def test_the_error_falls_with_the_step_to_the_reference(reference):
         for h in (5e-4, 1.25e-4)
     ]
     assert errors[1] < 1e-4
-    assert errors[1] < 0.4 * errors[0]  # of first order, for the brace's rate
+    assert errors[1] == pytest.approx(0.25 * errors[0], rel=0.1)  # of first order, for the brace's rate
     rigid = respond(BUILDING, MOTION, PLACED | {1: DAHL}, voltage=0.0)
     assert np.abs(rigid.displacement - reference[:3]).max() > 50 * errors[0] * size  # the brace does matter here
 
@@ -89,9 +89,9 @@ def test_energy_closes_with_braces_and_connections():
     for step in (0.002, 0.001, 0.0005):
         energy = respond(BUILDING, MOTION, PLACED, voltage=0.0, step=step).energy
         worst.append(np.abs(energy.residual).max() / energy.input.max())
-    assert worst[2] < 1e-6
-    assert worst[1] < worst[0] / 4
-    assert worst[2] < worst[1] / 4
+    assert worst[0] < 1e-7
+    assert worst[1] < worst[0] / 12  # of fourth order
+    assert worst[2] < worst[1] / 12
 
 
 def test_braces_in_series_add_up():

@@ -76,16 +76,11 @@ def _by_place(building: Building, value: Any) -> Any:
         return value
     found: dict[Any, Any] = {}
     for key, u in value.items():
-        there = _known(building, key)
+        there = normal(building, key)
         if there in found:
             raise InputError(f"two inputs are given for the place {told(there)}; give one")
         found[there] = u
     return found
-
-
-def _known(building: Building, key: Any) -> Any:
-    """The place, or the number itself where no such storey is there: it then holds no damper, which is said."""
-    return key if isinstance(key, int) else normal(building, key)
 
 
 def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolation: bool) -> Site:
