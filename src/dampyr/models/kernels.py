@@ -17,7 +17,7 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 from types import FunctionType
@@ -65,7 +65,9 @@ def _user_cache() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dampyr"
 
 
-def jit(function: Callable[..., Any], keep: bool = False, reordered: bool = False) -> Any:
+def jit(
+    function: Callable[..., Any], keep: bool = False, reordered: bool = False, flags: Iterable[str] = frozenset(FAST)
+) -> Any:
     """``function`` compiled by numba without Python objects; ``keep`` puts the machine code on disk.
 
     Without numba's reference counting (``_nrt``): the kernels make no arrays, and counting every row they look at took half of
@@ -73,7 +75,7 @@ def jit(function: Callable[..., Any], keep: bool = False, reordered: bool = Fals
     """
     from numba import njit
 
-    fast = FAST | {"reassoc"} if reordered else FAST
+    fast = {*flags, "reassoc"} if reordered else set(flags)
     compiled = njit(error_model="numpy", fastmath=fast, nogil=True, _nrt=False)(function)
     if keep:
         compiled._cache = _cache_class()(function)

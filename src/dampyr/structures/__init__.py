@@ -3,11 +3,13 @@
 ``respond(building, motion, dampers={storey: damper}, voltage=...)`` marches a building through a ground
 motion; a damper stands in a storey or between any two floors, ``{(0, 2): damper}``. ``two_storey()`` is the
 building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
-``condense`` make others, ``state_space`` writes one as matrices.
+``condense`` make others, ``state_space`` writes one as matrices. ``ensemble`` runs the outer product of buildings,
+dampers, inputs, motions and scales, and keeps the peaks.
 """
 
 from dampyr.structures.building import Building
 from dampyr.structures.condensation import Condensed, condense
+from dampyr.structures.ensemble import ensemble
 from dampyr.structures.laboratory import two_storey, two_storey_model
 from dampyr.structures.quarter_car import quarter_car, road
 from dampyr.structures.respond import respond
@@ -26,6 +28,7 @@ __all__ = [
     "condense",
     "Condensed",
     "respond",
+    "ensemble",
     "Response",
     "Energy",
     "state_space",

@@ -1,0 +1,199 @@
+"""The cases of an ensemble: the outer product of buildings, dampers, inputs, motions and scales, checked and counted.
+
+A *line* is one building with one placement at one input under one motion; its cases differ in the scale. Lines are numbered
+through, the motion fastest, and a shard is a range of lines, so that the cases themselves are never listed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion
+from dampyr.structures.building import Building
+from dampyr.structures.lanes.text import QUANTITIES
+from dampyr.structures.placement import Site, place
+
+Array = NDArray[np.float64]
+STEPS = {"fast": 1.0, "strict": 0.5}  # of the longest step that the rule allows
+CASES_PER_SHARD = 8192
+AXES = ("building", "damper", "input", "motion", "scale")
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """What an ensemble runs through; ``kind`` says whether inputs are a "voltage" or a "current"."""
+
+    buildings: tuple[Building, ...]
+    placements: tuple[Mapping[Any, Any], ...]
+    inputs: tuple[float | None, ...]
+    motions: tuple[GroundMotion, ...]
+    scales: Array
+    kind: str = "voltage"
+    accuracy: str = "fast"
+    quantities: tuple[str, ...] = QUANTITIES
+    precision: int = 64
+    allow_extrapolation: bool = False
+
+    @property
+    def shape(self) -> tuple[int, int, int, int, int]:
+        """How many of each, in the order of `AXES`."""
+        return len(self.buildings), len(self.placements), len(self.inputs), len(self.motions), len(self.scales)
+
+    @property
+    def lines(self) -> int:
+        """How many lines there are."""
+        return int(np.prod(self.shape[:-1]))
+
+    @property
+    def size(self) -> int:
+        """How many cases there are."""
+        return self.lines * len(self.scales)
+
+    @property
+    def floors(self) -> int:
+        """The most degrees of freedom of a building."""
+        return max(building.n for building in self.buildings)
+
+    @property
+    def sites(self) -> int:
+        """The most dampers of a placement."""
+        return max(len(self.sites_of(0, d, 0)) for d in range(len(self.placements)))
+
+    def width(self, quantity: str) -> int:
+        """How many values of a quantity a case has."""
+        return self.sites if quantity in ("force", "stroke", "energy") else self.floors
+
+    def line(self, number: int) -> tuple[int, int, int, int]:
+        """(building, damper, input, motion) of a line."""
+        return tuple(int(k) for k in np.unravel_index(number, self.shape[:-1]))  # type: ignore[return-value]
+
+    def shards(self) -> int:
+        """Into how many pieces the work is cut by default."""
+        return max(1, -(-self.size // CASES_PER_SHARD))
+
+    def lines_of(self, shard: int, shards: int) -> range:
+        """The lines of one of ``shards`` pieces."""
+        if not 0 <= shard < shards:
+            raise InputError(f"shard {shard} of {shards} does not exist; count from 0 to {shards - 1}")
+        return range(self.lines * shard // shards, self.lines * (shard + 1) // shards)
+
+    def sites_of(self, building: int, damper: int, at: int) -> tuple[Site, ...]:
+        """The dampers of a placement at an input, checked."""
+        given = {self.kind: self.inputs[at]} if self.placements[damper] else {}
+        voltage, current = given.get("voltage"), given.get("current")
+        return place(self.buildings[building], self.placements[damper], voltage, current, self.allow_extrapolation)
+
+    @cached_property
+    def digest(self) -> str:
+        """A hash of all that decides the numbers."""
+        parts = [
+            [(b.M, b.C, b.K, b.influence) for b in self.buildings],
+            [_plain(p) for p in self.placements],
+            self.inputs,
+            [(m.acceleration, m.dt) for m in self.motions],
+            self.scales,
+            (self.kind, self.accuracy, self.quantities, self.precision),
+        ]
+        return hashlib.sha256(pickle.dumps(parts, protocol=5)).hexdigest()[:16]
+
+
+def _plain(placement: Mapping[Any, Any]) -> list[Any]:
+    rows = []
+    for where, entry in placement.items():
+        for damper in entry if isinstance(entry, list | tuple) else (entry,):
+            rows.append((where, str(damper.composition), np.asarray(damper.coefficients), damper.input))
+    return rows
+
+
+def cases(
+    buildings: Building | Sequence[Building],
+    motions: GroundMotion | Sequence[GroundMotion],
+    dampers: Any = None,
+    voltages: ArrayLike | None = None,
+    scales: ArrayLike = 1.0,
+    currents: ArrayLike | None = None,
+    accuracy: str = "fast",
+    quantities: Sequence[str] = QUANTITIES,
+    precision: int = 64,
+    allow_extrapolation: bool = False,
+) -> Cases:
+    """The cases of an ensemble from its arguments; :class:`~dampyr.errors.InputError` says what is wrong with them."""
+    if voltages is not None and currents is not None:
+        raise InputError("both voltages= and currents= are given; a damper takes one of the two")
+    kind = "voltage" if currents is None else "current"
+    inputs = voltages if currents is None else currents
+    found = Cases(
+        _several("buildings", buildings, Building),
+        tuple(_placement(entry) for entry in _list(dampers)),
+        (None,) if inputs is None else _numbers(kind + "s", inputs),
+        _several("motions", motions, GroundMotion),
+        np.array(_numbers("scales", scales)),
+        kind,
+        accuracy,
+        _known_quantities(quantities),
+        precision,
+        allow_extrapolation,
+    )
+    _check(found)
+    return found
+
+
+def _check(found: Cases) -> None:
+    if found.accuracy not in STEPS:
+        raise InputError(f"accuracy = {found.accuracy!r} is not allowed; write 'fast' or 'strict'")
+    if found.precision not in (32, 64):
+        raise InputError(f"precision = {found.precision!r} bits is not allowed; write 64 or 32")
+    for b in range(len(found.buildings)):
+        for d in range(len(found.placements)):
+            for u in range(len(found.inputs)):
+                found.sites_of(b, d, u)
+                if b > 0 or d > 20:
+                    break
+
+
+def _list(dampers: Any) -> list[Any]:
+    if isinstance(dampers, list | tuple):
+        if not dampers:
+            raise InputError("dampers is empty; give dampers or placements, or leave it out for the bare building")
+        return list(dampers)
+    return [dampers]
+
+
+def _placement(entry: Any) -> Mapping[Any, Any]:
+    """A damper alone stands in storey 1; None is the bare building."""
+    if entry is None:
+        return {}
+    return entry if isinstance(entry, Mapping) else {1: entry}
+
+
+def _several(name: str, given: Any, kind: type) -> tuple[Any, ...]:
+    listed = tuple(given) if isinstance(given, Iterable) and not isinstance(given, kind) else (given,)
+    wrong = next((entry for entry in listed if not isinstance(entry, kind)), None)
+    if wrong is not None or not listed:
+        what = f"holds a {type(wrong).__name__}" if listed else "is empty"
+        raise InputError(f"{name} {what}; give one {kind.__name__} or a list of them")
+    return listed
+
+
+def _numbers(name: str, given: ArrayLike) -> tuple[float, ...]:
+    values = np.atleast_1d(np.asarray(given, dtype=float))
+    if values.ndim != 1 or not values.size or not np.all(np.isfinite(values)):
+        raise InputError(f"{name} = {given!r} must be finite numbers, one or a list")
+    return tuple(float(v) for v in values)
+
+
+def _known_quantities(given: Sequence[str]) -> tuple[str, ...]:
+    listed = (given,) if isinstance(given, str) else tuple(given)
+    unknown = [quantity for quantity in listed if quantity not in QUANTITIES]
+    if unknown or not listed:
+        raise InputError(f"quantities = {list(listed)} is not allowed; choose from {', '.join(QUANTITIES)}")
+    return tuple(quantity for quantity in QUANTITIES if quantity in listed)

@@ -1,0 +1,155 @@
+r"""Ensembles: every building with every damper at every input under every motion at every scale, reduced to peaks.
+
+The outer product is cut into shards (`dampyr.structures.shards`) that any executor can run; what comes back are the peaks of
+each case, not its histories, in labelled axes.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import DampyrWarning
+from dampyr.ground_motions import GroundMotion
+from dampyr.structures.building import Building
+from dampyr.structures.cases import AXES, Cases, cases
+from dampyr.structures.lanes.text import QUANTITIES
+from dampyr.structures.shards import Shard, run_shard
+from dampyr.structures.store import Store
+
+Array = NDArray[np.float64]
+IN_FLIGHT = 4  # shards per worker that wait or run at a time: what bounds the memory
+UNITS = {"displacement": "m", "drift": "m", "acceleration": "m/s^2", "force": "N", "stroke": "m", "energy": "J"}
+ALONG = {
+    "displacement": "floor",
+    "drift": "storey",
+    "acceleration": "floor",
+    "force": "site",
+    "stroke": "site",
+    "energy": "site",
+}
+Progress = Callable[[int, int], None]
+
+
+def ensemble(
+    buildings: Building | Sequence[Building],
+    motions: GroundMotion | Sequence[GroundMotion],
+    dampers: Any = None,
+    voltages: ArrayLike | None = None,
+    scales: ArrayLike = 1.0,
+    executor: Executor | None = None,
+    *,
+    currents: ArrayLike | None = None,
+    accuracy: str = "fast",
+    quantities: Sequence[str] = QUANTITIES,
+    precision: int = 64,
+    allow_extrapolation: bool = False,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Any:
+    """Peaks of the outer product, an ``xarray.Dataset`` with dims (building, damper, input, motion, scale, ...).
+
+    Parameters
+    ----------
+    buildings, motions : one or a list.
+    dampers : a damper (it stands in storey 1), a placement ``{storey: damper or list}``, None for the bare building, or a
+        list of these; ``damper.draws(n, seed)`` is such a list.
+    voltages, currents : constant inputs, one or a list [V], [A].
+    scales : factors of the motions, one or a list.
+    executor : anything with ``submit`` of :class:`concurrent.futures.Executor`; default: one thread per core (the kernels
+        need no lock). The numbers are the same to the last bit, whoever runs them.
+    accuracy : "fast" (below 0.1 % of the peak in the standard suite) or "strict" (half the step).
+    quantities : which of displacement, drift [m], acceleration [m/s2] (absolute), force [N], stroke [m] and energy [J] (what
+        a damper took) are kept. Fewer are faster.
+    precision : 64 or 32 bits; 32 runs twice as fast and is good for about four digits.
+    out : write to this HDF5 file as shards are done; a run that was interrupted goes on where it stopped.
+    progress : called with the number of cases that are done and of all.
+
+    Peaks are those of the motion itself, between steps too. ``attrs`` hold the measured error, how many cases it was
+    measured on, and how many grew without bound (their peaks are NaN). Raises :class:`~dampyr.errors.InputError` for a wrong
+    argument before anything runs.
+    """
+    what = cases(
+        buildings, motions, dampers, voltages, scales, currents, accuracy, quantities, precision, allow_extrapolation
+    )
+    return run(what, executor, out, progress)
+
+
+def run(
+    what: Cases, executor: Executor | None = None, out: str | Path | None = None, progress: Progress | None = None
+) -> Any:
+    """The ensemble of checked cases; see `ensemble`."""
+    store = Store(what, out)
+    waiting = store.missing()
+    done = what.size - sum(len(what.lines_of(k, store.shards)) for k in waiting) * len(what.scales)
+    own = executor is None
+    pool = ThreadPoolExecutor(os.cpu_count()) if executor is None else executor
+    try:
+        for shard in _completed(pool, what, store.shards, waiting):
+            store.put(shard)
+            done += len(shard.lines) * len(what.scales)
+            if progress:
+                progress(done, what.size)
+    finally:
+        store.close()
+        if own:
+            pool.shutdown(cancel_futures=True)
+    found = store.dataset()
+    _warn(found)
+    return found
+
+
+def _completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> Iterator[Shard]:
+    """Shards as they are done, no more than a few per worker under way."""
+    most = IN_FLIGHT * (os.cpu_count() or 1)
+    left, running = iter(waiting), set[Future[Shard]]()
+    while True:
+        for k in left:
+            running.add(pool.submit(run_shard, k, shards, what))
+            if len(running) >= most:
+                break
+        if not running:
+            return
+        finished, running = wait(running, return_when=FIRST_COMPLETED)
+        for future in finished:
+            yield future.result()
+
+
+def _warn(found: Any) -> None:
+    if found.attrs["unbounded"]:
+        warnings.warn(
+            f"{found.attrs['unbounded']} cases grew without bound and have no peaks; check delays, signs and inputs",
+            DampyrWarning,
+            stacklevel=4,
+        )
+
+
+def labelled(what: Cases, values: dict[str, Array], attributes: dict[str, Any]) -> Any:
+    """The dataset of an ensemble; ``values`` quantity -> (lines, scales, width)."""
+    import xarray
+
+    data = {
+        quantity: ((*AXES, ALONG[quantity]), array.reshape(*what.shape, -1), {"units": UNITS[quantity]})
+        for quantity, array in values.items()
+    }
+    coordinates: dict[str, Any] = {
+        "building_name": ("building", [b.name for b in what.buildings]),
+        "input": (
+            "input",
+            np.array([np.nan if u is None else u for u in what.inputs]),
+            {"units": "V" if what.kind == "voltage" else "A"},
+        ),
+        "motion_name": ("motion", [m.name for m in what.motions]),
+        "scale": what.scales,
+    }
+    for name, width in (("floor", what.floors), ("storey", what.floors), ("site", what.sites)):
+        if any(ALONG[q] == name for q in values):
+            coordinates[name] = np.arange(1, width + 1)
+    return xarray.Dataset(data, coords=coordinates, attrs=attributes)

@@ -1,0 +1,75 @@
+"""Kernels made of their text, and blocks of 64 histories taken through them."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import math
+from functools import lru_cache
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from dampyr.models.composition import Composition, namespace_of
+from dampyr.models.kernels import jit
+from dampyr.structures.lanes import arithmetic
+
+FAST = {"contract", "nsz", "arcp", "nnan", "ninf"}
+MATH = ("sqrt", "log", "log1p", "expm1", "sin", "cos", "tan", "atan")
+CONSTANTS = {"zero": 0.0, "one": 1.0, "two": 2.0, "four": 4.0, "half": 0.5, "quarter": 0.25}
+
+
+@lru_cache(maxsize=64)
+def compiled(source: str, compositions: tuple[Composition, ...], precision: int) -> Any:
+    """The kernel of a text, kept on disk."""
+    text = namespace_of(compositions)[0] if compositions else ""
+    names = _parts(text, precision)
+    exec(compile(source, "<lanes>", "exec"), names)
+    key = hashlib.sha256(f"{source}{text}{precision}".encode()).hexdigest()[:16]
+    plain = names["lanes"]
+    plain.__module__, plain.__qualname__ = __name__, f"lanes.{key}"
+    return jit(plain, keep=True, flags=FAST)
+
+
+def _parts(text: str, precision: int) -> dict[str, Any]:
+    """The formulas of the parts, for numba to write into the kernel, and the numbers of the step, in one precision."""
+    from numba import njit
+
+    kind = np.float64 if precision == 64 else np.float32
+    tree, numbers = ast.parse(text), _Numbers()
+    numbers.visit(tree)
+    names: dict[str, Any] = {name: getattr(math, name) for name in MATH}
+    names |= arithmetic.functions(precision) | {name: kind(value) for name, value in numbers.found.items()}
+    exec(compile(ast.fix_missing_locations(tree), "<parts>", "exec"), names)
+    for name, value in list(names.items()):
+        if isinstance(value, FunctionType):
+            names[name] = njit(inline="always" if _straight(tree, name) else "never", error_model="numpy")(value)
+    return (
+        names
+        | {name: kind(value) for name, value in CONSTANTS.items()}
+        | {"tiny": arithmetic.constants(precision)["tiny"]}
+    )
+
+
+def _straight(tree: ast.Module, name: str) -> bool:
+    """Whether a formula runs straight through, so that writing it into the kernel lets eight lanes run at a time."""
+    found = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == name)
+    return not any(isinstance(node, ast.For | ast.While) for node in ast.walk(found)) and len(found.body) < 12
+
+
+class _Numbers(ast.NodeTransformer):
+    """Names in the place of numbers, so that their precision can be chosen."""
+
+    def __init__(self) -> None:
+        self.found: dict[str, float] = {}
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.Subscript:
+        return node
+
+    def visit_Constant(self, node: ast.Constant) -> ast.expr:
+        if not isinstance(node.value, float):
+            return node
+        name = f"number_{len(self.found)}"
+        self.found[name] = node.value
+        return ast.Name(name, ast.Load())

@@ -1,0 +1,198 @@
+"""The building's share of a step: written out for a small one, in loops over modes and rows for a large one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.structures.lanes.arithmetic import LANES
+
+Array = NDArray[np.float64]
+GROUND = ["low = before[l]", "rise = after[l] - low", "a0 = low + rise*part", "a1 = low + rise*(part + share)"]
+
+
+class Small:
+    """Every sum of the building written out."""
+
+    def __init__(self, text: Any) -> None:
+        self.text = text
+        self.state = [f"z{k}" for k in range(text.size)]
+        self.starts = [self._start(r) for r in range(2 * text.sites)]
+
+    def _start(self, r: int) -> str:
+        """Stroke or rate of a site at the start: a name of its own, or the coordinate that it is."""
+        row = self.text.step.sites[r]
+        alone = np.flatnonzero(row)
+        if len(alone) == 1 and row[alone[0]] == 1.0:
+            return self.state[alone[0]]
+        return f"{'x' if r < self.text.sites else 'v'}{r % self.text.sites}"
+
+    @property
+    def named(self) -> int:
+        """How many coefficients have names in the kernel."""
+        return len(self.text.coefficients)
+
+    def before(self) -> None:
+        """The motion that the unknown forces do not touch."""
+        text, known = self.text, [*self.state, "a0", "a1", *(f"f{d}" for d in range(self.text.sites))]
+        text.say(*GROUND)
+        for i in range(text.size):
+            text.say(f"k{i} = {text.sum(text.step.end[i, : len(known)], known)}")
+        for r in range(2 * text.sites):
+            text.say(f"be{r} = {text.sum(text.step.sites[r], [f'k{i}' for i in range(text.size)])}")
+
+    def after(self) -> None:
+        """The state at the end and its peaks."""
+        text, width = self.text, self.text.size + 2 + self.text.sites
+        for i in range(text.size):
+            moved = text.sum(text.step.end[i, width:], text.unknown) if text.sites else "zero"
+            text.say(f"n{i} = k{i} + {moved}")
+            text.keep(f"z{i}", f"n{i}")
+        for r, start in enumerate(self.starts):
+            if not start.startswith("z"):
+                text.keep(start, f"n_e{r}")
+        text.cut()
+        self._observe()
+
+    def _observe(self) -> None:
+        """Peaks of each different row of what is looked at."""
+        text = self.text
+        names = [*(f"n{i}" for i in range(text.size)), *(f"g{text.sites + d}" for d in range(text.sites))]
+        seen: dict[tuple[float, ...], str] = {}
+        for quantity, i, row in text.looks():
+            key = tuple(row)
+            if key not in seen:
+                name = seen[key] = f"P{len(seen)}"
+                text.say(f"{name}a = {text.sum(row, names)}", *text.peak(name, f"{name}a", f"{name}b", f"{name}c"))
+                for row_name, value in ((name, f"{name}n"), (f"{name}b", f"{name}a"), (f"{name}c", f"{name}b")):
+                    text.keep(row_name, value)
+            text.peaks[quantity, i] = seen[key]
+
+    def latest(self, peak: str) -> str:
+        """The row with the value at the last node of what a peak is kept of."""
+        return f"{peak}b"
+
+    def body(self) -> list[str]:
+        """The lines of a step."""
+        return list(self.text.loops({}))
+
+
+class Large:
+    """Sums in loops; the state in pairs of coordinates that the step does not mix with others, or dense."""
+
+    def __init__(self, text: Any) -> None:
+        self.text = text
+        N = text.sites
+        self.starts = [f"{'x' if r < N else 'v'}{r % N}" for r in range(2 * N)]
+        size = text.size
+        self.z, self.k = text.rows.run("z", size), text.rows.run("~k", size)
+        self.a, self.f = text.rows.run("~a", 2), text.rows.run("f", N) if N else 0
+        self.be = text.rows.run("~be", 2 * N) if N else 0
+        self.g = text.rows.run("~g", 2 * N) if N else 0
+        beside = np.kron(np.eye(size // 2), np.ones((2, 2))) == 0
+        self.pairs = not np.any(text.step.end[:, :size][beside])
+
+    def before(self) -> None:
+        """Nothing: it stands in `body`."""
+
+    def after(self) -> None:
+        text = self.text
+        for r, start in enumerate(self.starts):
+            text.keep(start, f"n_e{r}")
+        self.named_ = len(text.coefficients)
+        looks = text.looks()
+        self.values = text.rows.run("~q", len(looks))
+        self.top, self.mid, self.old = (text.rows.run(letter, len(looks)) for letter in ("P", "Pb", "Pc"))
+        for r, (quantity, i, _) in enumerate(looks):
+            text.peaks[quantity, i] = f"P{r}"
+        self.looks = np.array([row for _, _, row in looks]).reshape(len(looks), text.size + text.sites)
+
+    def latest(self, peak: str) -> str:
+        """The row with the value at the last node of what a peak is kept of."""
+        return f"Pb{peak[1:]}"
+
+    @property
+    def named(self) -> int:
+        """How many coefficients have names in the kernel."""
+        return self.named_
+
+    def body(self) -> list[str]:
+        """The lines of a step."""
+        text = self.text
+        size, N = text.size, text.sites
+        rows = {f"be{r}": f"~be{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
+        dampers = text.loops(rows) if N else []
+        width = size + 2 + N
+        known, unknown = text.step.end[:, :width], text.step.end[:, width:]
+        lines = ["for l in range(count):", *(f"    {line}" for line in GROUND)]
+        lines += [f"    b[{(self.a + j) * LANES} + l] = a{j}" for j in range(2)]
+        others = [self.a, self.a + 1, *(self.f + d for d in range(N))]
+        if self.pairs:
+            lines += self._pairs(known[:, :size])
+            lines += self._product(known[:, size:], others, self.k, start=self.k)
+        else:
+            lines += self._product(known, [*range(self.z, self.z + size), *others], self.k)
+        if N:
+            lines += self._product(text.step.sites, range(self.k, self.k + size), self.be)
+        lines += dampers
+        lines += self._product(unknown, range(self.g, self.g + 2 * N), self.z, start=self.k)
+        lines += self._product(
+            self.looks, [*range(self.z, self.z + size), *(self.f + d for d in range(N))], self.values
+        )
+        return [*lines, *self._peaks(len(self.looks))]
+
+    def _stored(self, values: Array) -> int:
+        """Put numbers behind the named coefficients; where the first stands."""
+        first = len(self.text.coefficients)
+        self.text.coefficients.extend(float(v) for v in np.ravel(values))
+        return first
+
+    def _pairs(self, blocks: Array) -> list[str]:
+        """The state carried on, pair by pair."""
+        size = len(blocks)
+        first = self._stored(np.array([blocks[i, i - i % 2 : i - i % 2 + 2] for i in range(size)]))
+        rows = {"u": _row(self.z, 2), "v": _row(self.z + 1, 2), "x": _row(self.k, 2), "y": _row(self.k + 1, 2)}
+        lines = [f"q{j} = c[{first + j} + r*4]" for j in range(4)]
+        sums = [f"{out}[l] = q{2 * j}*u[l] + q{2 * j + 1}*v[l]" for j, out in enumerate("xy")]
+        return _loop(size // 2, rows, lines, sums)
+
+    def _product(self, matrix: Array, columns: Any, target: int, start: int | None = None) -> list[str]:
+        """Rows of a block from ``target`` on: a matrix times the rows ``columns``, added to the rows from ``start`` on.
+
+        Four columns at a time, so that a row is loaded and stored once for four products.
+        """
+        columns = list(columns)
+        lines = []
+        for at in range(0, max(len(columns), 1), 4):
+            some = columns[at : at + 4]
+            first = self._stored(matrix[:, at : at + 4])
+            rows = {"x": _row(target)} if at or start is None else {"x": _row(target), "y": _row(start)}
+            terms = [f"q{k}*b[{row * LANES} + l]" for k, row in enumerate(some)]
+            terms += ["x[l]"] if at else ["y[l]"] if start is not None else []
+            given = [f"q{k} = c[{first} + r*{len(some)} + {k}]" for k in range(len(some))]
+            lines += _loop(len(matrix), rows, given, [f"x[l] = {' + '.join(terms)}"])
+        return lines
+
+    def _peaks(self, count: int) -> list[str]:
+        rows = {"now": _row(self.values), "old": _row(self.old), "mid": _row(self.mid), "top": _row(self.top)}
+        loop = [f"{name}_ = {name}[l]" for name in rows]
+        loop += self.text.peak("top_", "now_", "mid_", "old_")
+        return _loop(count, rows, [], [*loop, "top[l] = top_n", "old[l] = mid_", "mid[l] = now_"])
+
+
+def _row(first: int, apart: int = 1) -> str:
+    """Row ``first`` of a block, then every next one as r counts."""
+    return f"b[r*{apart * LANES} + {first * LANES} : r*{apart * LANES} + {(first + 1) * LANES}]"
+
+
+def _loop(count: int, rows: dict[str, str], given: list[str], lines: list[str]) -> list[str]:
+    """A loop over rows with one over the lanes inside."""
+    head = [f"for r in range({count}):", *(f"    {name} = {row}" for name, row in rows.items())]
+    return [
+        *head,
+        *("    " + line for line in given),
+        "    for l in range(count):",
+        *("        " + line for line in lines),
+    ]

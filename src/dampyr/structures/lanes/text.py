@@ -1,0 +1,265 @@
+r"""The text of a kernel: one step of a building with its dampers, for 64 histories side by side.
+
+In a step of h seconds the dampers' forces are the quadratics through their values at 0, h/2 and h (see
+`dampyr.structures.coupling`). Their first guess continues the last half step, the dampers' laws along the path of that guess
+give forces and slopes, and a Newton correction, written out, gives the forces that are kept; the states follow by their
+tangents. Nothing branches. At the middle of the step a site is where the cubic through both ends has it. What rounding and
+the corrections leave is measured in every ensemble (see `dampyr.structures.ensemble`).
+
+Every history is a column of a block; which row holds what, `Rows` says. A small building's sums are written out, without the
+terms whose coefficients are 0; a large one's run in loops over its modes. Either way the text depends on the building's
+pattern and not on its numbers, which come as a vector.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.models.composition import Composition
+from dampyr.structures.lanes.arithmetic import LANES
+from dampyr.structures.lanes.coordinates import Step
+from dampyr.structures.lanes.glue import Half, half_step
+from dampyr.structures.lanes.loops import Loops
+
+Array = NDArray[np.float64]
+QUANTITIES = ("displacement", "drift", "acceleration", "force", "stroke", "energy")
+WRITTEN_OUT_UP_TO = 4  # coordinates
+
+
+@dataclass
+class Rows:
+    """Which row of a block holds what: names in the order in which they were asked for."""
+
+    names: list[str] = field(default_factory=list)
+
+    def __getitem__(self, name: str) -> int:
+        if name not in self.names:
+            self.names.append(name)
+        return self.names.index(name)
+
+    def at(self, name: str) -> str:
+        return f"b[{self[name] * LANES} + l]"
+
+    def run(self, letter: str, size: int) -> int:
+        """The first of ``size`` rows that follow each other."""
+        places = [self[f"{letter}{k}"] for k in range(size)]
+        return places[0]
+
+
+@dataclass
+class Text:
+    """A kernel being written: ``frame`` adds the building to what is here, the dampers' share of a step."""
+
+    step: Step
+    compositions: tuple[Composition, ...]
+    quantities: tuple[str, ...]
+    corrections: int = 1
+    rows: Rows = field(default_factory=Rows)
+    coefficients: list[float] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+    kept: dict[str, str] = field(default_factory=dict)
+    peaks: dict[tuple[str, int], str] = field(default_factory=dict)
+    cuts: list[int] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        from dampyr.structures.lanes.frames import Large, Small
+
+        self.size, self.sites = self.step.end.shape[0], len(self.compositions)
+        self.unknown = [f"g{r}" for r in range(2 * self.sites)]
+        self.frame = (Small if self.size <= WRITTEN_OUT_UP_TO else Large)(self)
+        self.starts = self.frame.starts
+        self.frame.before()
+        if self.sites:
+            self._dampers()
+        self.frame.after()
+        self.source = self._source()
+
+    def say(self, *lines: str) -> None:
+        self.lines += lines
+
+    def cut(self) -> None:
+        """End a loop over the lanes here: what is needed later goes through memory, and fewer numbers wait in registers."""
+        self.cuts.append(len(self.lines))
+
+    def keep(self, name: str, value: str) -> None:
+        """What a history carries to its next step."""
+        self.kept[name] = value
+        self.rows[name]
+
+    def number(self, value: float) -> str:
+        """A coefficient by name."""
+        self.coefficients.append(float(value))
+        return f"c{len(self.coefficients) - 1}"
+
+    def sum(self, row: Iterable[float], names: Sequence[str]) -> str:
+        """The sum of a row of coefficients times names."""
+        pairs = [(value, name) for value, name in zip(row, names, strict=True) if value != 0.0]
+        terms = [name if value == 1.0 else f"{self.number(value)}*{name}" for value, name in pairs]
+        return " + ".join(terms) or "zero"
+
+    def _dampers(self) -> None:
+        N, h, width = self.sites, self.step.h, self.size + 2 + self.sites
+        moved = (self.step.sites @ self.step.end)[:, width:]
+        x, v = moved[:N], moved[N:]
+        self.middles = [self._numbers(row) for row in np.vstack([0.5 * x - h / 8.0 * v, 1.5 / h * x - 0.25 * v])]
+        self.ends = [self._numbers(row) for row in moved]
+        for d in range(N):
+            self.say(f"last = f{d} - m{d}", f"g{d} = f{d} + half*last", f"g{N + d} = f{d} + last")
+        self.cut()
+        for turn in range(self.corrections):
+            done = self._laws(f"_{turn}")
+            self.cut()
+            self._correct(done)
+        for r in range(2 * N):
+            self.say(f"n_e{r} = {self._moved(r)}")
+        self._keep(done)
+
+    def _numbers(self, row: Array) -> list[str]:
+        return [self.number(value) for value in row]
+
+    def _moved(self, r: int) -> str:
+        """Stroke or rate of a site at the end under the forces ``g``."""
+        return f"be{r} + " + " + ".join(f"{c}*{g}" for c, g in zip(self.ends[r], self.unknown))
+
+    def _middle(self, d: int, x1: str, v1: str) -> list[str]:
+        x0, v0 = self.starts[d], self.starts[self.sites + d]
+        return [
+            f"h{d} = half*({x0} + {x1}) + eighth_step*({v0} - {v1})",
+            f"h{self.sites + d} = three_half_rate*({x1} - {x0}) - quarter*({v0} + {v1})",
+        ]
+
+    def _laws(self, turn: str) -> list[tuple[Half, Half]]:
+        """The dampers' laws along the path of the guess."""
+        N, done = self.sites, []
+        self.say(*(f"e{r} = {self._moved(r)}" for r in range(2 * N)))
+        for d, composition in enumerate(self.compositions):
+            self.say(*self._middle(d, f"e{d}", f"e{N + d}"))
+            values = [self._value(d, k) for k in range(len(composition.parameters))]
+            states = [f"s{d}_{k}" for k in range(composition.n_states)]
+            early = {"x0": self.starts[d], "x1": f"h{d}", "v0": self.starts[N + d], "v1": f"h{N + d}", "dt": "dt"}
+            late = {"x0": f"h{d}", "x1": f"e{d}", "v0": f"h{N + d}", "v1": f"e{N + d}", "dt": "dt"}
+            first = half_step(composition, d, f"_h{d}{turn}", states, values, early)
+            second = half_step(composition, d, f"_e{d}{turn}", first.ends, values, late)
+            self.say(*first.lines, *second.lines)
+            done.append((first, second))
+        return done
+
+    def _value(self, d: int, k: int) -> str:
+        self.rows[f"p{d}_{k}"]
+        return f"p{d}_{k}"
+
+    def _correct(self, done: list[tuple[Half, Half]]) -> None:
+        """Newton's correction of the guess."""
+        N, matrix, right = self.sites, [], []
+        for r in range(2 * N):
+            d = r % N
+            half, slopes = (done[d][0], self.middles) if r < N else (done[d][1], self.ends)
+            self.say(f"r{r} = {half.force} - g{r}")
+            right.append(f"r{r}")
+            for c in range(2 * N):
+                one = "one - " if r == c else "-"
+                self.say(f"j{r}_{c} = {one}({half.slopes[0]}*{slopes[d][c]} + {half.slopes[1]}*{slopes[N + d][c]})")
+            matrix.append([f"j{r}_{c}" for c in range(2 * N)])
+        self.say(*solved(matrix, right), *(f"g{r} = g{r} + r{r}" for r in range(2 * N)))
+
+    def _keep(self, done: list[tuple[Half, Half]]) -> None:
+        """States, corrected by their tangents and held to their bounds, forces and energy at the end."""
+        N = self.sites
+        for d, composition in enumerate(self.compositions):
+            second = done[d][1]
+            for k, (low, high) in enumerate(composition.states.values()):
+                value = second.ends[k]
+                for name, row in ((second.by_x[k], d), (second.by_v[k], N + d)):
+                    value += f" + {name}*(n_e{row} - e{row})" if name else ""
+                if np.isfinite([low, high]).all():
+                    value = f"min(max({value}, {self.number(low)}), {self.number(high)})"
+                self.say(f"t{d}_{k} = {value}")
+                self.keep(f"s{d}_{k}", f"t{d}_{k}")
+            if "energy" in self.quantities:
+                self.say(*self._middle(d, f"n_e{d}", f"n_e{N + d}"))
+                power = f"f{d}*{self.starts[N + d]} + four*g{d}*h{N + d} + g{N + d}*n_e{N + d}"
+                self.say(f"w{d} = E{d} + sixth*({power})")
+                self.keep(f"E{d}", f"w{d}")
+            self.keep(f"f{d}", f"g{N + d}")
+            self.keep(f"m{d}", f"g{d}")
+
+    def looks(self) -> list[tuple[str, int, Array]]:
+        """What peaks are kept of: (quantity, which, its row over the state and the forces at the end)."""
+        none = np.zeros((0, self.sites))
+        forces = np.eye(self.size + self.sites)[self.size :]
+        rows = {
+            "displacement": self.step.displacement,
+            "drift": self.step.drift,
+            "stroke": self.step.sites[: self.sites],
+            "acceleration": self.step.acceleration,
+            "force": forces,
+        }
+        found = []
+        for quantity in self.quantities:
+            for i, row in enumerate(rows.get(quantity, none)):
+                wide = np.zeros(self.size + self.sites)
+                wide[: len(row)] = row
+                found.append((quantity, i, wide))
+        return found
+
+    def peak(self, name: str, now: str, mid: str, old: str) -> list[str]:
+        """The largest size of a value at three nodes in a row: at the middle one, and where the parabola turns near it."""
+        return [
+            f"apart = {now} - {old}",
+            f"bend = abs({now} - two*{mid} + {old})",
+            "more = min(apart*apart*eighth_over(bend + tiny), half*bend)",
+            f"{name}n = max({name}, abs({mid}) + more)",
+        ]
+
+    def loops(self, places: dict[str, str]) -> list[str]:
+        """The lines as loops over the lanes."""
+        written = Loops(self.lines, [0, *self.cuts, len(self.lines)], self.kept, self.rows, places).written()
+        return [line for loop in written for line in loop]
+
+    def _source(self) -> str:
+        """The Python text of the kernel."""
+        body = self.frame.body()
+        numbers = [f"c{k} = c[{k}]" for k in range(self.frame.named)]
+        return "\n    ".join(
+            [
+                "def lanes(first, last, m, count, ag, t, c, b, w):",
+                "dt, sixth, share, eighth_step, three_half_rate = t[0], t[1], t[2], t[3], t[4]",
+                *numbers,
+                "for i in range(first, last):",
+                "    before, after, part = ag[i], ag[i + 1], zero",
+                "    for j in range(m):",
+                *("        " + line for line in body),
+                "        part = part + share",
+                "",
+            ]
+        )
+
+
+def solved(matrix: list[list[str]], right: list[str]) -> list[str]:
+    """Lines that solve ``matrix x = right`` into ``right``, without exchange of rows: the matrix is one plus what a step can
+    change."""
+    size = len(right)
+    if size == 2:
+        (a, b), (c, d) = matrix
+        x = f"first_ = ({d}*{right[0]} - {b}*{right[1]})*over"
+        return [
+            f"over = one/({a}*{d} - {b}*{c})",
+            x,
+            f"{right[1]} = ({a}*{right[1]} - {c}*{right[0]})*over",
+            f"{right[0]} = first_",
+        ]
+    lines = []
+    for k in range(size):
+        lines.append(f"o{k} = one/{matrix[k][k]}")
+        for i in range(k + 1, size):
+            lines.append(f"factor = {matrix[i][k]}*o{k}")
+            lines += [f"{matrix[i][j]} = {matrix[i][j]} - factor*{matrix[k][j]}" for j in range(k + 1, size)]
+            lines.append(f"{right[i]} = {right[i]} - factor*{right[k]}")
+    for k in range(size - 1, -1, -1):
+        terms = "".join(f" - {matrix[k][j]}*{right[j]}" for j in range(k + 1, size))
+        lines.append(f"{right[k]} = ({right[k]}{terms})*o{k}")
+    return lines

@@ -1,0 +1,211 @@
+r"""One shard of an ensemble: its cases sorted into blocks of 64 that march together.
+
+The step is that of the rule: no longer than 5 ms, :math:`\omega_s h \le 1` and :math:`\lambda h \le 2` with
+:math:`\omega_s^2` and :math:`\lambda` the largest slopes of the dampers at rest by stroke and by rate, over the mass that they
+move; half of it where the accuracy is "strict". How large the error is in fact is measured: the first block of every kind of
+case in a shard is marched again with half the step.
+
+Every block is 64 lanes wide, filled or not, and a lane does not see its neighbours: the numbers do not depend on how the work
+was shared out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.structures.building import Building
+from dampyr.structures.cases import STEPS, Cases
+from dampyr.structures.lanes.arithmetic import LANES
+from dampyr.structures.lanes.engine import Engine, engine, takes
+from dampyr.structures.marching import connections, runner
+from dampyr.structures.placement import Site
+
+Array = NDArray[np.float64]
+LONGEST_STEP = 0.005
+JUDGED = ("displacement", "drift")
+
+
+@dataclass
+class Shard:
+    """What came of some lines: ``values`` quantity -> (lines, scales, width), NaN where a building has no such storey.
+
+    ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases; ``unbounded`` counts
+    cases that grew without bound; ``stroke`` is the longest that each damper (by its place in ``dampers``) was asked for.
+    """
+
+    lines: range
+    values: dict[str, Array]
+    error: float = 0.0
+    judged: int = 0
+    unbounded: int = 0
+    general: int = 0
+    stroke: dict[int, float] = field(default_factory=dict)
+
+
+def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
+    """Shard number ``shard`` of ``shards``: a pure function of its arguments, for any process on any machine."""
+    lines = cases.lines_of(shard, shards)
+    done = Shard(lines, {q: np.full((len(lines), len(cases.scales), cases.width(q)), np.nan) for q in cases.quantities})
+    for kind, members in _kinds(cases, lines).items():
+        if kind[-1] is None:
+            _one_by_one(cases, members, done)
+        else:
+            _in_blocks(cases, kind, members, done)
+    return done
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A line of a shard: where its values go, its sites and its motion."""
+
+    row: int
+    building: int
+    sites: tuple[Site, ...]
+    motion: int
+    m: int
+
+
+def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
+    """The lines by what one engine can take; the last of a key is None where no engine can."""
+    found: dict[tuple[Any, ...], list[Member]] = {}
+    known: dict[tuple[int, int, int], tuple[tuple[Site, ...], float]] = {}
+    for row, number in enumerate(lines):
+        b, d, u, k = cases.line(number)
+        if (b, d, u) not in known:
+            sites = cases.sites_of(b, d, u)
+            known[b, d, u] = sites, STEPS[cases.accuracy] * longest_step(cases.buildings[b], sites)
+        sites, step = known[b, d, u]
+        dt = cases.motions[k].dt
+        m = max(1, math.ceil(dt / step * (1 - 1e-9)))
+        compositions = tuple(site.composition for site in sites)
+        rows = tuple(map(tuple, connections(cases.buildings[b], sites).tolist()))
+        key = (b, rows, compositions, dt, m if takes(compositions) else None)
+        found.setdefault(key, []).append(Member(row, b, sites, k, m))
+    return found
+
+
+def longest_step(building: Building, sites: tuple[Site, ...]) -> float:
+    """The longest step (s) that the rule allows."""
+    step = LONGEST_STEP
+    for site in sites:
+        by_x, by_v = rest_slopes(site)
+        [row] = connections(building, (site,))
+        flexibility = float(row @ np.linalg.solve(building.M, row))
+        if by_x > 0:
+            step = min(step, 1.0 / math.sqrt(by_x * flexibility))
+        if by_v > 0:
+            step = min(step, 2.0 / (by_v * flexibility))
+        if site.delay > 0:
+            step = min(step, site.delay)
+    return step
+
+
+SMALL_STROKE, SMALL_RATE = 1e-9, 1e-9  # m, m/s
+
+
+def rest_slopes(site: Site) -> tuple[float, float]:
+    """The size of dF/dx and dF/dv of a damper at rest, by a small difference."""
+    from dampyr.models.march import along
+
+    t = np.array([0.0, 1e-3])
+    rest, moved, quick = (
+        along(site.composition, t, np.array([0.0, x]), np.array([0.0, v]), site.values)[-1]
+        for x, v in ((0.0, 0.0), (SMALL_STROKE, 0.0), (0.0, SMALL_RATE))
+    )
+    return abs(moved - rest) / SMALL_STROKE, abs(quick - rest) / SMALL_RATE
+
+
+def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done: Shard) -> None:
+    building, compositions, dt, m = cases.buildings[kind[0]], kind[2], kind[3], kind[4]
+    rows = connections(building, members[0].sites)
+    made = engine(building, rows, compositions, dt, m, cases.quantities, cases.precision)
+    members = sorted(members, key=lambda member: cases.motions[member.motion].n)
+    rest = {id(member.sites): _rest(member.sites) for member in members}
+    for number, block in enumerate(_blocks(members, len(cases.scales))):
+        found = _march(cases, made, block, rest)
+        _store(cases, block, found, done)
+        if number == 0:
+            finer = engine(building, rows, compositions, dt, 2 * m, cases.quantities, cases.precision)
+            _judge(found, _march(cases, finer, block, rest), done)
+
+
+def _blocks(members: list[Member], scales: int) -> Iterator[list[tuple[Member, int]]]:
+    """Up to 64 cases at a time."""
+    block: list[tuple[Member, int]] = []
+    for member in members:
+        for s in range(scales):
+            block.append((member, s))
+            if len(block) == LANES:
+                yield block
+                block = []
+    if block:
+        yield block
+
+
+def _march(cases: Cases, made: Engine, block: list[tuple[Member, int]], rest: dict[int, Array]) -> dict[str, Array]:
+    motions = [cases.motions[member.motion].acceleration * cases.scales[s] for member, s in block]
+    values = [np.array([member.sites[d].values for member, _ in block]) for d in range(len(made.compositions))]
+    return made.run(motions, values, np.array([rest[id(member.sites)] for member, _ in block]))
+
+
+def _rest(sites: tuple[Site, ...]) -> Array:
+    """The forces of the dampers at rest."""
+    from dampyr.models.march import along
+
+    t, still = np.array([0.0, 1e-3]), np.zeros(2)
+    return np.array([along(site.composition, t, still, still, site.values)[0] for site in sites])
+
+
+def _store(cases: Cases, block: list[tuple[Member, int]], found: dict[str, Array], done: Shard) -> None:
+    rows, scales = np.array([member.row for member, _ in block]), np.array([s for _, s in block])
+    good = np.all([np.isfinite(values).all(axis=1) for values in found.values()], axis=0)
+    done.unbounded += int(np.sum(~good))
+    for quantity, values in found.items():
+        values[~good] = np.nan
+        done.values[quantity][rows, scales, : values.shape[1]] = values
+
+
+def _judge(coarse: dict[str, Array], fine: dict[str, Array], done: Shard) -> None:
+    """Measure the error of a block by one of half the step."""
+    for quantity in JUDGED:
+        if quantity in coarse:
+            gap = np.abs(coarse[quantity] / fine[quantity] - 1.0)
+            done.error = max(done.error, float(np.nanmax(gap, initial=0.0)))
+            done.judged += len(gap) if quantity == JUDGED[0] or JUDGED[0] not in coarse else 0
+
+
+def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
+    """Cases that no engine takes, by the kernel of `respond`."""
+    for number, member in enumerate(members):
+        building = cases.buildings[member.building]
+        for s, scale in enumerate(cases.scales):
+            run = runner(building, cases.motions[member.motion].scaled(float(scale)), member.sites)
+            block = [(member, s)]
+            try:
+                found = _peaks(run(member.m).out, member.sites, building)
+            except InputError:
+                done.unbounded += 1
+                continue
+            _store(cases, block, {q: found[q] for q in cases.quantities if q in found}, done)
+            done.general += 1
+            if number == 0 and s == 0:
+                _judge(found, _peaks(run(2 * member.m).out, member.sites, building), done)
+
+
+def _peaks(out: Any, sites: tuple[Site, ...], building: Building) -> dict[str, Array]:
+    found = {
+        "displacement": out.displacement_peak,
+        "drift": out.drift_peak,
+        "acceleration": out.acceleration_peak,
+        "force": out.force_peak,
+        "stroke": np.abs(out.state[:, : building.n] @ connections(building, sites).T).max(axis=0, initial=0.0),
+        "energy": out.work[-1, 2:],
+    }
+    return {quantity: np.array(values)[None] for quantity, values in found.items()}

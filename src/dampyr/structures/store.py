@@ -1,0 +1,104 @@
+"""Where the peaks of an ensemble go while it runs: memory, or a file that survives a kill and is taken up again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import FileError
+from dampyr.structures.cases import Cases
+from dampyr.structures.shards import Shard
+
+Array = NDArray[np.float64]
+TOLD = ("error", "judged", "unbounded", "general")
+
+
+class Store:
+    """The values of all lines; with a path, an HDF5 file in which each shard is marked done once it is on the disk."""
+
+    def __init__(self, what: Cases, path: str | Path | None) -> None:
+        self.what, self.shards = what, what.shards()
+        self.told = np.zeros((self.shards, len(TOLD)))
+        self.file: Any = None
+        self.path = None if path is None else Path(path)
+        if self.path is None:
+            self.values: dict[str, Any] = {q: np.full(self._shape(q), np.nan) for q in what.quantities}
+        else:
+            self._open(self.path)
+
+    def _shape(self, quantity: str) -> tuple[int, int, int]:
+        return self.what.lines, len(self.what.scales), self.what.width(quantity)
+
+    def _open(self, path: Path) -> None:
+        import h5py
+
+        new = not path.exists()
+        try:
+            self.file = h5py.File(path, "a")
+        except OSError as error:
+            raise FileError(path, f"cannot be opened as an ensemble ({error}); choose another file") from None
+        if new:
+            self._prepare()
+        elif self.file.attrs.get("digest") != self.what.digest or self.file.attrs.get("shards") != self.shards:
+            self.file.close()
+            raise FileError(path, "holds another ensemble; choose another file, or remove this one")
+        self.values = {q: self.file[q] for q in self.what.quantities}
+        self.done = self.file["done"]
+        self.told[:] = self.file["told"][:]
+
+    def _prepare(self) -> None:
+        for quantity in self.what.quantities:
+            shape = self._shape(quantity)
+            self.file.create_dataset(quantity, shape, "f8", fillvalue=np.nan, chunks=True)
+        self.file["done"] = np.zeros(self.shards, dtype=bool)
+        self.file["told"] = self.told
+        self.file.attrs["format"] = "dampyr ensemble 1"
+        self.file.attrs["shards"] = self.shards
+        self.file.attrs["digest"] = self.what.digest
+        self.file.flush()
+
+    def missing(self) -> list[int]:
+        """The shards that are still to do."""
+        if self.file is None:
+            return list(range(self.shards))
+        return [int(k) for k in np.flatnonzero(~self.done[:])]
+
+    def put(self, shard: Shard) -> None:
+        """Keep a shard; it counts as done only after its values are written."""
+        number = next(k for k in range(self.shards) if self.what.lines_of(k, self.shards) == shard.lines)
+        for quantity, values in shard.values.items():
+            self.values[quantity][shard.lines.start : shard.lines.stop] = values
+        self.told[number] = [getattr(shard, name) for name in TOLD]
+        if self.file is not None:
+            self.file["told"][number] = self.told[number]
+            self.file.flush()
+            self.done[number] = True
+            self.file.flush()
+
+    def close(self) -> None:
+        """Let go of the file."""
+        if self.file is not None:
+            self.values = {q: values[:] for q, values in self.values.items()} if self._complete() else {}
+            self.file.close()
+
+    def _complete(self) -> bool:
+        return not self.missing()
+
+    def dataset(self) -> Any:
+        """All values with labels, and what was measured of them."""
+        from dampyr.structures.ensemble import labelled
+
+        told = dict(zip(TOLD, [self.told[:, 0].max(initial=0.0), *self.told[:, 1:].sum(axis=0)]))
+        attributes = {
+            "error_estimate": float(told["error"]),
+            "judged": int(told["judged"]),
+            "unbounded": int(told["unbounded"]),
+            "one_by_one": int(told["general"]),
+            "accuracy": self.what.accuracy,
+            "precision_bits": self.what.precision,
+            "cases": self.what.size,
+        }
+        return labelled(self.what, dict(self.values), attributes)

@@ -1,0 +1,186 @@
+"""Ensembles against single responses, whoever runs them and however the work is cut."""
+
+from __future__ import annotations
+
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dampyr.errors import DampyrWarning, FileError, InputError
+from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
+from dampyr.models import Damper
+from dampyr.structures import ensemble, respond, shear_building, two_storey
+from dampyr.structures.cases import cases
+from dampyr.structures.ensemble import run
+from dampyr.structures.lanes.engine import engine
+from dampyr.structures.marching import connections
+from dampyr.structures.shards import run_shard
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.DampyrWarning")
+
+
+@pytest.fixture(scope="module")
+def motions() -> list[GroundMotion]:
+    """Of different lengths, so that lanes end at different times."""
+    return [
+        el_centro(),
+        kanai_tajimi(duration=8.0, dt=0.02, seed=1, pga=3.0),
+        kanai_tajimi(8.0, dt=0.01, seed=2, pga=2.0),
+    ]
+
+
+def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list[GroundMotion]) -> None:
+    found = ensemble(two_storey(), motions, cubics, [0.0, 2.25], [0.5, 2.0], accuracy="strict")
+    assert found.attrs["error_estimate"] < 5e-4
+    for u in (0.0, 2.25):
+        for k, motion in enumerate(motions):
+            for scale in (0.5, 2.0):
+                one = respond(two_storey(), motion.scaled(scale), {1: cubics}, voltage=u, accuracy=5e-5)
+                here = found.isel(building=0, damper=0, motion=k).sel(input=u, scale=scale)
+                np.testing.assert_allclose(here.displacement, one.peak_displacement, rtol=1e-3)
+                np.testing.assert_allclose(here.drift, one.peak_drift, rtol=1e-3)
+                np.testing.assert_allclose(here.force, one.peak_force, rtol=1e-3)
+                np.testing.assert_allclose(here.stroke, one.peak_drift[:1], rtol=1e-3)
+                np.testing.assert_allclose(here.energy, one.energy.dampers[:, -1], rtol=2e-3)
+                np.testing.assert_allclose(here.acceleration, one.peak_acceleration, rtol=2e-2)
+
+
+@pytest.mark.parametrize("precision", [64, 32])
+def test_a_bare_building(precision: int) -> None:
+    found = ensemble(two_storey(), el_centro(), scales=[1.0, -1.0], precision=precision)
+    np.testing.assert_allclose(found.displacement[0, 0, 0, 0, 0, 0], 45.5340e-3, rtol=1e-4)  # FACTS, finding 13
+    np.testing.assert_array_equal(found.displacement[..., 0, :], found.displacement[..., 1, :])
+    assert "force" not in found or found.sizes["site"] == 0
+
+
+def test_single_precision_is_good_for_four_digits(cubics: Damper) -> None:
+    double, single = (ensemble(two_storey(), el_centro(), cubics, [1.0], precision=p) for p in (64, 32))
+    np.testing.assert_allclose(single.drift, double.drift, rtol=2e-4)
+    assert not np.array_equal(single.drift, double.drift)
+
+
+def test_bit_identical_whoever_runs_it(cubics: Damper, motions: list[GroundMotion]) -> None:
+    given = (two_storey(), motions, cubics, [0.0, 1.0], np.linspace(0.2, 2.0, 23))
+    alone = ensemble(*given)
+    with ThreadPoolExecutor(1) as one, ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
+        for executor in (one, processes):
+            assert ensemble(*given, executor).identical(alone)
+
+
+def test_bit_identical_however_it_is_cut(cubics: Damper, motions: list[GroundMotion]) -> None:
+    what = cases(two_storey(), motions, [cubics, None], [0.0, 1.0], np.linspace(0.2, 2.0, 7))
+    whole = run_shard(0, 1, what).values
+    for shards in (2, 5):
+        parts = [run_shard(k, shards, what).values for k in range(shards)]
+        for quantity, values in whole.items():
+            np.testing.assert_array_equal(np.concatenate([p[quantity] for p in parts]), values)
+
+
+def test_modal_and_dense_agree(monkeypatch: pytest.MonkeyPatch, cubics: Damper) -> None:
+    building = shear_building([1e3] * 5, [2e6] * 5, damping_ratio=0.03)
+    given = (building, el_centro(), {1: cubics, 3: cubics}, [1.0], [1.0, 2.0])
+    modal = ensemble(*given)
+    monkeypatch.setattr("dampyr.structures.lanes.engine.basis_of", lambda _: None)
+    dense = ensemble(*given)
+    for quantity in modal.data_vars:
+        np.testing.assert_allclose(modal[quantity], dense[quantity], rtol=1e-10)
+
+
+def test_a_killed_run_goes_on(cubics: Damper, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 8)
+    given = (two_storey(), el_centro(), cubics, [0.0, 0.5, 1.0, 1.5], np.linspace(0.5, 2.0, 8))
+    told: list[tuple[int, int]] = []
+
+    def killed(done: int, size: int) -> None:
+        told.append((done, size))
+        if len(told) == 2:
+            raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(1) as pool:
+        with pytest.raises(KeyboardInterrupt):
+            ensemble(*given, pool, out=tmp_path / "e.h5", progress=killed)
+        assert told == [(8, 32), (16, 32)]
+        again: list[tuple[int, int]] = []
+        found = ensemble(*given, pool, out=tmp_path / "e.h5", progress=lambda *now: again.append(now))
+    assert again == [(24, 32), (32, 32)]
+    assert found.identical(ensemble(*given))
+    with pytest.raises(FileError, match="holds another ensemble"):
+        ensemble(*given[:3], [0.0], out=tmp_path / "e.h5")
+
+
+def test_dampers_that_no_lane_takes(late: Damper) -> None:
+    found = ensemble(two_storey(), el_centro(), late, scales=[0.5, 1.0], voltages=[0.0])
+    assert found.attrs["one_by_one"] == 2
+    one = respond(two_storey(), el_centro(), {1: late}, voltage=0.0, accuracy=5e-5)
+    np.testing.assert_allclose(found.drift[0, 0, 0, 0, 1], one.peak_drift, rtol=5e-3)
+
+
+def test_unbounded_cases_are_counted(motions: list[GroundMotion]) -> None:
+    feeding = Damper("spring + dahl", {"spring.k0": -3e5, "dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 10.0})
+    with pytest.warns(DampyrWarning, match="1 cases grew without bound"):
+        found = ensemble(two_storey(), motions[0].scaled(1e6), feeding, [0.0], [1e300])
+    assert np.isnan(found.drift).all()
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"voltages": [1.0], "currents": [1.0]}, "both voltages= and currents="),
+        ({"voltages": ["a"]}, "could not convert|must be finite numbers"),
+        ({"accuracy": "rough"}, "write 'fast' or 'strict'"),
+        ({"precision": 16}, "write 64 or 32"),
+        ({"quantities": ["shear"]}, "choose from displacement"),
+        ({"scales": []}, "must be finite numbers"),
+        ({"dampers": []}, "dampers is empty"),
+        ({"voltages": None}, "has no voltage"),
+        ({"voltages": [9.0]}, "range"),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_runs(cubics: Damper, given: dict, message: str) -> None:
+    arguments = {"dampers": cubics, "voltages": [0.0]} | given
+    with pytest.raises(ValueError, match=message):
+        ensemble(two_storey(), el_centro(), **arguments)
+
+
+def test_lists_of_the_wrong_thing_are_refused() -> None:
+    with pytest.raises(InputError, match="motions holds a int; give one GroundMotion"):
+        ensemble(two_storey(), [3])
+
+
+def test_one_engine_serves_dampers_of_the_same_parts(cubics: Damper) -> None:
+    """A block of different dampers gives each what it would get alone."""
+    others = [
+        cubics,
+        *(
+            Damper("dahl", dict(zip(("dahl.kx", "dahl.kw", "dahl.rho"), v)))
+            for v in ((800.0, 60.0, 3e4), (3e3, 400.0, 1e4))
+        ),
+    ]
+    together = ensemble(two_storey(), el_centro(), others, [0.0])
+    for k, damper in enumerate(others):
+        np.testing.assert_array_equal(
+            together.drift[:, k], ensemble(two_storey(), el_centro(), damper, [0.0]).drift[:, 0]
+        )
+
+
+def test_the_spread_of_a_motion_is_run_through_once(cubics: Damper) -> None:
+    """The unit that a scheduler runs gives the same as the whole."""
+    what = cases(two_storey(), el_centro(), cubics, [0.0], [1.0, 2.0])
+    assert what.size == 2
+    np.testing.assert_array_equal(run(what).drift.values.reshape(1, 2, 2), run_shard(0, 1, what).values["drift"])
+
+
+def test_an_engine_is_told_its_steps(cubics: Damper) -> None:
+    """Half the step moves the peaks by less than the fourth order allows."""
+    site = cases(two_storey(), el_centro(), cubics, [0.0], [1.0]).sites_of(0, 0, 0)
+    rows = connections(two_storey(), site)
+    found = []
+    for m in (4, 8, 16):
+        one = engine(two_storey(), rows, (site[0].composition,), 0.02, m, ("displacement",))
+        found.append(
+            one.run([el_centro().acceleration], [site[0].values[None]], np.zeros((1, 1)))["displacement"][0, 0]
+        )
+    assert abs(found[1] - found[2]) < abs(found[0] - found[2]) < 1e-3 * found[2]
