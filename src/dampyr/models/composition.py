@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.models import series
+from dampyr.models import series, walking
 from dampyr.models.formula import Formula, partials_of, read, tangent, tangents
 from dampyr.models.part import Part, part
 from dampyr.units import Quantity
@@ -117,15 +117,25 @@ class Composition:
                     found[formula.name] = formula
         return list(found.values())
 
+    @cached_property
+    def room(self) -> int:
+        """How many rows ``walk`` needs to itself (see `dampyr.models.walking`)."""
+        return walking.written(self)[1]
+
     def source(self, site: int = 0) -> str:
         """The Python text of this composition's functions, their names ending in ``_{site}``."""
         texts = {f.name: f.source for f in self.formulas()}
         for p in self.parts:
             texts.update(_tangents(p))
             texts.update(series.towards(p) if self.in_series else {})
-        writers = (_advance, _force, _slopes, _columns, _spread)
-        glue = series.sources(self, site) if self.in_series else [write(self, site) for write in writers]
-        return "\n\n".join([*texts.values(), *glue])
+        return "\n\n".join([*texts.values(), *self._glue(site)])
+
+    def _glue(self, site: int) -> list[str]:
+        """The functions that drivers know."""
+        walk = [text.replace("_SITE(", f"_{site}(") for text in walking.written(self)[0]]
+        if self.in_series:
+            return [*series.sources(self, site), *walk]
+        return [*(write(self, site) for write in (_advance, _force, _slopes, _columns, _spread)), *walk]
 
 
 def compose(names: str | Iterable[str]) -> Composition:
@@ -292,6 +302,7 @@ def namespace_of(compositions: tuple[Composition, ...]) -> tuple[str, dict[str, 
         ("slopes", "s, x0, x1, v0, v1, dt, p"),
         ("columns", "s, D, x, v, a, p, J"),
         ("spread", "s, D, x0, x1, v0, v1, dt, p"),
+        ("walk", walking.ARGUMENTS),
     ):
         last = len(compositions) - 1
         lines = [f"if site == {k}: return {name}_{k}({arguments})" for k in range(last)]

@@ -23,9 +23,11 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+from dampyr.models import quick
 from dampyr.models.composition import Composition, namespace_of
 
-BOUND = ("advance", "force", "slopes", "columns", "spread")
+BOUND = ("advance", "force", "slopes", "columns", "spread", "walk")
+QUICK = ("quick_exp", "quick_tanh")
 KEPT_SECONDS = 30 * 86400.0
 FAST = {"contract", "nsz", "arcp"}
 _MATH = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "tan", "atan", "copysign")
@@ -123,12 +125,19 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...]) -> A
     """
     text, names = namespace_of(compositions)
     names.update((name, getattr(math, name)) for name in _MATH)
+    names.update((name, _without_calls(name)) for name in QUICK)
     exec(compile(text, f"<{' | '.join(map(str, compositions))}>", "exec"), names)
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):
             names[name] = jit(value)
     key = hashlib.sha256(text.encode()).hexdigest()[:16]
     return _rebound(driver, {name: names[name] for name in BOUND}, key, {}, keep=True)
+
+
+@lru_cache(maxsize=8)
+def _without_calls(name: str) -> Any:
+    """A function of `dampyr.models.quick`, compiled."""
+    return _rebound(getattr(quick, name), {}, "quick", {})
 
 
 def _rebound(function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any], keep: bool = False) -> Any:

@@ -21,8 +21,8 @@ def _unbound(*_: Any) -> Any:
     raise TypeError("a driver runs only after dampyr.models.kernels.bind has given it a composition")
 
 
-BLOCK = 64  # rows that are kept while their products are summed
-advance = force = columns = spread = _unbound
+BLOCK = 128  # rows that are kept while their products are summed
+advance = force = columns = spread = walk = _unbound
 
 
 def march(t, x, v, a, p, s, out):  # type: ignore[no-untyped-def]
@@ -47,22 +47,35 @@ def march_columns(t, x, v, a, p, s, D, out, J):  # type: ignore[no-untyped-def]
         columns(0, s, D, x[i], v[i], a[i], q, J[i])
 
 
-def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, block, products):  # type: ignore[no-untyped-def]
+def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, room, rows, block, products):  # type: ignore[no-untyped-def]
     """Fill ``products[g]`` with the sums of products of all columns over the samples up to ``ends[g]``.
 
-    A row of `march_columns`, then the force and 1, is picked by ``source``, times ``factor`` and the weight ``w``; the last
-    column is the weighted residual, ``f`` less ``gain`` times the force. Only a block of rows is ever stored.
+    A column of `march_columns`, or the force, or 1, is picked by ``source``, times ``factor`` and the weight ``w``; the last
+    is the weighted residual, ``f`` less ``gain`` times the force. Only a block of samples is ever stored, each column in one
+    stretch of ``rows``.
     """
     first = 0
     for group in range(ends.size):
         while first < ends[group]:
-            count = min(rows.shape[0], ends[group] - first)
-            for m in range(count):
-                reach(first + m, t, x, v, a, p, s, D, rows[m])
+            count = min(rows.shape[1], ends[group] - first)
+            walked(first, count, t, x, v, a, p, s, D, room, rows)
             picked(first, count, rows, f, w, source, factor, gain, block)
             summed(block, (count + 7) // 8 * 8, products[group])
             first += count
         mirrored(products[group])
+
+
+def walked(first, count, t, x, v, a, p, s, D, room, rows):  # type: ignore[no-untyped-def]
+    """Walk over ``count`` samples from ``first`` on: together where the parameters are constant, else one by one."""
+    m = 0
+    while m < count:
+        at = first + m
+        still = 1 if at == 0 else 0
+        size = count - m if p.shape[0] == 1 and still == 0 else 1
+        lo, hi = at - 1 + still, at + size + still
+        q = p[min(at, p.shape[0] - 1)]
+        walk(0, still, t[lo:hi], x[lo:hi], v[lo:hi], a[lo:hi], q, s, D, room, rows[:, m:])
+        m += size
 
 
 def march_products_delayed(  # type: ignore[no-untyped-def]
@@ -74,7 +87,7 @@ def march_products_delayed(  # type: ignore[no-untyped-def]
     reach(1, t, x, v, a, p, s, D, hi)
     for group in range(ends.size):
         while first < ends[group]:
-            count = min(rows.shape[0], ends[group] - first)
+            count = min(rows.shape[1], ends[group] - first)
             for m in range(count):
                 at = t[first + m] - tau
                 while t[j + 1] < at and j + 2 < t.size:
@@ -82,7 +95,7 @@ def march_products_delayed(  # type: ignore[no-untyped-def]
                     for c in range(lo.size):
                         lo[c] = hi[c]
                     reach(j + 1, t, x, v, a, p, s, D, hi)
-                between(t[j], t[j + 1], at, t[0], k, lo, hi, rows[m])
+                between(t[j], t[j + 1], at, t[0], k, lo, hi, rows[:, m])
             picked(first, count, rows, f, w, source, factor, gain, block)
             summed(block, (count + 7) // 8 * 8, products[group])
             first += count
@@ -109,30 +122,46 @@ def between(t0, t1, at, start, k, lo, hi, row):  # type: ignore[no-untyped-def]
 
 def picked(first, count, rows, f, w, source, factor, gain, block):  # type: ignore[no-untyped-def]
     """The columns that are asked for, and the residual, of ``count`` rows, each column in one stretch; zeros after."""
-    C, last, each = source.size, rows.shape[1] - 2, w.size > 1 or factor.shape[0] > 1
+    C, last, each = source.size, rows.shape[0] - 2, w.size > 1 or factor.shape[0] > 1
     for c in range(C):
         column, scale = source[c], w[0] * factor[0, c]
         for m in range(count):
-            block[c, m] = scale * rows[m, column]
+            block[c, m] = scale * rows[column, m]
         if each:
             for m in range(count):
                 scale = w[min(first + m, w.size - 1)] * factor[min(first + m, factor.shape[0] - 1), c]
-                block[c, m] = scale * rows[m, column]
+                block[c, m] = scale * rows[column, m]
+    here = f[first : first + count]
     for m in range(count):
-        block[C, m] = w[min(first + m, w.size - 1)] * (f[first + m] - gain * rows[m, last])
+        block[C, m] = w[0] * (here[m] - gain * rows[last, m])
+    if w.size > 1:
+        for m in range(count):
+            block[C, m] = w[first + m] * (here[m] - gain * rows[last, m])
     for c in range(C + 1):
         for m in range(count, (count + 7) // 8 * 8):
             block[c, m] = 0.0
 
 
 def summed(block, full, total):  # type: ignore[no-untyped-def]
-    """Add the products of a block's columns."""
-    for c in range(total.shape[0]):
-        for d in range(c, total.shape[0]):
-            sum_ = 0.0
+    """Add the products of a block's columns, two by two: each is read half as often."""
+    last = total.shape[0] - 1
+    for c in range(0, last + 1, 2):
+        e = min(c + 1, last)
+        for d in range(c, last + 1, 2):
+            g = min(d + 1, last)
+            cd, cg, ed, eg = 0.0, 0.0, 0.0, 0.0
             for m in range(full):
-                sum_ += block[c, m] * block[d, m]
-            total[c, d] += sum_
+                cd += block[c, m] * block[d, m]
+                cg += block[c, m] * block[g, m]
+                ed += block[e, m] * block[d, m]
+                eg += block[e, m] * block[g, m]
+            total[c, d] += cd
+            if g > d:
+                total[c, g] += cg
+            if e > c and d > c:
+                total[e, d] += ed
+            if e > c and g > d:
+                total[e, g] += eg
 
 
 def mirrored(total):  # type: ignore[no-untyped-def]
@@ -165,16 +194,18 @@ def products_along(
     end. Delayed where the composition delays, which takes constant ``values``: one row.
     """
     P, S, C = len(composition.parameters), composition.n_states, source.size
-    D, rows = np.zeros((S, P + S)), np.zeros((BLOCK, P + S + 2))
+    D, rows = np.zeros((S, P + S)), np.zeros((P + S + 2, BLOCK))
     np.fill_diagonal(D[:, P:], 1.0)
-    rows[:, -1] = 1.0
+    rows[-1] = 1.0
     products, block, p = np.zeros((ends.size, C + 1, C + 1)), np.empty((C + 1, BLOCK)), _rows(values)
-    given = (*path, p, force, weight, source, factor, gain, ends, _start(composition, state0), D, rows, block, products)
+    given = (*path, p, force, weight, source, factor, gain, ends, _start(composition, state0), D)
     k = composition.delay
     if k is None:
-        bind(march_products, (composition,))(*given)
+        room = np.empty((composition.room, BLOCK))
+        bind(march_products, (composition,))(*given, room, rows, block, products)
     else:
-        bind(march_products_delayed, (composition,))(*given, k, float(p[0, k]), rows[0].copy(), rows[1].copy())
+        lo = rows[:, 0].copy()
+        bind(march_products_delayed, (composition,))(*given, rows, block, products, k, float(p[0, k]), lo, lo.copy())
     return products
 
 

@@ -1,0 +1,169 @@
+"""The text of ``walk``: a composition's force and derivatives at several samples of a path at once.
+
+``spread``, ``force`` and ``columns`` take one sample at a time. ``walk`` takes what it can out of the recurrence: exponentials
+that no state enters are computed before it, the states and their tangents walk alone, and the columns are filled after it.
+All but the recurrence itself are loops over samples that do not wait for each other, so that the compiler takes several
+samples at once (see `dampyr.models.quick`). In series nothing can be taken out, and the walk is sample by sample.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from dampyr.models.formula import Formula, tangents
+from dampyr.models.series import Slot, slots
+
+if TYPE_CHECKING:
+    from dampyr.models.composition import Composition
+
+#: ``still`` is 1 to fill the columns of the first sample without a step, 0 to walk from the first sample to all others
+ARGUMENTS = "still, t, x, v, a, p, s, D, room, rows"
+QUICK = {"exp": "quick_exp", "tanh": "quick_tanh"}
+PIECE = {"x0": "x[m]", "x1": "x[m + 1]", "v0": "v[m]", "v1": "v[m + 1]", "dt": "(t[m + 1] - t[m])"}
+SAMPLE = {"x": "x_at[m]", "v": "v_at[m]", "a": "a_at[m]"}
+LOOP = "for m in range(x.size - 1):"
+
+
+@lru_cache(maxsize=256)
+def written(composition: Composition) -> tuple[tuple[str, ...], int]:
+    """``walk_SITE`` after the functions that it calls, and how many rows of ``room`` it needs."""
+    if composition.in_series:
+        return (in_series(len(composition.parameters) + composition.n_states),), 0
+    writer = Writer(composition)
+    return tuple(writer.texts()), writer.room
+
+
+def in_series(width: int) -> str:
+    """``walk`` sample by sample."""
+    x, v, a = SAMPLE.values()
+    walked = ["if still == 0:", f"    spread_SITE(s, D, {', '.join(PIECE.values())}, p)"]
+    filled = [
+        f"rows[{width}, m] = force_SITE(s, {x}, {v}, {a}, p)",
+        f"columns_SITE(s, D, {x}, {v}, {a}, p, rows[:, m])",
+    ]
+    return _define([*_loop(*walked, *filled)])
+
+
+class Writer:
+    """Writes ``walk`` of one composition; ``room`` (rows, BLOCK) keeps what passes from one of its loops to the next."""
+
+    def __init__(self, composition: Composition) -> None:
+        self.slots = list(slots(composition))
+        self.offset = len(composition.parameters)
+        self.force = self.offset + composition.n_states
+        self.functions: list[str] = []
+        self.room = 0
+        self.kept: dict[str, str] = {}
+
+    def texts(self) -> list[str]:
+        """The functions that ``walk`` calls, and itself."""
+        lines = [f"p{k} = p[{k}]" for k in range(self.offset)]
+        for slot in self.slots:
+            lines += self._states(slot, slot.part.advance) if slot.part.advance else []
+        for slot in self.slots:
+            lines += self._columns(slot, slot.part.force) if slot.part.force else []
+        return [*self.functions, _define(lines)]
+
+    def _row(self) -> str:
+        self.room += 1
+        return f"room[{self.room - 1}, m]"
+
+    def _states(self, slot: Slot, formula: Formula) -> list[str]:
+        """The lines that walk a part's states and their tangents, and keep them in ``room``."""
+        units = {n: k for n, k in slot.values.items() if n in formula.arguments}
+        columns = [*units.values(), *(self.offset + k for k in slot.states.values())]
+        homes = {f"s{k}": f"s[{k}]" for k in slot.states.values()}
+        homes |= {f"D{k}_{c}": f"D[{k}, {c}]" for c in columns for k in slot.states.values()}
+        used = [n for n in slot.states if n in formula.arguments]
+        seeds = [f"D{slot.states[n]}_{c}" for c in columns for n in used]
+        places = PIECE | _values(slot) | {n: f"s{k}" for n, k in slot.states.items()}
+        ahead, lines = self._ahead(formula, [n for n in formula.arguments if n not in slot.states], places)
+        text = tangents(formula, f"walked_{formula.name}", used, [*units, *(None for _ in slot.states)])
+        called = self._called(text, formula, places, seeds, ahead)
+        keep = {name: self._row() for name in homes}
+        self.kept |= keep
+        kept = [f"{row} = {name}" for name, row in keep.items()]
+        lines += [f"{name} = {home}" for name, home in homes.items()]
+        lines += ["if still == 1:", *(f"    {line.replace(', m]', ', 0]')}" for line in kept), "else:"]
+        lines += [f"    {line}" for line in _loop(f"{', '.join(homes)} = {called}", *kept)]
+        return [*lines, *(f"{home} = {name}" for name, home in homes.items())]
+
+    def _columns(self, slot: Slot, formula: Formula) -> list[str]:
+        """The lines that fill a part's columns and add its force."""
+        used = {n: k for n, k in slot.states.items() if n in formula.arguments}
+        places = SAMPLE | _values(slot) | {n: self.kept[f"s{k}"] for n, k in used.items()}
+        units: dict[int, str | None] = {}
+        seeds: list[str] = []
+        for name, c in [*slot.values.items(), *(("", self.offset + k) for k in slot.states.values())]:
+            here = [self.kept.get(f"D{k}_{c}", "0.0") for k in used.values()]
+            if name in formula.arguments or any(seed != "0.0" for seed in here):
+                units[c] = name if name in formula.arguments else None
+                seeds += here
+        shared, lines = self._ahead(formula, formula.arguments, places)
+        text = tangents(formula, f"filled_{formula.name}", list(used), list(units.values()))
+        called = self._called(text, formula, places, seeds, shared)
+        first = not any(text.startswith("def filled_") for text in self.functions[:-1])
+        added = f"rows[{self.force}, m] = f" if first else f"rows[{self.force}, m] += f"
+        return lines + _loop(f"{', '.join(['f', *(f'rows[{c}, m]' for c in units)])} = {called}", added)
+
+    def _ahead(
+        self, formula: Formula, known: Iterable[str], places: dict[str, str]
+    ) -> tuple[dict[str, str], list[str]]:
+        """The calls that are computed in loops of their own: their text -> where their values are, and these loops."""
+        rows = {ast.unparse(call): self._row() for call in _calls(formula, known)}
+        lines = [line for call, row in rows.items() for line in _loop(f"{row} = {_quickly(call, places)}")]
+        return rows, lines
+
+    def _called(
+        self, text: str, formula: Formula, places: dict[str, str], seeds: list[str], ahead: dict[str, str]
+    ) -> str:
+        """A call of the function of ``text``, which takes the values of the calls ``ahead`` as further arguments."""
+        head, _, body = text.partition("):\n")
+        for k, call in enumerate(ahead):
+            head, body = f"{head}, call{k}", body.replace(call, f"call{k}")
+        self.functions.append(f"{head}):\n{body}")
+        name = head.partition("(")[0].removeprefix("def ")
+        return f"{name}({', '.join([*(places[n] for n in formula.arguments), *seeds, *ahead.values()])})"
+
+
+def _values(slot: Slot) -> dict[str, str]:
+    return {n: f"p{k}" for n, k in slot.values.items()}
+
+
+def _define(lines: list[str]) -> str:
+    at = [f"{n}_at = {n}[1 - still:]" for n in SAMPLE if any(f"{n}_at[" in line for line in lines)]
+    return "\n    ".join([f"def walk_SITE({ARGUMENTS}):", *at, *lines, "return"])
+
+
+def _loop(*lines: str) -> list[str]:
+    return [LOOP, *(f"    {line}" for line in lines)]
+
+
+def _calls(formula: Formula, known: Iterable[str]) -> list[ast.Call]:
+    """The calls of `QUICK` outside branches whose arguments are ``known``: the outer before the inner."""
+    found = []
+    assigned = {n.id for n in ast.walk(formula.tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    allowed = set(known) - assigned | {"abs", "log"}
+    for statement in formula.tree.body:
+        for node in ast.walk(statement) if not isinstance(statement, ast.If) else ():
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in QUICK:
+                names = {n.id for a in node.args for n in ast.walk(a) if isinstance(n, ast.Name)}
+                if names <= allowed:
+                    found.append(node)
+    return found
+
+
+class _Placed(ast.NodeTransformer):
+    def __init__(self, places: dict[str, str]) -> None:
+        self.places = places
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return ast.parse(self.places.get(node.id, node.id), mode="eval").body
+
+
+def _quickly(call: str, places: dict[str, str]) -> str:
+    """The text of a call with its arguments in their places and the function in its quick form."""
+    return ast.unparse(_Placed(places | QUICK).visit(ast.parse(call, mode="eval")))

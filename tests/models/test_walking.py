@@ -1,0 +1,46 @@
+"""The walk over several samples at once, against the one sample by sample, for what a fit sums."""
+
+import numpy as np
+import pytest
+
+from dampyr.catalogue import names
+from dampyr.models import compose
+from dampyr.models.march import along_with_columns, products_along
+from dampyr.models.part import SHELF, part
+from dampyr.models.walking import written
+
+N = 700  # more than five blocks
+SIZES = {"N": 60.0, "N s/m": 700.0, "N/m": 500.0, "1/m": 900.0, "m/s": 0.02, "s": 0.0, "1/s": 0.3, "kg": 3.0, "m": 0.1}
+TOGETHER = ["dahl + hyperbolic_tangent + spring", "bouc_wen + sigmoid + offset", "dahl + compliance"]
+ALONE = [name for name in names(SHELF) if part(name).force and not part(name).add_on]
+
+
+@pytest.mark.parametrize("name", [*ALONE, *TOGETHER])
+@pytest.mark.parametrize("varying", [False, True], ids=["constant", "varying"])
+def test_sums_of_products_are_those_of_the_stored_columns(name: str, varying: bool) -> None:
+    composition = compose(name)
+    if varying and composition.n_states:
+        pytest.skip("a fit stores the columns of states that remember an input")
+    t = 0.004 * np.arange(N)
+    x = 0.008 * np.sin(7.0 * t) + 0.002 * np.sin(31.0 * t)
+    v = np.gradient(x, t)
+    p = np.array([min(max(SIZES.get(q.unit, 1.3), q.low), q.high) for q in composition.quantities.values()])
+    p = p * (1.0 + 0.1 * np.sin(t)[:, None]) if varying else p
+    state0 = np.full(composition.n_states, 0.2)
+    force, weight = 100.0 * np.cos(5.0 * t), np.array([0.01])
+    path = (t, x, v, np.gradient(v, t))
+    F, J = along_with_columns(composition, t, x, v, p, state0)
+    source = np.arange(J.shape[1] + 2)
+    table = weight * np.column_stack((J, F, np.ones(N), force - F))
+    ends = np.array([1, 129, 400, N])
+    found = products_along(composition, path, p, state0, force, weight, source, np.ones((1, source.size)), 1.0, ends)
+    expected = np.stack([part.T @ part for part in np.split(table, ends[:-1])])
+    scale = np.sqrt(np.einsum("gii->gi", expected)) + 1e-100
+    assert np.max(np.abs(found - expected) / (scale[:, :, None] * scale[:, None, :])) < 1e-11
+
+
+def test_what_no_state_enters_is_computed_ahead() -> None:
+    text = "\n".join(written(compose("dahl + hyperbolic_tangent"))[0])
+    assert text.count("quick_exp(") == 1
+    assert text.count("quick_tanh(") == 1
+    assert "exp(" not in text.replace("quick_exp(", "")
