@@ -129,6 +129,32 @@ def inward(low, high, chosen, free, s, left, largest):  # type: ignore[no-untype
     return k
 
 
+def stepped_one(S, damping, low, high, local_low, local_high, linear, local_linear, only_linear, work, free, s):  # type: ignore[no-untyped-def]
+    """As `stepped`, for one record: its nuisances are unknowns like the coefficients, and stand before them.
+
+    ``work`` (2 n + 5, n) and ``free`` (2, n) are room.
+    """
+    n, L = s.size, local_low.size
+    below, above, chosen = work[2 * n + 3], work[2 * n + 4], free[1]
+    for i in range(n):
+        nuisance = i < L
+        below[i] = local_low[i] if nuisance else low[i - L]
+        above[i] = local_high[i] if nuisance else high[i - L]
+        chosen[i] = not only_linear or (local_linear[i] if nuisance else linear[i - L])
+    return stepped(S, damping, below, above, chosen, work[:n], work[n : 2 * n], work[2 * n :], free[0], s)
+
+
+def half_of_squares(sums):  # type: ignore[no-untyped-def]
+    """Half the sum of squared residuals; no number where any of the sums is not finite."""
+    total, seen = 0.0, 0.0
+    for m in range(sums.shape[0]):
+        total += sums[m, sums.shape[1] - 1, sums.shape[1] - 1]
+        for i in range(sums.shape[1]):
+            for j in range(sums.shape[1]):
+                seen += 0.0 * sums[m, i, j]
+    return 0.5 * total + seen
+
+
 def gained(sums, theta, local):  # type: ignore[no-untyped-def]
     """By how much a step of (G,) coefficients and (M, L) nuisances lowers the cost, as the linear model has it."""
     L, G = local.shape[1], theta.size
@@ -173,8 +199,11 @@ def walked(sums, theta, logarithmic, low, high, below, above):  # type: ignore[n
                     sums[m, j, L + k] *= theta[k]
 
 
-def moved_to(theta, step, logarithmic, low, high, out):  # type: ignore[no-untyped-def]
-    """The coefficients after a step, inside their limits to rounding."""
+def moved_to(theta, step, logarithmic, low, high, out, local, local_step, local_low, local_high, local_out):  # type: ignore[no-untyped-def]
+    """Coefficients and nuisances after a step, inside their limits to rounding."""
+    for m in range(local.shape[0]):
+        for i in range(local.shape[1]):
+            local_out[m, i] = min(max(local[m, i] + local_step[m, i], local_low[i]), local_high[i])
     for k in range(theta.size):
         there = theta[k] * exp(step[k]) if logarithmic[k] else theta[k] + step[k]
         out[k] = min(max(there, low[k]), high[k])

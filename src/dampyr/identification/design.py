@@ -43,10 +43,10 @@ class Column:
 
     def basis(self, u: Array | float) -> Array:
         """b(u), shape (..., size)."""
+        if self.kind == "constant":
+            return np.ones((*np.shape(u), 1))
         at = np.asarray(u, dtype=float)[..., None]
         knots = np.array(self.knots)
-        if self.kind == "constant":
-            return np.ones_like(at)
         if self.kind == "interpolation":
             return np.asarray(np.abs(at - knots) <= 1e-12 + 1e-9 * np.abs(knots), dtype=float)
         rows = [

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,13 +50,13 @@ class Normal:
 
     @cached_property
     def cost(self) -> float:
-        """Half the sum of squares."""
-        return 0.5 * float(self.sums[:, -1, -1].sum())
+        """Half the sum of squares; no number where the model could not be evaluated."""
+        return float(kept(algebra.half_of_squares)(self.sums))
 
-    @cached_property
+    @property
     def finite(self) -> bool:
         """Whether the model could be evaluated there."""
-        return bool(np.isfinite(self.sums).all())
+        return isfinite(self.cost)
 
     def gain(self, step: Step) -> float:
         """By how much a step lowers the cost, as the linear model has it."""
@@ -79,16 +80,13 @@ class Normal:
         if curvature is not None:
             H = S[:-1, :-1] + damping * np.diag(S.diagonal()[:-1])
             S, damping = np.column_stack((_bent(H, np.pad(curvature, ((L, 0), (L, 0)))), S[:-1, -1])), 0.0
-        low, high, linear = self._joint_limits
-        chosen = linear if only_linear else np.ones(low.size, dtype=bool)
-        step = within(S, damping, low, high, chosen)
+        n = S.shape[1] - 1
+        step, work, free = np.empty(n), np.empty((2 * n + 5, n)), np.empty((2, n), dtype=bool)
+        limits = self.low, self.high, self.local_low[0], self.local_high[0]
+        room = only_linear, work, free, step
+        if not kept(algebra.stepped_one)(S, damping, *limits, self.linear, self.local_linear, *room):
+            step = by_eigenvalues(S, damping, work[2 * n + 3], work[2 * n + 4], free[1])
         return Step(step[L:], step[None, :L])
-
-    @cached_property
-    def _joint_limits(self) -> tuple[Array, Array, Bools]:
-        """Of one record: how far nuisances and coefficients may step, and which are linear."""
-        low, high = np.concatenate((self.local_low[0], self.low)), np.concatenate((self.local_high[0], self.high))
-        return low, high, np.concatenate((self.local_linear, self.linear))
 
     @cached_property
     def reduced(self) -> Eliminated:
@@ -197,7 +195,12 @@ def within(S: Array, damping: float, low: Array, high: Array, chosen: Bools) -> 
     room = work[:n], work[n : 2 * n], work[2 * n :]
     if kept(algebra.stepped)(S, damping, low, high, chosen, *room, free, step):
         return step
-    some = np.flatnonzero(chosen)
+    return by_eigenvalues(S, damping, low, high, chosen)
+
+
+def by_eigenvalues(S: Array, damping: float, low: Array, high: Array, chosen: Bools) -> Array:
+    """As `within`, where H is near singular."""
+    n, some = chosen.size, np.flatnonzero(chosen)
     H = S[:n, :n] + damping * np.diag(S.diagonal()[:n])
     step = np.zeros(n)
     step[some] = _bounded(H[np.ix_(some, some)], S[some, n], low[some], high[some])
@@ -261,7 +264,7 @@ def normal(problem: Problem, point: Point) -> Normal:
 
 def moved(problem: Problem, point: Point, step: Step) -> Point:
     """``point`` after a step (a factor exp(step) for what is walked in the logarithm), inside the limits to rounding."""
-    theta = np.empty(problem.size)
-    kept(algebra.moved_to)(point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta)
-    low, high = problem.local_limits
-    return Point(theta, np.minimum(np.maximum(point.local + step.local, low), high))
+    theta, local = np.empty(problem.size), np.empty_like(point.local)
+    given = point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta
+    kept(algebra.moved_to)(*given, point.local, step.local, *problem.local_limits, local)
+    return Point(theta, local)

@@ -51,6 +51,10 @@ class Problem:
         """How many coefficients there are."""
         return sum(c.size for c in self.columns)
 
+    def _of_each(self, values: Sequence[float]) -> Array:
+        """What is said of each parameter, for each of its coefficients."""
+        return np.repeat(np.array(values, dtype=float), [c.size for c in self.columns])
+
     @cached_property
     def varying(self) -> bool:
         """Whether the input varies within a record."""
@@ -74,7 +78,7 @@ class Problem:
     @cached_property
     def is_linear(self) -> Bools:
         """Which coefficients the force is affine in."""
-        return np.concatenate([np.full(c.size, c.quantity.linear) for c in self.columns]).astype(bool)
+        return self._of_each([c.quantity.linear for c in self.columns]).astype(bool)
 
     @cached_property
     def is_local_linear(self) -> Bools:
@@ -84,13 +88,12 @@ class Problem:
     @cached_property
     def is_logarithmic(self) -> Bools:
         """Which coefficients are walked in their logarithm."""
-        return np.concatenate([np.full(c.size, c.logarithmic) for c in self.columns]).astype(bool)
+        return self._of_each([c.logarithmic for c in self.columns]).astype(bool)
 
     @cached_property
     def limits(self) -> tuple[Array, Array]:
         """The lowest and highest value of each coefficient."""
-        low = np.concatenate([np.full(c.size, c.quantity.low) for c in self.columns])
-        high = np.concatenate([np.full(c.size, c.quantity.high) for c in self.columns])
+        low, high = (self._of_each([getattr(c.quantity, end) for c in self.columns]) for end in ("low", "high"))
         return low, high
 
     @cached_property
@@ -105,7 +108,7 @@ class Problem:
     def inner_limits(self) -> tuple[Array, Array]:
         """The same with an open limit left by a billionth of an SI unit."""
         low, high = self.limits
-        open_low = np.concatenate([np.full(c.size, c.quantity.open_low) for c in self.columns]).astype(bool)
+        open_low = self._of_each([c.quantity.open_low for c in self.columns]).astype(bool)
         return np.where(open_low & np.isfinite(low), low + 1e-9, low), high
 
     @cached_property

@@ -27,6 +27,7 @@ from dampyr.models.march import (
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+NONE = np.empty(0)
 LAG_STEP = 1e-6  # s, of the difference that gives the derivative by a lag
 
 
@@ -74,7 +75,8 @@ def _plan(problem: Problem, one: Piece) -> Plan:
         for at, value in target.items():
             matrix[row, at] = value
     matrix[-1, -1] = 1.0
-    width = np.column_stack(np.broadcast_arrays(*factors)) if factors else np.ones((1, 0))
+    varies = any(factor.size > 1 for factor in factors)
+    width = np.column_stack(np.broadcast_arrays(*factors)) if varies else np.concatenate((*factors, NONE))[None]
     return Plan(np.array(source, dtype=np.int64), np.ascontiguousarray(width), np.array(parameter), matrix)
 
 

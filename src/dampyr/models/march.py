@@ -194,8 +194,7 @@ def products_along(
     end. Delayed where the composition delays, which takes constant ``values``: one row.
     """
     P, S, C = len(composition.parameters), composition.n_states, source.size
-    D, rows = np.zeros((S, P + S)), np.zeros((P + S + 2, BLOCK))
-    np.fill_diagonal(D[:, P:], 1.0)
+    D, rows = np.eye(S, P + S, P), np.zeros((P + S + 2, BLOCK))
     rows[-1] = 1.0
     products, block, p = np.zeros((ends.size, C + 1, C + 1)), np.empty((C + 1, BLOCK)), _rows(values)
     given = (*path, p, force, weight, source, factor, gain, ends, _start(composition, state0), D)
