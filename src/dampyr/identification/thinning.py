@@ -9,7 +9,7 @@ import numpy as np
 from dampyr.records import Record, cycles, default_bandwidth, measure, motion_start
 
 PER_INPUT = 4
-MOST_SAMPLES = 1200
+MOST_SAMPLES = 600
 SHORTEST = 5.0  # s
 FEWEST_CYCLES = 4
 SAMPLES_PER_BANDWIDTH = 4.0
