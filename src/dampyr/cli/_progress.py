@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+QUIET = 20.0  # s after which a log hears again of a stage that goes on
+
 
 @contextmanager
 def stages() -> Iterator[Callable[[str, float], None]]:
@@ -31,11 +33,15 @@ def stages() -> Iterator[Callable[[str, float], None]]:
 
 def _lines() -> Callable[[str, float], None]:
     told: set[str] = set()
-    start = time.monotonic()
+    start = last = time.monotonic()
 
     def show(stage: str, done: float) -> None:
-        if stage not in told:
+        nonlocal last
+        now = time.monotonic()
+        new = stage not in told
+        if new or (now - last >= QUIET and 0.0 < done < 1.0):
             told.add(stage)
-            print(f"{time.monotonic() - start:6.1f} s  {stage}", file=sys.stderr, flush=True)
+            last = now
+            print(f"{now - start:6.1f} s  {stage}{'' if new else f', {done:.0%}'}", file=sys.stderr, flush=True)
 
     return show
