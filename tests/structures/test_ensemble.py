@@ -12,6 +12,7 @@ import pytest
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
+from dampyr.models.composition import compose
 from dampyr.structures import ensemble, respond, shear_building, two_storey
 from dampyr.structures.cases import cases
 from dampyr.structures.ensemble import run
@@ -111,11 +112,57 @@ def test_a_killed_run_goes_on(cubics: Damper, tmp_path: Path, monkeypatch: pytes
         ensemble(*given[:3], [0.0], out=tmp_path / "e.h5")
 
 
-def test_dampers_that_no_lane_takes(late: Damper) -> None:
-    found = ensemble(two_storey(), el_centro(), late, scales=[0.5, 1.0], voltages=[0.0])
-    assert found.attrs["one_by_one"] == 2
-    one = respond(two_storey(), el_centro(), {1: late}, voltage=0.0, accuracy=5e-5)
-    np.testing.assert_allclose(found.drift[0, 0, 0, 0, 1], one.peak_drift, rtol=5e-3)
+HELD = {
+    "dahl.kx": 1400.0, "dahl.kw": 227.0, "dahl.rho": 18800.0, "delay.tau": 0.007, "compliance.s": 5e-7, "inertia.m": 3.0,
+    "hyperbolic_tangent.c": 1500.0, "hyperbolic_tangent.ft": 200.0, "hyperbolic_tangent.v0": 0.0032, "spring.k0": 900.0,
+    "hyperbolic_tangent.s": 0.13, "bouc_wen.c0": 1400.0, "bouc_wen.k0": 500.0, "bouc_wen.kw": 227.0, "bouc_wen.rho": 18800.0,
+    "bouc_wen.sigma": 0.8, "bouc_wen.n": 1.5, "free_play.g": 4e-4, "free_play.fc": 20.0,
+    "hysteretic_biviscous.c": 1400.0, "sigmoid.ft": 200.0, "sigmoid.c": 1500.0, "sigmoid.vk": 0.004, "sigmoid.vh": 0.003,
+}  # fmt: skip
+
+
+def of(name: str) -> Damper:
+    return Damper(name, {key: HELD[key] for key in compose(name).parameters})
+
+
+@pytest.mark.parametrize(
+    ("name", "one_by_one"),
+    [
+        ("hyperbolic_tangent + spring", 0),
+        ("bouc_wen", 0),
+        ("sigmoid", 0),
+        ("dahl + delay", 0),
+        ("dahl + compliance", 0),
+        ("hyperbolic_tangent + compliance", 0),
+        ("dahl + free_play", 0),
+        ("dahl + compliance + delay", 0),
+        ("dahl + inertia", 1),
+    ],
+)
+def test_every_kind_of_damper(name: str, one_by_one: int) -> None:
+    motion = GroundMotion(el_centro().acceleration[:400], 0.02)
+    found = ensemble(two_storey(), motion, of(name), [0.0], quantities=("drift", "force", "energy"), accuracy="strict")
+    assert found.attrs["one_by_one"] == one_by_one
+    one = respond(two_storey(), motion, {1: of(name)}, voltage=0.0, accuracy=5e-5)
+    np.testing.assert_allclose(found.drift[0, 0, 0, 0, 0], one.peak_drift, rtol=1.5e-3)
+    np.testing.assert_allclose(found.force[0, 0, 0, 0, 0], one.peak_force, rtol=2e-3)
+    np.testing.assert_allclose(found.energy[0, 0, 0, 0, 0], one.energy.dampers[:, -1], rtol=3e-3)
+
+
+def test_a_delay_of_nothing_is_no_delay() -> None:
+    given = dict(zip(compose("dahl + delay").parameters, (1400.0, 227.0, 18800.0, 0.0)))
+    found = ensemble(two_storey(), el_centro(), [Damper("dahl + delay", given), of("dahl")], [0.0])
+    assert found.attrs["one_by_one"] == 0
+    np.testing.assert_array_equal(found.drift[:, 0], found.drift[:, 1])
+
+
+def test_several_dampers_of_different_kinds() -> None:
+    placement = {1: [of("dahl"), of("hyperbolic_tangent")], 2: of("dahl + delay")}
+    motion = GroundMotion(el_centro().acceleration[:400], 0.02)
+    found = ensemble(two_storey(), motion, placement, [0.0], accuracy="strict")
+    one = respond(two_storey(), motion, placement, voltage=0.0, accuracy=5e-5)
+    np.testing.assert_allclose(found.drift[0, 0, 0, 0, 0], one.peak_drift, rtol=1e-3)
+    np.testing.assert_allclose(found.force[0, 0, 0, 0, 0], one.peak_force, rtol=2e-3)
 
 
 def test_unbounded_cases_are_counted(motions: list[GroundMotion]) -> None:

@@ -236,6 +236,48 @@ def _sum(formula: Formula, state: str, seeds: dict[str, str]) -> str:
     return " + ".join(terms) or "0.0"
 
 
+ROUNDS = 5  # of Newton's method inside its bracket
+
+
+def law(composition: Composition) -> list[str]:
+    """Lines for the law without a loop that ends by itself: from the force ``g0`` at the start and a guess ``g1`` they make
+    ``raw``, the force at the end, its slopes ``fx`` and ``fv``, and the states e0, ...
+
+    The root lies between a guess and what the parts would give under it; Newton's method stays in that bracket, which
+    shrinks, and halves it where it would leave.
+    """
+    by_x = Direction({"x0": "0.0", "x1": "1.0", "v0": "0.0", "v1": "0.0"}, "0.0", "0.0")
+    by_v = Direction({"x0": "0.0", "x1": "0.0", "v0": "0.0", "v1": "1.0"}, "0.0", "0.0")
+    lines = ["q = 1.0/dt", f"z0 = {_stretch(composition, 'g0')}", "f1 = g1", *_under_guess(composition)]
+    lines += ["low = min(f1, phi)", "high = max(f1, phi)"]
+    for turn in range(ROUNDS):
+        lines += [
+            "best = f1 + (phi - f1)/(1.0 - fg)",
+            "f1 = best if low <= best and best <= high else 0.5*(low + high)",
+        ]
+        lines += _under_guess(composition)
+        lines += ["low = f1 if phi > f1 else low", "high = high if phi > f1 else f1"] if turn < ROUNDS - 1 else []
+    lines.append("raw = f1 + (phi - f1)/(1.0 - fg)")
+    for way, out in ((by_x, "fx"), (by_v, "fv")):
+        lines += [*way.lines(composition, out), f"{out} = {out}/(1.0 - fg)"]
+    return lines
+
+
+def _under_guess(composition: Composition) -> list[str]:
+    """Lines for ``phi``, the force of the parts under the guess f1, ``fg``, its slope by the guess, and the states there."""
+    by_g = Direction({"x0": "0.0", "x1": "-dz", "v0": "-dz*q", "v1": "-dz*q"}, "0.0", "0.0")
+    forces = [slot.part.force.name for slot in _inner(composition) if slot.part.force]
+    return [
+        f"z1 = {_stretch(composition, 'f1')}",
+        f"dz = {_stretched(composition, 'f1', '1.0', '0.0')}",
+        "a0, a1, r = x0 - z0, x1 - z1, (z1 - z0)*q",
+        "u0, u1 = v0 - r, v1 - r",
+        *_by_arguments(composition),
+        "phi = " + " + ".join(f"{name}_value" for name in forces),
+        *by_g.lines(composition, "fg"),
+    ]
+
+
 def _by_arguments(composition: Composition) -> list[str]:
     """Lines with the states at the end of a piece and all partial derivatives there, each computed once."""
     lines = []
@@ -247,7 +289,7 @@ def _by_arguments(composition: Composition) -> list[str]:
             lines.append(f"{', '.join(targets)} = {_called(formula, places, _partials(formula))}")
         if slot.part.force:
             formula = slot.part.force
-            targets = ["_", *(f"{formula.name}_{a}" for a in _active(formula))]
+            targets = [f"{formula.name}_value", *(f"{formula.name}_{a}" for a in _active(formula))]
             lines.append(
                 f"{', '.join(targets)} = {_called(formula, places | _states(slot, 'e{}'), _partials(formula))}"
             )

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -79,7 +79,7 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
     for row, number in enumerate(lines):
         b, d, u, k = cases.line(number)
         if (b, d, u) not in known:
-            sites = cases.sites_of(b, d, u)
+            sites = tuple(map(_without_nothing, cases.sites_of(b, d, u)))
             known[b, d, u] = sites, STEPS[cases.accuracy] * longest_step(cases.buildings[b], sites)
         sites, step = known[b, d, u]
         dt = cases.motions[k].dt
@@ -89,6 +89,14 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         key = (b, rows, compositions, dt, m if takes(compositions) else None)
         found.setdefault(key, []).append(Member(row, b, sites, k, m))
     return found
+
+
+def _without_nothing(site: Site) -> Site:
+    """The site without a delay of nothing, which no ring of past forces can tell from the present."""
+    k = site.composition.delay
+    if k is None or site.delay > 0:
+        return site
+    return replace(site, damper=site.damper.without("delay"), values=np.delete(site.values, k))
 
 
 def longest_step(building: Building, sites: tuple[Site, ...]) -> float:
@@ -152,7 +160,8 @@ def _blocks(members: list[Member], scales: int) -> Iterator[list[tuple[Member, i
 def _march(cases: Cases, made: Engine, block: list[tuple[Member, int]], rest: dict[int, Array]) -> dict[str, Array]:
     motions = [cases.motions[member.motion].acceleration * cases.scales[s] for member, s in block]
     values = [np.array([member.sites[d].values for member, _ in block]) for d in range(len(made.compositions))]
-    return made.run(motions, values, np.array([rest[id(member.sites)] for member, _ in block]))
+    delays = np.array([[site.delay for site in member.sites] for member, _ in block])
+    return made.run(motions, values, np.array([rest[id(member.sites)] for member, _ in block]), delays)
 
 
 def _rest(sites: tuple[Site, ...]) -> Array:

@@ -40,7 +40,11 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
     tree, numbers = ast.parse(text), _Numbers()
     numbers.visit(tree)
     names: dict[str, Any] = {name: getattr(math, name) for name in MATH}
-    names |= arithmetic.functions(precision) | {name: kind(value) for name, value in numbers.found.items()}
+    names |= (
+        {"floor": math.floor, "real": kind}
+        | arithmetic.functions(precision)
+        | {name: kind(value) for name, value in numbers.found.items()}
+    )
     exec(compile(ast.fix_missing_locations(tree), "<parts>", "exec"), names)
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):

@@ -17,7 +17,6 @@ from dampyr.structures.lanes.text import Text
 
 Array = NDArray[np.float64]
 MOST_SITES = 3  # Newton's matrix is written out
-CORRECTIONS, CORRECTIONS_IN_SERIES = 1, 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,14 +28,17 @@ class Engine:
     precision: int
     m: int
 
-    def run(self, motions: Sequence[Array], values: Sequence[Array], rest: Array) -> dict[str, Array]:
+    def run(
+        self, motions: Sequence[Array], values: Sequence[Array], rest: Array, delays: Array | None = None
+    ) -> dict[str, Array]:
         """The peaks and energies of up to 64 histories: quantity -> (lanes, rows).
 
         ``motions`` are the ground's accelerations, a history each; ``values`` the parameters (lanes, P) of each site; ``rest``
-        (lanes, sites) the forces at rest.
+        and ``delays`` (lanes, sites) the forces at rest [N] and the delays [s] of the sites.
         """
         kind = np.float64 if self.precision == 64 else np.float32
-        block, count = self._block(values, rest, kind), len(motions)
+        steps = np.zeros_like(rest) if delays is None else delays / self.text.step.h
+        block, count = self._block(values, rest, steps, kind), len(motions)
         ends = np.array([len(motion) for motion in motions])
         ag = np.zeros((int(ends.max()), LANES), kind)
         for lane, motion in enumerate(motions):
@@ -44,17 +46,17 @@ class Engine:
         kernel = compiled(self.text.source, self.compositions, self.precision)
         h = self.text.step.h
         t = np.array([h / 2, h / 6, 1 / self.m, h / 8, 1.5 / h], kind)
-        c, work = np.array(self.text.coefficients, kind), self._scratch(kind)
+        c, ring = np.array(self.text.coefficients, kind), self._ring(block, steps)
         found = np.empty((block.shape[0], count))
         first = 0
         for last in np.unique(ends):
-            kernel(first, int(last) - 1, self.m, LANES, ag, t, c, block.reshape(-1), work)
+            kernel(first, int(last) - 1, self.m, LANES, ag, t, c, block.reshape(-1), ring, ring.shape[1] // LANES - 1)
             ended = np.flatnonzero(ends == last)
             found[:, ended] = block[:, ended]
             first = int(last) - 1
         return self._read(found)
 
-    def _block(self, values: Sequence[Array], rest: Array, kind: type) -> Array:
+    def _block(self, values: Sequence[Array], rest: Array, steps: Array, kind: type) -> Array:
         rows = self.text.rows
         block: Array = np.zeros((len(rows.names), LANES), kind)
         for d, parameters in enumerate(values):
@@ -62,13 +64,21 @@ class Engine:
             for k in range(parameters.shape[1]):
                 block[rows[f"p{d}_{k}"]] = parameters[0, k]
                 block[rows[f"p{d}_{k}"], :count] = parameters[:, k]
-            for name in (f"f{d}", f"m{d}"):
+            for name in (f"f{d}", f"m{d}", *((f"u{d}", f"R{d}") if self.text.late(d) else ())):
                 block[rows[name], :count] = rest[:, d]
+            if self.text.late(d):
+                block[rows[f"D{d}"]] = steps[0, d]
+                block[rows[f"D{d}"], :count] = steps[:, d]
         return block
 
-    def _scratch(self, kind: type) -> Array:
-        width = max([1, *(max(c.n_states, len(c.parameters)) for c in self.compositions)])
-        return np.zeros((max(2 * len(self.compositions), 1), width), kind)
+    def _ring(self, block: Array, steps: Array) -> Array:
+        """The forces of late dampers at the latest nodes (sites, nodes * lanes): a power of two of them."""
+        nodes = 2 * int(np.ceil(steps.max(initial=0.0))) + 6
+        ring = np.zeros((max(self.text.sites, 1), LANES << (nodes - 1).bit_length()), block.dtype)
+        for d in range(self.text.sites):
+            if self.text.late(d):
+                ring[d, :LANES] = block[self.text.rows[f"R{d}"]]
+        return ring
 
     def _read(self, found: Array) -> dict[str, Array]:
         text = self.text
@@ -91,15 +101,13 @@ def engine(
     precision: int = 64,
 ) -> Engine:
     """The engine of ``building`` with sites at ``connections`` (N, n), m steps to a sample of ``dt`` seconds."""
-    corrections = CORRECTIONS_IN_SERIES if any(c.in_series for c in compositions) else CORRECTIONS
     one = step(building, connections, dt / m, basis_of(building))
-    return Engine(Text(one, compositions, quantities, corrections), compositions, precision, m)
+    return Engine(Text(one, compositions, quantities), compositions, precision, m)
 
 
 def takes(compositions: Sequence[Composition]) -> bool:
-    """Whether the lanes can march these dampers: few, without delay and without a mass of their own."""
-    plain = all(c.delay is None and not _asks_for_acceleration(c) for c in compositions)
-    return plain and len(compositions) <= MOST_SITES
+    """Whether the lanes can march these dampers: few, without a mass of their own."""
+    return len(compositions) <= MOST_SITES and not any(map(_asks_for_acceleration, compositions))
 
 
 def _asks_for_acceleration(composition: Composition) -> bool:

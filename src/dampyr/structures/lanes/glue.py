@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from dataclasses import dataclass
 
+from dampyr.models import series
 from dampyr.models.composition import Composition
 
 
@@ -23,15 +24,16 @@ class Half:
     by_v: list[str]
 
 
-def half_step(
-    composition: Composition, site: int, tag: str, states: list[str], values: list[str], motion: dict[str, str]
-) -> Half:
+_NUMBERS: dict[object, str] = {0.0: "zero", 0.5: "half", 1.0: "one"}
+
+
+def half_step(composition: Composition, tag: str, states: list[str], values: list[str], motion: dict[str, str]) -> Half:
     """The half step that begins with ``states``; every new name ends in ``tag``.
 
-    ``motion`` names x0, x1, v0, v1 and dt.
+    ``motion`` names x0, x1, v0, v1 and dt, and g0 and g1: the force at the start and the guess of it at the end.
     """
     if composition.in_series:
-        return _by_arrays(composition, site, tag, states, values, motion)
+        return _in_series(composition, tag, states, values, motion)
     names = _Names(tag, states, values, motion)
     body, force = _body(composition, "slopes"), _body(composition, "force")
     written = {name for line in body for name in _targets(line)}
@@ -44,22 +46,15 @@ def half_step(
     return Half(lines, ends, f"raw{tag}", (f"fx{tag}", f"fv{tag}"), by[0], by[1])
 
 
-def _by_arrays(
-    composition: Composition, site: int, tag: str, states: list[str], values: list[str], motion: dict[str, str]
+def _in_series(
+    composition: Composition, tag: str, states: list[str], values: list[str], motion: dict[str, str]
 ) -> Half:
-    """The same through the functions that work on arrays: parts in series are solved for together, in a loop."""
-    s, p = f"S{tag}", f"P{tag}"
-    lines = [f"{s}, {p} = w[{2 * site}], w[{2 * site + 1}]"]
-    lines += [f"{s}[{k}] = {name}" for k, name in enumerate(states)]
-    lines += [f"{p}[{k}] = {name}" for k, name in enumerate(values)]
-    path = f"{s}, {', '.join(motion[k] for k in ('x0', 'x1', 'v0', 'v1', 'dt'))}, {p}"
-    lines.append(f"fx{tag}, fv{tag} = slopes_{site}({path})")
-    lines.append(f"advance_{site}({path})")
-    lines.append(f"raw{tag} = force_{site}({s}, {motion['x1']}, {motion['v1']}, zero, {p})")
-    ends = [f"e{k}{tag}" for k in range(len(states))]
-    lines += [f"{name} = {s}[{k}]" for k, name in enumerate(ends)]
-    none = [""] * len(ends)
-    return Half(lines, ends, f"raw{tag}", (f"fx{tag}", f"fv{tag}"), none, none)
+    """The same where something stretches under the force; the last state is the force itself."""
+    names, hidden = _Names(tag, states, values, motion), len(states) - 1
+    lines = [ast.unparse(names.visit(ast.parse(line).body[0])) for line in series.law(composition)]
+    ends = [f"e{k}{tag}" for k in range(hidden)]
+    by = [[f"f{axis}{k}{tag}" for k in range(hidden)] for axis in "xv"]
+    return Half(lines, ends, f"raw{tag}", (f"fx{tag}", f"fv{tag}"), by[0], by[1])
 
 
 def _body(composition: Composition, name: str) -> list[ast.stmt]:
@@ -80,6 +75,8 @@ class _Names(ast.NodeTransformer):
         self.tag, self.arrays, self.motion = tag, {"s": states, "p": values}, motion
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+        if not isinstance(node.value, ast.Name):
+            return ast.Subscript(self.visit(node.value), node.slice, node.ctx)
         return ast.Name(self.arrays[node.value.id][node.slice.value], node.ctx)  # type: ignore[attr-defined]
 
     def visit_Call(self, node: ast.Call) -> ast.Call:
@@ -87,7 +84,7 @@ class _Names(ast.NodeTransformer):
         return node
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        return ast.Name("one" if node.value else "zero", ast.Load())
+        return ast.Name(_NUMBERS[node.value], ast.Load())
 
     def visit_Name(self, node: ast.Name) -> ast.Name:
         return ast.Name(self.motion.get(node.id, node.id + self.tag), node.ctx)

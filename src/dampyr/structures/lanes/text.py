@@ -108,7 +108,7 @@ class Text:
         self.middles = [self._numbers(row) for row in np.vstack([0.5 * x - h / 8.0 * v, 1.5 / h * x - 0.25 * v])]
         self.ends = [self._numbers(row) for row in moved]
         for d in range(N):
-            self.say(f"last = f{d} - m{d}", f"g{d} = f{d} + half*last", f"g{N + d} = f{d} + last")
+            self.say(*(self._past(d) if self.late(d) else self._guess(d)))
         self.cut()
         for turn in range(self.corrections):
             done = self._laws(f"_{turn}")
@@ -117,6 +117,28 @@ class Text:
         for r in range(2 * N):
             self.say(f"n_e{r} = {self._moved(r)}")
         self._keep(done)
+
+    def late(self, d: int) -> bool:
+        """Whether a site's force is that of some time ago."""
+        return self.compositions[d].has_delay
+
+    def _guess(self, d: int) -> list[str]:
+        return [f"last = f{d} - m{d}", f"g{d} = f{d} + half*last", f"g{self.sites + d} = f{d} + last"]
+
+    def _past(self, d: int) -> list[str]:
+        """The forces that a late damper would have given some steps ago, from the ring of its quadratics; at first, at rest."""
+        lines = []
+        self.rows[f"R{d}"]
+        for name, ahead in ((f"g{d}", "half"), (f"g{self.sites + d}", "one")):
+            lines += [f"at = real(steps) + {ahead} - {self._delay(d)}", "whole = floor(at)", "s = at - real(whole)"]
+            lines += [f"y{k} = w[{d}, ((2*whole + {k}) & mask)*{LANES} + l]" for k in range(3)]
+            lines.append("then = y0*(one - s)*(one - two*s) + four*y1*s*(one - s) + y2*s*(two*s - one)")
+            lines.append(f"{name} = then if at > zero else R{d}")
+        return lines
+
+    def _delay(self, d: int) -> str:
+        self.rows[f"D{d}"]
+        return f"D{d}"
 
     def _numbers(self, row: Array) -> list[str]:
         return [self.number(value) for value in row]
@@ -139,11 +161,15 @@ class Text:
         for d, composition in enumerate(self.compositions):
             self.say(*self._middle(d, f"e{d}", f"e{N + d}"))
             values = [self._value(d, k) for k in range(len(composition.parameters))]
-            states = [f"s{d}_{k}" for k in range(composition.n_states)]
+            states = [f"s{d}_{k}" for k in range(composition.n_states - composition.in_series)]
+            before = f"u{d}" if self.late(d) else f"f{d}"
+            states += [before] * composition.in_series
             early = {"x0": self.starts[d], "x1": f"h{d}", "v0": self.starts[N + d], "v1": f"h{N + d}", "dt": "dt"}
+            early |= {"g0": before, "g1": before if self.late(d) else f"g{d}"}
             late = {"x0": f"h{d}", "x1": f"e{d}", "v0": f"h{N + d}", "v1": f"e{N + d}", "dt": "dt"}
-            first = half_step(composition, d, f"_h{d}{turn}", states, values, early)
-            second = half_step(composition, d, f"_e{d}{turn}", first.ends, values, late)
+            first = half_step(composition, f"_h{d}{turn}", states, values, early)
+            late |= {"g0": first.force, "g1": first.force if self.late(d) else f"g{N + d}"}
+            second = half_step(composition, f"_e{d}{turn}", [*first.ends, *states[len(first.ends) :]], values, late)
             self.say(*first.lines, *second.lines)
             done.append((first, second))
         return done
@@ -158,10 +184,13 @@ class Text:
         for r in range(2 * N):
             d = r % N
             half, slopes = (done[d][0], self.middles) if r < N else (done[d][1], self.ends)
-            self.say(f"r{r} = {half.force} - g{r}")
+            self.say(f"r{r} = zero" if self.late(d) else f"r{r} = {half.force} - g{r}")
             right.append(f"r{r}")
             for c in range(2 * N):
                 one = "one - " if r == c else "-"
+                if self.late(d):
+                    self.say(f"j{r}_{c} = {'one' if r == c else 'zero'}")
+                    continue
                 self.say(f"j{r}_{c} = {one}({half.slopes[0]}*{slopes[d][c]} + {half.slopes[1]}*{slopes[N + d][c]})")
             matrix.append([f"j{r}_{c}" for c in range(2 * N)])
         self.say(*solved(matrix, right), *(f"g{r} = g{r} + r{r}" for r in range(2 * N)))
@@ -171,7 +200,7 @@ class Text:
         N = self.sites
         for d, composition in enumerate(self.compositions):
             second = done[d][1]
-            for k, (low, high) in enumerate(composition.states.values()):
+            for k, (low, high) in enumerate(list(composition.states.values())[: len(second.ends)]):
                 value = second.ends[k]
                 for name, row in ((second.by_x[k], d), (second.by_v[k], N + d)):
                     value += f" + {name}*(n_e{row} - e{row})" if name else ""
@@ -179,6 +208,9 @@ class Text:
                     value = f"min(max({value}, {self.number(low)}), {self.number(high)})"
                 self.say(f"t{d}_{k} = {value}")
                 self.keep(f"s{d}_{k}", f"t{d}_{k}")
+            if self.late(d):
+                self.say(*(f"w[{d}, slot_{k}*{LANES} + l] = {done[d][k].force}" for k in range(2)))
+                self.keep(f"u{d}", second.force)
             if "energy" in self.quantities:
                 self.say(*self._middle(d, f"n_e{d}", f"n_e{N + d}"))
                 power = f"f{d}*{self.starts[N + d]} + four*g{d}*h{N + d} + g{N + d}*n_e{N + d}"
@@ -226,12 +258,14 @@ class Text:
         numbers = [f"c{k} = c[{k}]" for k in range(self.frame.named)]
         return "\n    ".join(
             [
-                "def lanes(first, last, m, count, ag, t, c, b, w):",
+                "def lanes(first, last, m, count, ag, t, c, b, w, mask):",
                 "dt, sixth, share, eighth_step, three_half_rate = t[0], t[1], t[2], t[3], t[4]",
                 *numbers,
                 "for i in range(first, last):",
                 "    before, after, part = ag[i], ag[i + 1], zero",
                 "    for j in range(m):",
+                "        steps = i*m + j",
+                "        slot_0, slot_1 = (2*steps + 1) & mask, (2*steps + 2) & mask",
                 *("        " + line for line in body),
                 "        part = part + share",
                 "",
