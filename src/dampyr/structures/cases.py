@@ -19,11 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
+from dampyr.structures.lanes.gpu import missing
 from dampyr.structures.lanes.text import QUANTITIES
 from dampyr.structures.placement import Site, place
 
 Array = NDArray[np.float64]
-STEPS = {"fast": 1.0, "strict": 0.5}  # of the longest step that the rule allows
+STEPS = {"fast": 1.0, "strict": 0.4}  # of the longest step that the rule allows
 CASES_PER_SHARD = 8192
 AXES = ("building", "damper", "input", "motion", "scale")
 
@@ -42,6 +43,7 @@ class Cases:
     quantities: tuple[str, ...] = QUANTITIES
     precision: int = 64
     allow_extrapolation: bool = False
+    device: str = "cpu"
 
     @property
     def shape(self) -> tuple[int, int, int, int, int]:
@@ -78,7 +80,7 @@ class Cases:
 
     def shards(self) -> int:
         """Into how many pieces the work is cut by default."""
-        return max(1, -(-self.size // CASES_PER_SHARD))
+        return max(1, -(-self.size // (CASES_PER_SHARD if self.device == "cpu" else 8 * CASES_PER_SHARD)))
 
     def lines_of(self, shard: int, shards: int) -> range:
         """The lines of one of ``shards`` pieces."""
@@ -101,7 +103,7 @@ class Cases:
             self.inputs,
             [(m.acceleration, m.dt) for m in self.motions],
             self.scales,
-            (self.kind, self.accuracy, self.quantities, self.precision),
+            (self.kind, self.accuracy, self.quantities, self.precision, self.device),
         ]
         return hashlib.sha256(pickle.dumps(parts, protocol=5)).hexdigest()[:16]
 
@@ -125,6 +127,7 @@ def cases(
     quantities: Sequence[str] = QUANTITIES,
     precision: int = 64,
     allow_extrapolation: bool = False,
+    device: str = "cpu",
 ) -> Cases:
     """The cases of an ensemble from its arguments; :class:`~dampyr.errors.InputError` says what is wrong with them."""
     if voltages is not None and currents is not None:
@@ -142,6 +145,7 @@ def cases(
         _known_quantities(quantities),
         precision,
         allow_extrapolation,
+        device,
     )
     _check(found)
     return found
@@ -150,6 +154,10 @@ def cases(
 def _check(found: Cases) -> None:
     if found.accuracy not in STEPS:
         raise InputError(f"accuracy = {found.accuracy!r} is not allowed; write 'fast' or 'strict'")
+    if found.device not in ("cpu", "gpu"):
+        raise InputError(f"device = {found.device!r} is not allowed; write 'cpu' or 'gpu'")
+    if found.device == "gpu" and (why := missing()):
+        raise InputError(f"device = 'gpu': {why}")
     if found.precision not in (32, 64):
         raise InputError(f"precision = {found.precision!r} bits is not allowed; write 64 or 32")
     for b in range(len(found.buildings)):

@@ -37,7 +37,7 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
     from numba import njit
 
     kind = np.float64 if precision == 64 else np.float32
-    tree, numbers = ast.parse(text), _Numbers()
+    tree, numbers = ast.parse(text), Numbers()
     numbers.visit(tree)
     names: dict[str, Any] = {name: getattr(math, name) for name in MATH}
     names |= (
@@ -62,7 +62,7 @@ def _straight(tree: ast.Module, name: str) -> bool:
     return not any(isinstance(node, ast.For | ast.While) for node in ast.walk(found)) and len(found.body) < 12
 
 
-class _Numbers(ast.NodeTransformer):
+class Numbers(ast.NodeTransformer):
     """Names in the place of numbers, so that their precision can be chosen."""
 
     def __init__(self) -> None:

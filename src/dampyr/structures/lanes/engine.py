@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,49 +17,54 @@ from dampyr.structures.lanes.coordinates import basis_of, step
 from dampyr.structures.lanes.text import Text
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 MOST_SITES = 3  # Newton's matrix is written out
 
 
 @dataclass(frozen=True, eq=False)
 class Engine:
-    """One building, sites and length of step, compiled."""
+    """One building, sites and length of step, compiled; ``most`` histories at a time."""
 
     text: Text
     compositions: tuple[Composition, ...]
     precision: int
     m: int
+    most: ClassVar[int] = LANES
 
     def run(
         self, motions: Sequence[Array], values: Sequence[Array], rest: Array, delays: Array | None = None
     ) -> dict[str, Array]:
-        """The peaks and energies of up to 64 histories: quantity -> (lanes, rows).
+        """The peaks and energies of up to ``most`` histories: quantity -> (lanes, rows).
 
         ``motions`` are the ground's accelerations, a history each; ``values`` the parameters (lanes, P) of each site; ``rest``
         and ``delays`` (lanes, sites) the forces at rest [N] and the delays [s] of the sites.
         """
         kind = np.float64 if self.precision == 64 else np.float32
         steps = np.zeros_like(rest) if delays is None else delays / self.text.step.h
-        block, count = self._block(values, rest, steps, kind), len(motions)
-        ends = np.array([len(motion) for motion in motions])
-        ag = np.zeros((int(ends.max()), LANES), kind)
-        for lane, motion in enumerate(motions):
-            ag[: len(motion), lane] = motion
+        wide, h = self.wide(len(motions)), self.text.step.h
+        block, ends = self._block(values, rest, steps, wide, kind), np.array([len(motion) for motion in motions])
+        t: Array = np.array([h / 2, h / 6, 1 / self.m, h / 8, 1.5 / h], kind)
+        c: Array = np.array(self.text.coefficients, kind)
+        return self._read(self._launch(ends, _stacked(motions, wide, kind), t, c, block, self._ring(block, steps)))
+
+    def wide(self, count: int) -> int:
+        """How many columns a block for ``count`` histories has."""
+        return LANES
+
+    def _launch(self, ends: Integers, ag: Array, t: Array, c: Array, block: Array, ring: Array) -> Array:
+        """The block as each history left it at its end (rows, count)."""
         kernel = compiled(self.text.source, self.compositions, self.precision)
-        h = self.text.step.h
-        t = np.array([h / 2, h / 6, 1 / self.m, h / 8, 1.5 / h], kind)
-        c, ring = np.array(self.text.coefficients, kind), self._ring(block, steps)
-        found = np.empty((block.shape[0], count))
-        first = 0
+        found, first, mask = np.empty((block.shape[0], len(ends))), 0, ring.shape[1] // LANES - 1
         for last in np.unique(ends):
-            kernel(first, int(last) - 1, self.m, LANES, ag, t, c, block.reshape(-1), ring, ring.shape[1] // LANES - 1)
+            kernel(first, int(last) - 1, self.m, LANES, ag, t, c, block.reshape(-1), ring, mask)
             ended = np.flatnonzero(ends == last)
             found[:, ended] = block[:, ended]
             first = int(last) - 1
-        return self._read(found)
+        return found
 
-    def _block(self, values: Sequence[Array], rest: Array, steps: Array, kind: type) -> Array:
+    def _block(self, values: Sequence[Array], rest: Array, steps: Array, wide: int, kind: type) -> Array:
         rows = self.text.rows
-        block: Array = np.zeros((len(rows.names), LANES), kind)
+        block: Array = np.zeros((len(rows.names), wide), kind)
         for d, parameters in enumerate(values):
             count = len(parameters)
             for k in range(parameters.shape[1]):
@@ -73,11 +79,11 @@ class Engine:
 
     def _ring(self, block: Array, steps: Array) -> Array:
         """The forces of late dampers at the latest nodes (sites, nodes * lanes): a power of two of them."""
-        nodes = 2 * int(np.ceil(steps.max(initial=0.0))) + 6
-        ring = np.zeros((max(self.text.sites, 1), LANES << (nodes - 1).bit_length()), block.dtype)
+        nodes, wide = 2 * int(np.ceil(steps.max(initial=0.0))) + 6, block.shape[1]
+        ring = np.zeros((max(self.text.sites, 1), wide << (nodes - 1).bit_length()), block.dtype)
         for d in range(self.text.sites):
             if self.text.late(d):
-                ring[d, :LANES] = block[self.text.rows[f"R{d}"]]
+                ring[d, :wide] = block[self.text.rows[f"R{d}"]]
         return ring
 
     def _read(self, found: Array) -> dict[str, Array]:
@@ -89,6 +95,14 @@ class Engine:
         if "energy" in read:
             read["energy"] = [found[text.rows[f"E{d}"]] for d in range(text.sites)]
         return {quantity: np.stack(rows, axis=1) for quantity, rows in read.items() if rows}
+
+
+def _stacked(motions: Sequence[Array], wide: int, kind: type) -> Array:
+    """Motions of different lengths as the columns of one array."""
+    ag: Array = np.zeros((max(map(len, motions)), wide), kind)
+    for lane, motion in enumerate(motions):
+        ag[: len(motion), lane] = motion
+    return ag
 
 
 def engine(

@@ -64,6 +64,7 @@ class Text:
     kept: dict[str, str] = field(default_factory=dict)
     peaks: dict[tuple[str, int], str] = field(default_factory=dict)
     cuts: list[int] = field(default_factory=list)
+    wide: str = str(LANES)
 
     def __post_init__(self) -> None:
         from dampyr.structures.lanes.frames import Large, Small
@@ -131,7 +132,7 @@ class Text:
         self.rows[f"R{d}"]
         for name, ahead in ((f"g{d}", "half"), (f"g{self.sites + d}", "one")):
             lines += [f"at = real(steps) + {ahead} - {self._delay(d)}", "whole = floor(at)", "s = at - real(whole)"]
-            lines += [f"y{k} = w[{d}, ((2*whole + {k}) & mask)*{LANES} + l]" for k in range(3)]
+            lines += [f"y{k} = w[{d}, ((2*whole + {k}) & mask)*{self.wide} + l]" for k in range(3)]
             lines.append("then = y0*(one - s)*(one - two*s) + four*y1*s*(one - s) + y2*s*(two*s - one)")
             lines.append(f"{name} = then if at > zero else R{d}")
         return lines
@@ -209,7 +210,7 @@ class Text:
                 self.say(f"t{d}_{k} = {value}")
                 self.keep(f"s{d}_{k}", f"t{d}_{k}")
             if self.late(d):
-                self.say(*(f"w[{d}, slot_{k}*{LANES} + l] = {done[d][k].force}" for k in range(2)))
+                self.say(*(f"w[{d}, slot_{k}*{self.wide} + l] = {done[d][k].force}" for k in range(2)))
                 self.keep(f"u{d}", second.force)
             if "energy" in self.quantities:
                 self.say(*self._middle(d, f"n_e{d}", f"n_e{N + d}"))

@@ -1,0 +1,81 @@
+"""How accurate the two accuracies of an ensemble are: the standard suite, and thousands of random cases."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
+from dampyr.models import Damper
+from dampyr.structures import respond, two_storey
+from dampyr.structures.cases import STEPS, cases
+from dampyr.structures.lanes.engine import engine
+from dampyr.structures.marching import connections
+from dampyr.structures.shards import longest_step
+
+Array = np.ndarray
+LIMIT = 1e-3  # of the peak
+FINEST = 64  # steps per sample of the reference
+JUDGED = ("displacement", "drift")
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.DampyrWarning")
+
+
+def synthetic(seed: int, pga: float) -> GroundMotion:
+    return kanai_tajimi(duration=20.0, dt=0.02, seed=seed, pga=pga)
+
+
+def peaks(damper: Damper, given: list[tuple[GroundMotion, float, float]], accuracy: str | None) -> Array:
+    """Peak displacements and drifts (cases, 4); of the reference where no accuracy is named."""
+    found = np.empty((len(given), 4))
+    sites = [cases(two_storey(), m, damper, [u], [s]).sites_of(0, 0, 0) for m, u, s in given]
+    steps = [
+        FINEST if accuracy is None else np.ceil(0.02 / (STEPS[accuracy] * longest_step(two_storey(), s)) - 1e-9)
+        for s in sites
+    ]
+    for m in np.unique(steps):
+        [members] = np.nonzero(np.array(steps) == m)
+        made = engine(two_storey(), connections(two_storey(), sites[0]), (damper.composition,), 0.02, int(m), JUDGED)
+        for block in np.array_split(members, -(-len(members) // 64)):
+            motions = [given[k][0].acceleration * given[k][2] for k in block]
+            values = np.array([sites[k][0].values for k in block])
+            out = made.run(motions, [values], np.zeros((len(block), 1)))
+            found[block] = np.hstack([out[quantity] for quantity in JUDGED])
+    return found
+
+
+def worst(damper: Damper, given: list[tuple[GroundMotion, float, float]], accuracy: str) -> tuple[float, int]:
+    errors = np.abs(peaks(damper, given, accuracy) / peaks(damper, given, None) - 1.0).max(axis=1)
+    return float(errors.max()), int(errors.argmax())
+
+
+def suite() -> list[tuple[GroundMotion, float, float]]:
+    """Three scales of El Centro and four synthetic records at three voltages."""
+    motions = [(el_centro(), scale) for scale in (0.5, 1.0, 2.0)]
+    motions += [(synthetic(seed, pga), 1.0) for seed, pga in ((1, 1.0), (2, 3.0), (3, 5.0), (4, 8.0))]
+    return [(motion, u, scale) for motion, scale in motions for u in (0.0, 1.0, 2.25)]
+
+
+@pytest.mark.parametrize("accuracy", ["fast", "strict"])
+def test_the_standard_suite(cubics: Damper, accuracy: str) -> None:
+    assert worst(cubics, suite(), accuracy)[0] < LIMIT
+
+
+def test_the_reference_is_that_of_respond(cubics: Damper) -> None:
+    """Its own kernel, Newton to 1e-10, turning points split."""
+    given = suite()[1::4]
+    for found, (motion, u, scale) in zip(peaks(cubics, given, None), given):
+        one = respond(two_storey(), motion.scaled(scale), {1: cubics}, voltage=u, step=0.02 / FINEST)
+        np.testing.assert_allclose(found, [*one.peak_displacement, *one.peak_drift], rtol=1e-5)
+
+
+@pytest.mark.prove
+def test_strict_holds_in_thousands_of_random_cases(cubics: Damper) -> None:
+    """2000 cases for each of three records, 0.05 to 3.2 times as strong, 0 to 2.25 V: none over 0.1 %."""
+    rng = np.random.default_rng(20261121)
+    for motion in (el_centro(), synthetic(1, 3.0), synthetic(2, 3.0)):
+        scales = np.exp(rng.uniform(np.log(0.05), np.log(3.2), 2000))
+        given = [(motion, float(u), float(s)) for u, s in zip(rng.uniform(0.0, 2.25, 2000), scales)]
+        error, k = worst(cubics, given, "strict")
+        print(f"{motion.name[:40]}: {error:.2e} at {given[k][1]:.3f} V x {given[k][2]:.3f}")
+        assert error < LIMIT, given[k]
