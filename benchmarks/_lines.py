@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 from collections.abc import Sequence
@@ -29,8 +30,8 @@ def show(lines: Sequence[Line]) -> str:
             each.name,
             spoken(each.median),
             spoken(each.fastest),
-            f"{each.median / first:.3g}",
-            str(each.rounds),
+            "" if math.isnan(each.median) else f"{each.median / first:.3g}",
+            str(each.rounds or ""),
             each.error,
         )
         for each in lines
@@ -49,7 +50,9 @@ def _aligned(row: Sequence[str], widths: Sequence[int]) -> str:
 
 
 def spoken(seconds: float) -> str:
-    """A time in the unit that suits it."""
+    """A time in the unit that suits it; nothing for a contender that did not run."""
+    if math.isnan(seconds):
+        return ""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"

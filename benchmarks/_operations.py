@@ -1,0 +1,132 @@
+"""How many floating-point operations a lanes kernel makes per step, counted from its own text.
+
+The text is run once with symbols in the place of numbers. An expression that occurs twice counts once, what nothing keeps does
+not count, nor what is the same for all histories, nor a product with 1 or a sum with 0: about what a compiler leaves. Sums and
+products count one each (so a fused multiply-add counts two), a division one; comparisons, signs, changes of a number's bits and
+whole numbers count nothing, though they take time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from types import FunctionType
+from typing import Any
+
+from dampyr.models.composition import namespace_of
+from dampyr.structures.lanes import arithmetic, block
+from dampyr.structures.lanes.engine import Engine
+
+COUNTED = ("+", "-", "*", "/")
+
+
+class Symbol:
+    """The result of an operation; ``shared`` by all histories or not, ``whole`` if it stands for bits."""
+
+    def __init__(self, kind: str, operands: tuple[Any, ...], shared: bool, whole: bool = False) -> None:
+        self.kind, self.operands, self.shared, self.whole = kind, operands, shared, whole
+
+
+class Sheet:
+    """All symbols of one run, equal ones the same object."""
+
+    def __init__(self) -> None:
+        self.known: dict[Any, Symbol] = {}
+
+    def given(self, name: str, shared: bool) -> Symbol:
+        """A number from outside."""
+        return self.known.setdefault(name, Symbol(name, (), shared))
+
+    def made(self, kind: str, *operands: Any) -> Any:
+        """The result of an operation, simplified as a compiler may that need not care for the sign of zero."""
+        simple = _simple(kind, operands)
+        if simple is not None:
+            return simple
+        ordered = sorted(operands, key=id) if kind in ("+", "*", "least", "greatest") else operands
+        key = (kind, *(id(each) if isinstance(each, Symbol) else each for each in ordered))
+        if key not in self.known:
+            symbols = [each for each in operands if isinstance(each, Symbol)]
+            whole = kind == "bits" or (kind != "number" and any(each.whole for each in symbols))
+            self.known[key] = Symbol(kind, operands, all(each.shared for each in symbols), whole)
+        return self.known[key]
+
+
+def _simple(kind: str, operands: tuple[Any, ...]) -> Any:
+    """What sums with 0 and products with 0 or 1 come to; None where nothing is to be had."""
+    if kind not in COUNTED:
+        return None
+    a, b = operands
+    if kind == "*" and (_is(a, 0) or _is(b, 0)):
+        return 0.0
+    if (kind in "+-" and _is(b, 0)) or (kind in "*/" and _is(b, 1)):
+        return a
+    if (kind == "+" and _is(a, 0)) or (kind == "*" and _is(a, 1)):
+        return b
+    return None
+
+
+def _is(value: Any, number: int) -> bool:
+    return not isinstance(value, Symbol) and value == number
+
+
+def _operators(sheet: Sheet) -> None:
+    """Give symbols the operators of numbers, on a sheet."""
+    for name, kind in (("add", "+"), ("sub", "-"), ("mul", "*"), ("truediv", "/"), ("lshift", "<<"), ("and", "&"), ("or", "|")):
+        setattr(Symbol, f"__{name}__", lambda a, b, kind=kind: sheet.made(kind, a, b))
+        setattr(Symbol, f"__r{name}__", lambda a, b, kind=kind: sheet.made(kind, b, a))
+    for name in ("neg", "abs"):
+        setattr(Symbol, f"__{name}__", lambda a, name=name: sheet.made(name, a))
+
+
+def per_step(engine: Engine) -> dict[str, int]:
+    """Operation -> how many a history's step takes."""
+    sheet = Sheet()
+    _operators(sheet)
+    rows = _Rows(sheet)
+    names = _names(engine, sheet)
+    exec(engine.text.source, names)
+    ground = [_Numbers(sheet, f"ground {k}", shared=False) for k in range(2)]
+    steps, coefficients = (_Numbers(sheet, name, shared=True) for name in ("step", "coefficient"))
+    names["lanes"](0, 1, 1, 1, ground, steps, coefficients, rows, None)
+    return _counted(rows.kept.values())
+
+
+def total(engine: Engine) -> int:
+    """Sums, products and divisions of a history's step together."""
+    found = per_step(engine)
+    return sum(found.get(kind, 0) for kind in COUNTED)
+
+
+class _Numbers:
+    """Numbers from outside by their place."""
+
+    def __init__(self, sheet: Sheet, name: str, shared: bool) -> None:
+        self.sheet, self.name, self.shared = sheet, name, shared
+
+    def __getitem__(self, k: int) -> Symbol:
+        return self.sheet.given(f"{self.name} {k}", self.shared)
+
+
+class _Rows:
+    """The block of 64 histories, of which one is looked at."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self.sheet = sheet
+        self.kept: dict[int, Any] = {}
+
+    def __getitem__(self, k: int) -> Any:
+        return self.kept[k] if k in self.kept else self.sheet.given(f"row {k}", shared=False)
+
+    def __setitem__(self, k: int, value: Any) -> None:
+        self.kept[k] = value
+
+
+def _names(engine: Engine, sheet: Sheet) -> dict[str, Any]:
+    """What the text calls: its damper's formulas and the arithmetic of the lanes, all of them on symbols."""
+    made = {kind: (lambda *operands, kind=kind: sheet.made(kind, *operands)) for kind in ("bits", "number", "min", "max")}
+    made |= {name: (lambda *operands, name=name: sheet.made(name, *operands)) for name in block.MATH}
+    names = made | {"tiny": sheet.given("tiny", shared=True)} | dict(block.CONSTANTS)
+    for name, value in vars(arithmetic).items():
+        if isinstance(value, FunctionType) and value.__module__ == arithmetic.__name__ and name in _called(engine):
+            names[name] = FunctionType(value.__code__, names | arithmetic_numbers(sheet), name)
+    return names
