@@ -4,27 +4,35 @@ VENV := .venv
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 LOCK := requirements/dev.lock
 READY := $(VENV)/ready
+BENCH_VENV := .venv-bench
+BENCH_BIN := $(BENCH_VENV)/$(notdir $(BIN))
+BENCH_LOCK := requirements/bench.lock
+BENCH_READY := $(BENCH_VENV)/ready
 WORKERS ?= 2
 
-.PHONY: help demo test prove check bench lock clean compiler
+.PHONY: help demo test prove check bench lock clean compiler blas
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
 	@echo "make test    the tests, without the long proofs"
 	@echo "make prove   the long proofs (fixed seeds)"
 	@echo "make check   style, types and the layers of the house"
-	@echo "make bench   timings on this machine, printed and never asserted"
-	@echo "make lock    resolve $(LOCK) again (needs uv)"
-	@echo "make clean   remove .venv, out and all caches"
+	@echo "make bench   timings on this machine, printed and never asserted (BENCH=million: that one)"
+	@echo "make lock    resolve $(LOCK) and $(BENCH_LOCK) again (needs uv)"
+	@echo "make clean   remove .venv, .venv-bench, out and all caches"
 
-# The environment is made again whenever the lock is newer than it.
-$(READY): $(LOCK)
+define environment
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
 	  echo "dampyr needs Python 3.11 or later, and $(PYTHON) is not; name another one: make PYTHON=python3.12 ..." >&2; \
 	  exit 1; }
-	$(PYTHON) -m venv --clear $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r $(LOCK)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps -e .
+	$(PYTHON) -m venv --clear $(1)
+	$(2)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r $(LOCK)
+	$(2)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps -e .
+endef
+
+# The environment is made again whenever the lock is newer than it.
+$(READY): $(LOCK)
+	$(call environment,$(VENV),$(BIN))
 	@touch $(READY)
 
 # The C export is compiled in a test. Without a compiler that test is skipped, and says so.
@@ -49,8 +57,23 @@ check: $(READY)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(READY)
-	$(BIN)/python -m benchmarks
+# Benches have an environment of their own: their peers (OpenSees, jax) are large, and nothing else needs them. A peer that
+# cannot be installed is told of in the table.
+$(BENCH_READY): $(LOCK) $(BENCH_LOCK)
+	$(call environment,$(BENCH_VENV),$(BENCH_BIN))
+	$(BENCH_BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r $(BENCH_LOCK) || \
+	  echo "the peers in $(BENCH_LOCK) were not installed; the tables say who is missing" >&2
+	@touch $(BENCH_READY)
+
+# OpenSees on Linux is linked with the system's BLAS and LAPACK.
+blas:
+	@[ "$$(uname -s)" != Linux ] || PATH="$$PATH:/sbin" ldconfig -p 2>/dev/null | grep -q 'liblapack\.so\.3' || { \
+	  [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1 && apt-get update -qq >/dev/null 2>&1 && \
+	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq libblas3 liblapack3 >/dev/null 2>&1; } || \
+	  echo "no BLAS and LAPACK were found or installed; OpenSees will be missing from the tables"
+
+bench: $(BENCH_READY) blas
+	$(BENCH_BIN)/python -m benchmarks $(BENCH)
 
 lock:
 	@command -v uv >/dev/null 2>&1 || { echo "make lock needs uv: pip install uv" >&2; exit 1; }
@@ -58,7 +81,11 @@ lock:
 	  --universal --python-version 3.11 --generate-hashes --upgrade \
 	  --no-emit-index-url --no-emit-find-links --no-annotate --custom-compile-command "make lock" \
 	  --quiet --output-file $(LOCK)
+	uv pip compile requirements/bench.in --constraint $(LOCK) \
+	  --universal --python-version 3.11 --generate-hashes --upgrade \
+	  --no-emit-index-url --no-emit-find-links --no-annotate --custom-compile-command "make lock" \
+	  --quiet --output-file $(BENCH_LOCK)
 
 clean:
-	rm -rf $(VENV) out build dist .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) $(BENCH_VENV) out build dist .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,4 +1,4 @@
-"""Run every bench of this folder, or those named: ``python -m benchmarks [NAME ...]``."""
+"""Run the benches of this folder, or those named: ``python -m benchmarks [NAME ...]``."""
 
 from __future__ import annotations
 
@@ -10,15 +10,20 @@ from dampyr import catalogue
 
 
 def main(wanted: list[str]) -> None:
-    """Run the benches called ``wanted``, all of them where none is named."""
+    """Run the benches called ``wanted``; where none is named, all but those that want to be asked for."""
     start = time.perf_counter()
     print(machine())
-    for name in wanted or catalogue.names("benchmarks"):
+    for name in wanted or usual():
         bench = catalogue.member("benchmarks", name)
         print(f"\n{bench.TITLE}")
         found = bench.run(data_folder())
         print(f"  left out: {found}" if isinstance(found, str) else show(found), flush=True)
     print(f"\n{time.perf_counter() - start:.0f} s in all")
+
+
+def usual() -> list[str]:
+    """Every bench but the long ones."""
+    return [name for name, bench in catalogue.members("benchmarks") if not getattr(bench, "ASKED_FOR", False)]
 
 
 if __name__ == "__main__":

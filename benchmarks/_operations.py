@@ -8,8 +8,9 @@ whole numbers count nothing, though they take time.
 
 from __future__ import annotations
 
-import math
+import inspect
 from collections import Counter
+from collections.abc import Iterable
 from types import FunctionType
 from typing import Any
 
@@ -42,8 +43,8 @@ class Sheet:
         simple = _simple(kind, operands)
         if simple is not None:
             return simple
-        ordered = sorted(operands, key=id) if kind in ("+", "*", "least", "greatest") else operands
-        key = (kind, *(id(each) if isinstance(each, Symbol) else each for each in ordered))
+        named = [id(each) if isinstance(each, Symbol) else f"{each!r}" for each in operands]
+        key = (kind, *(sorted(named, key=str) if kind in ("+", "*", "min", "max") else named))
         if key not in self.known:
             symbols = [each for each in operands if isinstance(each, Symbol)]
             whole = kind == "bits" or (kind != "number" and any(each.whole for each in symbols))
@@ -71,30 +72,59 @@ def _is(value: Any, number: int) -> bool:
 
 def _operators(sheet: Sheet) -> None:
     """Give symbols the operators of numbers, on a sheet."""
-    for name, kind in (("add", "+"), ("sub", "-"), ("mul", "*"), ("truediv", "/"), ("lshift", "<<"), ("and", "&"), ("or", "|")):
+    for name, kind in (
+        ("add", "+"),
+        ("sub", "-"),
+        ("mul", "*"),
+        ("truediv", "/"),
+        ("lshift", "<<"),
+        ("and", "&"),
+        ("or", "|"),
+    ):
         setattr(Symbol, f"__{name}__", lambda a, b, kind=kind: sheet.made(kind, a, b))
         setattr(Symbol, f"__r{name}__", lambda a, b, kind=kind: sheet.made(kind, b, a))
     for name in ("neg", "abs"):
         setattr(Symbol, f"__{name}__", lambda a, name=name: sheet.made(name, a))
 
 
-def per_step(engine: Engine) -> dict[str, int]:
-    """Operation -> how many a history's step takes."""
-    sheet = Sheet()
-    _operators(sheet)
-    rows = _Rows(sheet)
-    names = _names(engine, sheet)
-    exec(engine.text.source, names)
-    ground = [_Numbers(sheet, f"ground {k}", shared=False) for k in range(2)]
-    steps, coefficients = (_Numbers(sheet, name, shared=True) for name in ("step", "coefficient"))
-    names["lanes"](0, 1, 1, 1, ground, steps, coefficients, rows, None)
-    return _counted(rows.kept.values())
-
-
 def total(engine: Engine) -> int:
     """Sums, products and divisions of a history's step together."""
     found = per_step(engine)
-    return sum(found.get(kind, 0) for kind in COUNTED)
+    return sum(found[kind] for kind in COUNTED)
+
+
+def per_step(engine: Engine) -> Counter[str]:
+    """Operation -> how many a history's step takes, of an engine whose sums are written out (up to two floors)."""
+    sheet = Sheet()
+    _operators(sheet)
+    names, rows = _names(engine, sheet), _Rows(sheet)
+    exec(engine.text.source, names)
+    given = {
+        "ag": [_Numbers(sheet, f"ground {k}", shared=False) for k in range(2)],
+        "t": _Numbers(sheet, "step", shared=True),
+        "c": _Numbers(sheet, "coefficient", shared=True),
+        "b": rows,
+    }
+    counts = {"last": 1, "m": 1, "count": 1}  # one step of one history
+    kernel = names["lanes"]
+    kernel(**{name: given.get(name, counts.get(name, 0)) for name in inspect.signature(kernel).parameters})
+    return _counted(rows.kept.values())
+
+
+def _names(engine: Engine, sheet: Sheet) -> dict[str, Any]:
+    """What the text calls: its damper's formulas and the arithmetic of the lanes, all of them on symbols."""
+    numbers = {name: value.item() for name, value in arithmetic.constants(64).items()}
+    names: dict[str, Any] = {kind: _operation(sheet, kind) for kind in ("bits", "number", "min", "max", *block.MATH)}
+    names |= numbers | block.CONSTANTS
+    for name, value in vars(arithmetic).items():
+        if isinstance(value, FunctionType) and value.__module__ == arithmetic.__name__ and name[0] != "_":
+            names[name] = FunctionType(value.__code__, names, name)
+    exec(namespace_of(engine.compositions)[0], names)
+    return names
+
+
+def _operation(sheet: Sheet, kind: str) -> Any:
+    return lambda *operands: sheet.made(kind, *operands)
 
 
 class _Numbers:
@@ -121,12 +151,16 @@ class _Rows:
         self.kept[k] = value
 
 
-def _names(engine: Engine, sheet: Sheet) -> dict[str, Any]:
-    """What the text calls: its damper's formulas and the arithmetic of the lanes, all of them on symbols."""
-    made = {kind: (lambda *operands, kind=kind: sheet.made(kind, *operands)) for kind in ("bits", "number", "min", "max")}
-    made |= {name: (lambda *operands, name=name: sheet.made(name, *operands)) for name in block.MATH}
-    names = made | {"tiny": sheet.given("tiny", shared=True)} | dict(block.CONSTANTS)
-    for name, value in vars(arithmetic).items():
-        if isinstance(value, FunctionType) and value.__module__ == arithmetic.__name__ and name in _called(engine):
-            names[name] = FunctionType(value.__code__, names | arithmetic_numbers(sheet), name)
-    return names
+def _counted(kept: Iterable[Any]) -> Counter[str]:
+    """The operations that lead to what is kept, each once."""
+    found: Counter[str] = Counter()
+    seen: set[int] = set()
+    waiting = list(kept)
+    while waiting:
+        each = waiting.pop()
+        if isinstance(each, Symbol) and not each.shared and id(each) not in seen:
+            seen.add(id(each))
+            waiting += each.operands
+            if each.operands:
+                found[f"{each.kind} of whole numbers" if each.whole else each.kind] += 1
+    return found

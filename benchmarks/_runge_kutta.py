@@ -31,7 +31,17 @@ def compiled() -> Callable[..., Any]:
 
     @njit(fastmath=True, error_model="numpy", inline="always")
     def rate(
-        x1: float, x2: float, v1: float, v2: float, w: float, ground: float, kx: float, kw: float, rho: float, a: Any, b: float
+        x1: float,
+        x2: float,
+        v1: float,
+        v2: float,
+        w: float,
+        ground: float,
+        kx: float,
+        kw: float,
+        rho: float,
+        a: Any,
+        b: float,
     ) -> Any:
         force = kx * v1 + kw * w
         a1 = a[0, 0] * x1 + a[0, 1] * x2 + a[0, 2] * v1 + a[0, 3] * v2 + b * force + ground

@@ -1,4 +1,4 @@
-"""The standard suite of 21 cases: the building of chapter 5 with the published damper, and what each contender is told of it."""
+"""The standard suite of 21 cases: the building of chapter 5 with the published damper; steps at an error."""
 
 from __future__ import annotations
 
