@@ -119,7 +119,7 @@ def _names(engine: Engine, sheet: Sheet) -> dict[str, Any]:
     for name, value in vars(arithmetic).items():
         if isinstance(value, FunctionType) and value.__module__ == arithmetic.__name__ and name[0] != "_":
             names[name] = FunctionType(value.__code__, names, name)
-    exec(namespace_of(engine.compositions)[0], names)
+    exec(namespace_of(engine.compositions)[0] if engine.compositions else "", names)
     return names
 
 
