@@ -20,7 +20,7 @@ from dampyr.ground_motions import el_centro
 from dampyr.structures import respond, two_storey
 from dampyr.studies import raminelli_2020
 
-TITLE = "Chapter 5's building, El Centro 1940, the damper at 0, 1 and 2.25 V by OpenSeesPy as its step shrinks: time per history"
+TITLE = "Chapter 5's building, El Centro 1940, damper at 0, 1 and 2.25 V by OpenSeesPy as its step shrinks: time per history"
 STEPS = (20, 40, 80, 160)  # to a sample of 0.02 s
 
 
