@@ -4,18 +4,25 @@
 motion; a damper stands in a storey or between any two floors, ``{(0, 2): damper}``. ``two_storey()`` is the
 building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
 ``condense`` make others, ``state_space`` writes one as matrices. ``ensemble`` runs the outer product of buildings,
-dampers, inputs, motions and scales, and keeps the peaks.
+dampers, inputs, motions and scales, and keeps the peaks; ``fragility`` and ``incremental`` read them, ``write_part`` and
+``collect`` cut the work for a batch system.
 """
 
 from dampyr.structures.building import Building
+from dampyr.structures.cases import cases as ensemble_cases
 from dampyr.structures.condensation import Condensed, condense
 from dampyr.structures.ensemble import ensemble
+from dampyr.structures.fragility import Curve, Fragility, fragility
+from dampyr.structures.incremental import Incremental, Sweep, incremental
 from dampyr.structures.laboratory import two_storey, two_storey_model
+from dampyr.structures.parts import collect, write_part
 from dampyr.structures.quarter_car import quarter_car, road
 from dampyr.structures.respond import respond
 from dampyr.structures.response import Energy, Response
 from dampyr.structures.shear import shear_building, single_mass
 from dampyr.structures.state_space import StateSpace, state_space
+from dampyr.structures.store import read_ensemble
+from dampyr.structures.summary import summary
 
 __all__ = [
     "Building",
@@ -29,6 +36,17 @@ __all__ = [
     "Condensed",
     "respond",
     "ensemble",
+    "ensemble_cases",
+    "read_ensemble",
+    "summary",
+    "fragility",
+    "Fragility",
+    "Curve",
+    "incremental",
+    "Incremental",
+    "Sweep",
+    "write_part",
+    "collect",
     "Response",
     "Energy",
     "state_space",

@@ -13,28 +13,17 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
-from dampyr.structures.cases import AXES, Cases, cases
+from dampyr.structures.cases import Cases, cases
 from dampyr.structures.lanes.text import QUANTITIES
 from dampyr.structures.shards import Shard, run_shard
 from dampyr.structures.store import Store
 
-Array = NDArray[np.float64]
 IN_FLIGHT = 4  # shards per worker that wait or run at a time: what bounds the memory
-UNITS = {"displacement": "m", "drift": "m", "acceleration": "m/s^2", "force": "N", "stroke": "m", "energy": "J"}
-ALONG = {
-    "displacement": "floor",
-    "drift": "storey",
-    "acceleration": "floor",
-    "force": "site",
-    "stroke": "site",
-    "energy": "site",
-}
 Progress = Callable[[int, int], None]
 
 
@@ -105,7 +94,7 @@ def run(
     own = executor is None
     pool = ThreadPoolExecutor(os.cpu_count()) if executor is None else executor
     try:
-        for shard in _completed(pool, what, store.shards, waiting):
+        for shard in completed(pool, what, store.shards, waiting):
             store.put(shard)
             done += len(shard.lines) * len(what.scales)
             if progress:
@@ -115,11 +104,11 @@ def run(
         if own:
             pool.shutdown(cancel_futures=True)
     found = store.dataset()
-    _warn(found)
+    warn_of(found)
     return found
 
 
-def _completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> Iterator[Shard]:
+def completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> Iterator[Shard]:
     """Shards as they are done, no more than a few per worker under way."""
     most = IN_FLIGHT * (os.cpu_count() or 1)
     left, running = iter(waiting), set[Future[Shard]]()
@@ -135,34 +124,11 @@ def _completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> 
             yield future.result()
 
 
-def _warn(found: Any) -> None:
+def warn_of(found: Any) -> None:
+    """Warn of cases that grew without bound."""
     if found.attrs["unbounded"]:
         warnings.warn(
             f"{found.attrs['unbounded']} cases grew without bound and have no peaks; check delays, signs and inputs",
             DampyrWarning,
             stacklevel=4,
         )
-
-
-def labelled(what: Cases, values: dict[str, Array], attributes: dict[str, Any]) -> Any:
-    """The dataset of an ensemble; ``values`` quantity -> (lines, scales, width)."""
-    import xarray
-
-    data = {
-        quantity: ((*AXES, ALONG[quantity]), array.reshape(*what.shape, -1), {"units": UNITS[quantity]})
-        for quantity, array in values.items()
-    }
-    coordinates: dict[str, Any] = {
-        "building_name": ("building", [b.name for b in what.buildings]),
-        "input": (
-            "input",
-            np.array([np.nan if u is None else u for u in what.inputs]),
-            {"units": "V" if what.kind == "voltage" else "A"},
-        ),
-        "motion_name": ("motion", [m.name for m in what.motions]),
-        "scale": what.scales,
-    }
-    for name, width in (("floor", what.floors), ("storey", what.floors), ("site", what.sites)):
-        if any(ALONG[q] == name for q in values):
-            coordinates[name] = np.arange(1, width + 1)
-    return xarray.Dataset(data, coords=coordinates, attrs=attributes)

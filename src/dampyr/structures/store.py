@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from dampyr.errors import FileError
 from dampyr.structures.cases import Cases
+from dampyr.structures.labels import Labels
 from dampyr.structures.shards import Shard
 
 Array = NDArray[np.float64]
+FORMAT = "dampyr ensemble 1"
 TOLD = ("error", "judged", "unbounded", "general")
 
 
@@ -21,6 +23,7 @@ class Store:
 
     def __init__(self, what: Cases, path: str | Path | None) -> None:
         self.what, self.shards = what, what.shards()
+        self.labels = Labels.of(what)
         self.told = np.zeros((self.shards, len(TOLD)))
         self.file: Any = None
         self.path = None if path is None else Path(path)
@@ -55,9 +58,8 @@ class Store:
             self.file.create_dataset(quantity, shape, "f8", fillvalue=np.nan, chunks=True)
         self.file["done"] = np.zeros(self.shards, dtype=bool)
         self.file["told"] = self.told
-        self.file.attrs["format"] = "dampyr ensemble 1"
+        describe(self.file, self.what, self.labels)
         self.file.attrs["shards"] = self.shards
-        self.file.attrs["digest"] = self.what.digest
         self.file.flush()
 
     def missing(self) -> list[int]:
@@ -89,16 +91,71 @@ class Store:
 
     def dataset(self) -> Any:
         """All values with labels, and what was measured of them."""
-        from dampyr.structures.ensemble import labelled
+        made = (self.what.accuracy, self.what.precision)
+        return self.labels.dataset(dict(self.values), attributes(self.told, *made, self.what.size))
 
-        told = dict(zip(TOLD, [self.told[:, 0].max(initial=0.0), *self.told[:, 1:].sum(axis=0)]))
-        attributes = {
-            "error_estimate": float(told["error"]),
-            "judged": int(told["judged"]),
-            "unbounded": int(told["unbounded"]),
-            "one_by_one": int(told["general"]),
-            "accuracy": self.what.accuracy,
-            "precision_bits": self.what.precision,
-            "cases": self.what.size,
-        }
-        return labelled(self.what, dict(self.values), attributes)
+
+def describe(file: Any, what: Cases, labels: Labels) -> None:
+    """Write into a file what the ensemble is."""
+    file.attrs["format"] = FORMAT
+    file.attrs["digest"] = what.digest
+    file["labels"] = labels.text()  # no attribute: those end at 64 KiB
+    file.attrs["quantities"] = list(what.quantities)
+    file.attrs["accuracy"] = what.accuracy
+    file.attrs["precision"] = what.precision
+
+
+def attributes(told: Array, accuracy: str, precision: int, size: int) -> dict[str, Any]:
+    """What was measured, from the rows of `TOLD` of all shards."""
+    sums = dict(zip(TOLD[1:], told[:, 1:].sum(axis=0)))
+    return {
+        "error_estimate": float(told[:, 0].max(initial=0.0)),
+        "judged": int(sums["judged"]),
+        "unbounded": int(sums["unbounded"]),
+        "one_by_one": int(sums["general"]),
+        "accuracy": accuracy,
+        "precision_bits": precision,
+        "cases": size,
+    }
+
+
+def read_ensemble(path: str | Path) -> Any:
+    """The peaks that an ensemble wrote with ``out=``, the same ``xarray.Dataset`` that it gave.
+
+    Raises :class:`~dampyr.errors.FileError` where the file is none, or is not finished.
+    """
+    import h5py
+
+    path = Path(path)
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        why = "is not there" if not path.exists() else f"cannot be read as an ensemble ({error})"
+        raise FileError(path, f"{why}; give a file that ensemble(..., out=) wrote") from None
+    with file:
+        if file.attrs.get("format") != FORMAT:
+            raise FileError(path, f"is no {FORMAT!r} but {file.attrs.get('format')!r}; give a file that dampyr wrote")
+        done = file["done"][:]
+        if not done.all():
+            raise FileError(
+                path,
+                f"is not finished: {done.sum()} of {done.size} shards are there; run the same ensemble again with it",
+            )
+        labels = Labels.read(file["labels"].asstr()[()])
+        values = {quantity: file[quantity][:] for quantity in file.attrs["quantities"]}
+        made = (str(file.attrs["accuracy"]), int(file.attrs["precision"]), int(np.prod(labels.shape)))
+        return labels.dataset(values, attributes(file["told"][:], *made))
+
+
+def progress_of(path: str | Path) -> tuple[int, int]:
+    """How many shards of an ensemble's file are done, and of how many; (0, 0) where there is no such file yet."""
+    import h5py
+
+    if not Path(path).exists():
+        return 0, 0
+    try:
+        with h5py.File(path, "r") as file:
+            done = file["done"][:]
+    except (OSError, KeyError):
+        return 0, 0
+    return int(done.sum()), int(done.size)

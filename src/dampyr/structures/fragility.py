@@ -1,0 +1,257 @@
+r"""Fragility: how likely a peak exceeds a limit, over the intensity of the motion.
+
+Every case of an ensemble says yes or no, and the curve :math:`\Phi(\ln(x/\theta)/\beta)` is that of largest likelihood
+([Baker2015]_, [Shinozuka2000]_, see `lognormal`). Cases that grew without bound count as exceeding. Where the motions were run
+through several scales, the direct way stands beside it: the intensity at which each motion first exceeds the limit.
+
+What is not known is mostly which motions come. The band is therefore a bootstrap over motions: each draw takes as many motions
+as there are, with return, and a motion brings all its cases, its scales and the draws of the damper ([EfronTibshirani1993]_,
+section 8). With few motions it is somewhat too narrow, as every bootstrap.
+
+References
+----------
+.. [EfronTibshirani1993] B. Efron and R. J. Tibshirani, An Introduction to the Bootstrap, Chapman & Hall, 1993.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import InputError
+from dampyr.structures.capacity import Capacities, capacities
+from dampyr.structures.labels import UNITS
+from dampyr.structures.lognormal import Lognormal, by_capacity, by_yes_and_no, none
+from dampyr.structures.peaks import INTENSITIES, Group, groups
+
+Array = NDArray[np.float64]
+LEAST_SHARE = 0.95  # of the draws must give a curve, else there is no band
+STRIPES, BINS = 40, 12
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One curve: ``theta`` the median intensity, ``beta`` the spread of its logarithm; NaN with a ``reason`` where the cases
+    tell none. ``direct`` is the same from first exceedances, ``capacities`` these. ``draws`` (n, 2) are theta and beta of the
+    bootstrap, NaN where one gave no curve. ``levels``, ``exceeding``, ``of`` (levels,) are what was counted."""
+
+    name: str
+    theta: float
+    beta: float
+    reason: str
+    direct: Lognormal
+    capacities: Capacities
+    levels: Array
+    exceeding: Array
+    of: Array
+    unbounded: int
+    draws: Array = field(repr=False)
+    no_band: str = ""
+
+    @property
+    def found(self) -> bool:
+        """Whether there is a curve."""
+        return not self.reason
+
+    def at(self, intensity: ArrayLike) -> Array:
+        """The probability at an intensity > 0, in its unit."""
+        return _probability(intensity, self.theta, self.beta)
+
+    def band(self, intensity: ArrayLike, level: float = 0.9) -> tuple[Array, Array]:
+        """Where ``level`` of the bootstrap's curves lie at each intensity; NaN without one (``no_band`` says why)."""
+        x = np.asarray(intensity, dtype=float)
+        if self.no_band:
+            return np.full(x.shape, np.nan), np.full(x.shape, np.nan)
+        drawn = self.draws[np.isfinite(self.draws[:, 0])]
+        each = _probability(x[..., None], drawn[:, 0], drawn[:, 1])
+        return _middle(each, level)
+
+    def theta_band(self, level: float = 0.9) -> tuple[float, float]:
+        """Where ``level`` of the bootstrap's medians lie."""
+        if self.no_band:
+            return math.nan, math.nan
+        low, high = _middle(self.draws[np.isfinite(self.draws[:, 0]), 0], level)
+        return float(low), float(high)
+
+    def shares(self) -> tuple[Array, Array, Array]:
+        """Intensity, share that exceeded and number of cases, by level; by twelfths of the levels where there are many."""
+        if self.levels.size <= STRIPES:
+            return self.levels, self.exceeding / self.of, self.of
+        parts = np.array_split(np.arange(self.levels.size), BINS)
+        of = np.array([self.of[k].sum() for k in parts])
+        x = np.array([np.exp(np.average(np.log(self.levels[k]), weights=self.of[k])) for k in parts])
+        return x, np.array([self.exceeding[k].sum() for k in parts]) / of, of
+
+
+@dataclass(frozen=True, eq=False)
+class Fragility:
+    """Curves over one intensity (``unit``) for one ``limit``; ``fragility["1.98 V"]`` is one of them.
+
+    The draws of all curves are those of the same motions, so that curves compare as pairs: `ratio`.
+    """
+
+    curves: tuple[Curve, ...]
+    quantity: str
+    limit: float
+    limit_unit: str
+    intensity: str
+    unit: str
+    motions: int
+    seed: int
+
+    def __getitem__(self, name: str) -> Curve:
+        for curve in self.curves:
+            if curve.name == name:
+                return curve
+        raise InputError(f"there is no curve {name!r}; choose from {', '.join(c.name for c in self.curves)}")
+
+    def ratio(self, name: str, to: str, level: float = 0.9) -> tuple[float, float, float]:
+        """How many times the median of one curve is that of another, and the band of that ratio; NaN where one has none."""
+        one, other = self[name], self[to]
+        with np.errstate(invalid="ignore"):
+            drawn = one.draws[:, 0] / other.draws[:, 0]
+        kept = drawn[np.isfinite(drawn)]
+        if one.no_band or other.no_band or kept.size < LEAST_SHARE * drawn.size:
+            return one.theta / other.theta, math.nan, math.nan
+        low, high = _middle(kept, level)
+        return one.theta / other.theta, float(low), float(high)
+
+    def to_xarray(self) -> Any:
+        """theta, beta, counts and reasons, dim ``curve``."""
+        import xarray
+
+        rows = {
+            "theta": [c.theta for c in self.curves],
+            "theta_low": [c.theta_band()[0] for c in self.curves],
+            "theta_high": [c.theta_band()[1] for c in self.curves],
+            "beta": [c.beta for c in self.curves],
+            "direct_theta": [c.direct.theta for c in self.curves],
+            "direct_beta": [c.direct.beta for c in self.curves],
+            "cases": [int(c.of.sum()) for c in self.curves],
+            "exceeding": [int(c.exceeding.sum()) for c in self.curves],
+            "unbounded": [c.unbounded for c in self.curves],
+            "reason": [c.reason for c in self.curves],
+        }
+        told = ("quantity", "limit", "limit_unit", "intensity", "unit", "motions", "seed")
+        coordinates = {"curve": [c.name for c in self.curves]}
+        attributes = {name: getattr(self, name) for name in told}
+        return xarray.Dataset({k: ("curve", v) for k, v in rows.items()}, coordinates, attributes)
+
+
+def fragility(
+    dataset: Any,
+    quantity: str = "drift",
+    limit: float = 0.01,
+    intensity: str | ArrayLike = "pga",
+    *,
+    storey: str | int = "worst",
+    height: ArrayLike | None = None,
+    by: str | Sequence[str] = ("building", "input"),
+    draws: int = 500,
+    seed: int = 0,
+) -> Fragility:
+    """How likely the peaks of an ensemble exceed a limit, over the intensity of the motion.
+
+    Parameters
+    ----------
+    dataset : what `ensemble` or `read_ensemble` gave.
+    quantity, limit : of the dataset, in SI; ``drift`` in m, or a ratio where ``height`` is given.
+    intensity : "pga" [m/s2]; "sa" [m/s2], the pseudo-acceleration at the building's first period and 5 % damping; "scale"; or
+        (motions,) your own measure of each unscaled motion, in proportion to its scale.
+    storey : "worst", or a number counted from 1 (of the floor, of the damper, for other quantities than drift).
+    height : of the storeys [m], one number or one for each.
+    by : what has a curve each, of building, damper, input. Along the others cases are pooled, such as draws of a damper; a
+        bare building always has its own curve, "no damper".
+    draws, seed : of the bootstrap; 0 draws leave the bands out.
+
+    Where the cases do not tell a curve (none exceeds, all do, or they separate), its theta and beta are NaN and its
+    ``reason`` says why. Raises :class:`~dampyr.errors.InputError` for wrong arguments.
+    """
+    if not (np.isfinite(limit) and limit > 0):
+        raise InputError(f"limit = {limit!r} is not allowed; it must be greater than 0")
+    if draws < 0:
+        raise InputError(f"draws = {draws!r} is not allowed; it must be 0 (no bands) or more")
+    found = groups(dataset, quantity, storey, intensity, by, height)
+    motions = dataset.sizes["motion"]
+    weights = (
+        np.random.default_rng(seed).multinomial(motions, np.full(motions, 1.0 / motions), size=draws).astype(float)
+    )
+    named = intensity if isinstance(intensity, str) else "your measure"
+    return Fragility(
+        tuple(_curve(group, float(limit), weights) for group in found),
+        quantity,
+        float(limit),
+        "" if height is not None else UNITS[quantity],
+        named,
+        INTENSITIES.get(named, ""),
+        motions,
+        seed,
+    )
+
+
+def _curve(group: Group, limit: float, weights: Array) -> Curve:
+    lost = np.isnan(group.peaks)
+    exceeds = lost | (group.peaks > limit)
+    count = _Counts(group.intensity, exceeds.sum(axis=0), exceeds.shape[0])
+    levels, yes, of = count.of(np.ones(len(group.intensity)))
+    curve = by_yes_and_no(levels, yes, of)
+    reached = capacities(group, limit)
+    direct = by_capacity(*reached.points()) if group.peaks.shape[-1] > 1 else none("one scale only; run several")
+    drawn = np.full((len(weights), 2), np.nan)
+    if curve.found and len(group.intensity) > 1:
+        for k, weight in enumerate(weights):
+            one = by_yes_and_no(*count.of(weight))
+            drawn[k] = one.theta, one.beta
+    return Curve(
+        group.name, curve.theta, curve.beta, curve.reason, direct, reached, levels, yes, of, int(lost.sum()), drawn,
+        _why_no_band(curve, drawn, len(group.intensity)),
+    )  # fmt: skip
+
+
+def _why_no_band(curve: Lognormal, drawn: Array, motions: int) -> str:
+    if not curve.found:
+        return curve.reason
+    if motions < 2:
+        return "one motion only: nothing tells how motions differ"
+    if not len(drawn):
+        return "no bootstrap was asked for"
+    good = int(np.isfinite(drawn[:, 0]).sum())
+    if good < LEAST_SHARE * len(drawn):
+        return f"only {good} of {len(drawn)} draws of the motions tell a curve; take more motions or finer scales"
+    return ""
+
+
+class _Counts:
+    """Yes and all by level of intensity, for any weights of the motions."""
+
+    def __init__(self, intensity: Array, yes: Array, each: int) -> None:
+        self.levels, place = np.unique(intensity, return_inverse=True)
+        self.place = place.reshape(intensity.shape)
+        self.yes, self.each = yes.astype(float), float(each)
+
+    def of(self, weights: Array) -> tuple[Array, Array, Array]:
+        """Levels, yes and cases, where there is a case."""
+        n = len(self.levels)
+        cases = np.broadcast_to(weights[:, None] * self.each, self.yes.shape)
+        of = np.bincount(self.place.ravel(), cases.ravel(), n).astype(float)
+        yes = np.bincount(self.place.ravel(), (weights[:, None] * self.yes).ravel(), n).astype(float)
+        return self.levels[of > 0], yes[of > 0], of[of > 0]
+
+
+def _probability(x: ArrayLike, theta: ArrayLike, beta: ArrayLike) -> Array:
+    from scipy.special import ndtr
+
+    with np.errstate(divide="ignore"):
+        return np.asarray(ndtr(np.log(np.asarray(x, dtype=float) / theta) / beta))
+
+
+def _middle(values: Array, level: float) -> tuple[Array, Array]:
+    if not 0 < level < 1:
+        raise InputError(f"level = {level!r} is not allowed; it must lie between 0 and 1, as in 0.9")
+    low, high = np.quantile(values, [(1 - level) / 2, (1 + level) / 2], axis=-1)
+    return low, high

@@ -1,0 +1,131 @@
+"""Incremental dynamic analysis: how the peak grows with the intensity of each motion ([VamvatsikosCornell2002]_).
+
+Curves are kept as they are: where a stronger motion gives a smaller peak they bend back, and nothing is smoothed or sorted.
+
+References
+----------
+.. [VamvatsikosCornell2002] D. Vamvatsikos and C. A. Cornell, "Incremental dynamic analysis", Earthquake Engineering and
+   Structural Dynamics 31(3), 491-514, 2002.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import InputError
+from dampyr.structures.labels import UNITS
+from dampyr.structures.peaks import INTENSITIES, Group, groups
+
+Array = NDArray[np.float64]
+LEVELS = 40
+BEYOND = 1e300  # stands for infinity while fractiles are interpolated
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """The curves of one group: ``peaks`` (curves, scales) over ``intensity`` (curves, scales), by rising intensity; NaN where a
+    case grew without bound. ``fractiles`` (fractions, levels) of the peaks at each of ``levels``, inf where so many of the
+    cases grew without bound; levels are those that every motion reaches."""
+
+    name: str
+    intensity: Array
+    peaks: Array
+    levels: Array
+    fractiles: Array
+
+    @property
+    def bent_back(self) -> int:
+        """How many curves have a smaller peak somewhere at a greater intensity."""
+        return int((np.diff(self.peaks, axis=1) < 0).any(axis=1).sum())
+
+    @property
+    def unbounded(self) -> int:
+        """How many cases grew without bound."""
+        return int(np.isnan(self.peaks).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class Incremental:
+    """Sweeps of one quantity over one intensity; ``fractions`` such as 0.16, 0.5, 0.84."""
+
+    sweeps: tuple[Sweep, ...]
+    quantity: str
+    quantity_unit: str
+    intensity: str
+    unit: str
+    fractions: tuple[float, ...]
+
+    def __getitem__(self, name: str) -> Sweep:
+        for sweep in self.sweeps:
+            if sweep.name == name:
+                return sweep
+        raise InputError(f"there is no sweep {name!r}; choose from {', '.join(s.name for s in self.sweeps)}")
+
+
+def incremental(
+    dataset: Any,
+    quantity: str = "drift",
+    intensity: str | ArrayLike = "pga",
+    *,
+    storey: str | int = "worst",
+    height: ArrayLike | None = None,
+    by: str | Sequence[str] = ("building", "input"),
+    fractions: Sequence[float] = (0.16, 0.5, 0.84),
+) -> Incremental:
+    """Peaks over intensity for each motion of an ensemble (and each draw of the damper), with fractiles by intensity.
+
+    Arguments as in `fragility`. Where motions have different intensities at the same scale, the fractiles are taken at 40
+    levels that all of them reach, each curve linear between its scales. Raises :class:`~dampyr.errors.InputError` for fewer
+    than two scales and for wrong arguments.
+    """
+    if dataset.sizes["scale"] < 2:
+        raise InputError(
+            "this ensemble has one scale; an incremental analysis needs several, such as scales=np.linspace(...)"
+        )
+    asked = tuple(float(p) for p in fractions)
+    if not asked or not all(0 < p < 1 for p in asked):
+        raise InputError(f"fractions = {tuple(fractions)} is not allowed; each must lie between 0 and 1, as in 0.5")
+    found = groups(dataset, quantity, storey, intensity, by, height)
+    named = intensity if isinstance(intensity, str) else "your measure"
+    return Incremental(
+        tuple(_sweep(group, asked) for group in found),
+        quantity,
+        "" if height is not None else UNITS[quantity],
+        named,
+        INTENSITIES.get(named, ""),
+        asked,
+    )
+
+
+def _sweep(group: Group, fractions: tuple[float, ...]) -> Sweep:
+    order = np.argsort(group.intensity, axis=1, kind="stable")
+    x = np.take_along_axis(group.intensity, order, axis=1)
+    peaks = np.take_along_axis(group.peaks, np.broadcast_to(order, group.peaks.shape), axis=2)
+    each = np.broadcast_to(x, peaks.shape).reshape(-1, x.shape[1])
+    peaks = peaks.reshape(each.shape)
+    if np.all(x == x[:1]):
+        levels, at = x[0], peaks
+    else:
+        low, high = x[:, 0].max(), x[:, -1].min()
+        levels = np.linspace(low, high, LEVELS) if high > low else np.zeros(0)
+        at = np.array([_between(levels, a, b) for a, b in zip(each, peaks)])
+    return Sweep(group.name, each, peaks, levels, _fractiles(at, fractions))
+
+
+def _between(levels: Array, x: Array, peaks: Array) -> Array:
+    """Linear between the scales; NaN next to a case that grew without bound, but not at a scale that did not."""
+    found = np.interp(levels, x, peaks)
+    exact = np.searchsorted(x, levels)
+    here = np.minimum(exact, len(x) - 1)
+    return np.where(x[here] == levels, peaks[here], found)
+
+
+def _fractiles(at: Array, fractions: tuple[float, ...]) -> Array:
+    filled = np.where(np.isnan(at), BEYOND, at)
+    found = np.quantile(filled, fractions, axis=0)
+    return np.where(found > BEYOND * 1e-6, np.inf, found)

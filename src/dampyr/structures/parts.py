@@ -1,0 +1,182 @@
+"""An ensemble in parts: each computed by a process of its own, on any machine, and put together afterwards.
+
+Part i of n of the same cases is a file in a folder; what is there is taken up, whoever wrote it.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import FileError, InputError
+from dampyr.structures.cases import Cases
+from dampyr.structures.ensemble import Progress, completed, warn_of
+from dampyr.structures.labels import Labels
+from dampyr.structures.store import FORMAT, TOLD, attributes, describe
+from dampyr.whole import whole_file
+
+Array = NDArray[np.float64]
+NAME = re.compile(r"part-(\d+)-of-(\d+)\.h5")
+
+
+def write_part(
+    what: Cases,
+    part: int,
+    parts: int,
+    folder: str | Path,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Path:
+    """Compute part number ``part`` (from 1) of ``parts`` and write it into ``folder``, whole or not at all.
+
+    A part that is there already, of the same cases, is left as it is. ``progress`` is called with the cases done and all
+    of this part. Raises :class:`~dampyr.errors.InputError` for a part that does not exist and
+    :class:`~dampyr.errors.FileError` where the file holds a part of other cases.
+    """
+    if not 1 <= part <= parts:
+        raise InputError(f"part {part}/{parts} does not exist; count from 1 to {parts}")
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"part-{part:0{len(str(parts))}d}-of-{parts}.h5"
+    if path.exists():
+        _check_kept(path, what)
+        return path
+    values, told = _compute(what, part - 1, parts, executor, progress)
+    with whole_file(path) as beside:
+        _write(beside, what, part, parts, values, told)
+    return path
+
+
+def _compute(
+    what: Cases, index: int, parts: int, executor: Executor | None, progress: Progress | None
+) -> tuple[dict[str, Array], Array]:
+    each = max(1, -(-what.shards() // parts))  # shards of a part, which together are exactly its lines
+    lines = what.lines_of(index, parts)
+    values = {q: np.full((len(lines), len(what.scales), what.width(q)), np.nan) for q in what.quantities}
+    told, done = [], 0
+    pool = executor or ThreadPoolExecutor(os.cpu_count())
+    try:
+        for shard in completed(pool, what, each * parts, list(range(index * each, (index + 1) * each))):
+            rows = slice(shard.lines.start - lines.start, shard.lines.stop - lines.start)
+            for quantity, found in shard.values.items():
+                values[quantity][rows] = found
+            told.append([getattr(shard, name) for name in TOLD])
+            done += len(shard.lines) * len(what.scales)
+            if progress:
+                progress(done, len(lines) * len(what.scales))
+    finally:
+        if executor is None:
+            pool.shutdown(cancel_futures=True)
+    return values, np.array(told, dtype=float)
+
+
+def _write(path: Path, what: Cases, part: int, parts: int, values: dict[str, Array], told: Array) -> None:
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        describe(file, what, Labels.of(what))
+        file.attrs["part"], file.attrs["parts"] = part, parts
+        file["told"] = told
+        for quantity, found in values.items():
+            file[quantity] = found
+
+
+def _check_kept(path: Path, what: Cases) -> None:
+    with _opened(path) as file:
+        if file.attrs.get("digest") != what.digest:
+            raise FileError(path, "is a part of another ensemble; choose another folder, or remove it")
+
+
+def collect(folder: str | Path, out: str | Path | None = None) -> Any:
+    """Put the parts in ``folder`` together: the dataset of the whole ensemble; with ``out`` written there too.
+
+    Raises :class:`~dampyr.errors.InputError` where parts are missing (it names them) and
+    :class:`~dampyr.errors.FileError` for one that does not belong to the first.
+    """
+    paths = _all_there(Path(folder))
+    with _opened(paths[0]) as first:
+        digest, labels = first.attrs["digest"], Labels.read(first["labels"].asstr()[()])
+        quantities = [str(quantity) for quantity in first.attrs["quantities"]]
+        made = (str(first.attrs["accuracy"]), int(first.attrs["precision"]))
+    rows: dict[str, list[Array]] = {quantity: [] for quantity in quantities}
+    told = []
+    for path in paths:
+        with _opened(path) as file:
+            if file.attrs["digest"] != digest:
+                raise FileError(path, f"does not belong to {paths[0].name}: its cases are others; compute it again")
+            told.append(file["told"][:])
+            for quantity in quantities:
+                rows[quantity].append(file[quantity][:])
+    values = {quantity: np.concatenate(each) for quantity, each in rows.items()}
+    sums = np.concatenate(told)
+    if out is not None:
+        _write_whole(Path(out), paths[0], values, sums)
+    found = labels.dataset(values, attributes(sums, *made, int(np.prod(labels.shape))))
+    warn_of(found)
+    return found
+
+
+def _write_whole(out: Path, like: Path, values: dict[str, Array], told: Array) -> None:
+    """A file as the ensemble itself would have written, for `read_ensemble`."""
+    import h5py
+
+    with whole_file(out) as beside, h5py.File(beside, "w") as file, _opened(like) as first:
+        for name in ("format", "digest", "quantities", "accuracy", "precision"):
+            file.attrs[name] = first.attrs[name]
+        file.attrs["shards"] = len(told)
+        file["labels"] = first["labels"].asstr()[()]
+        file["told"], file["done"] = told, np.ones(len(told), dtype=bool)
+        for quantity, found in values.items():
+            file[quantity] = found
+
+
+def _all_there(folder: Path) -> list[Path]:
+    named = {path: NAME.fullmatch(path.name) for path in sorted(folder.glob("part-*-of-*.h5"))}
+    found = {(int(name[1]), int(name[2])): path for path, name in named.items() if name}
+    if not found:
+        raise InputError(f"{folder} holds no part of an ensemble; compute them first, each with its own number")
+    counts = sorted({parts for _, parts in found})
+    if len(counts) > 1:
+        raise InputError(
+            f"{folder} holds parts of {' and of '.join(map(str, counts))}; keep those of one division and remove the others"
+        )
+    parts = counts[0]
+    missing = [k for k in range(1, parts + 1) if (k, parts) not in found]
+    if missing:
+        raise InputError(
+            f"{folder}: {len(missing)} of {parts} parts are missing: {ranges(missing)}; compute them first"
+        )
+    return [found[k, parts] for k in range(1, parts + 1)]
+
+
+def ranges(numbers: Sequence[int]) -> str:
+    """Whole rising numbers as people, and the arrays of a batch system, write them: ``1,4-7``."""
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][1] + 1:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in runs)
+
+
+def _opened(path: Path) -> Any:
+    import h5py
+
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise FileError(
+            path, f"cannot be read as a part of an ensemble ({error}); remove it and compute it again"
+        ) from None
+    if file.attrs.get("format") != FORMAT or "part" not in file.attrs:
+        file.close()
+        raise FileError(path, "is no part of an ensemble; remove it and compute it again")
+    return file
