@@ -14,9 +14,11 @@ from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text,
 from dampyr.report.figures.building import building_response
 from dampyr.report.figures.calibrated import calibrated
 from dampyr.report.figures.correlation import correlation, strong_pairs
+from dampyr.report.figures.fragility import Fragile, fragility_curves
 from dampyr.report.figures.ground_histories import ground_histories
 from dampyr.report.figures.ground_motion import ground_motion
 from dampyr.report.figures.history import history
+from dampyr.report.figures.incremental import incremental_curves
 from dampyr.report.figures.laws import Law, parameters_against_input
 from dampyr.report.figures.loops import loops
 from dampyr.report.figures.memory import memory
@@ -48,6 +50,9 @@ __all__ = [
     "ground_motion",
     "ground_histories",
     "response_spectrum",
+    "Fragile",
+    "fragility_curves",
+    "incremental_curves",
     "theta",
     "phase_portrait",
     "scores",

@@ -1,0 +1,131 @@
+"""The page of an ensemble: peaks in short, fragility curves, incremental curves, and how far to trust them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import dampyr
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
+from dampyr.report.figures.incremental import incremental_curves
+from dampyr.report.fragility_section import axis_of, fragility_section
+from dampyr.report.page import page, write_page
+from dampyr.structures import Fragility, Incremental, incremental, summary
+
+SHOWN = {
+    "drift": ("drift", "mm", 1e3),
+    "displacement": ("displacement", "mm", 1e3),
+    "acceleration": ("acceleration", "m/s²", 1.0),
+    "force": ("damper force", "N", 1.0),
+}
+FRACTIONS = (0.16, 0.5, 0.84)
+MARGIN = 1.2  # how far a figure reaches, in the largest 84 % fractile of all of them
+
+
+def write_ensemble_page(
+    dataset: Any, path: Path, fragilities: Sequence[Fragility] = (), intensity: str = "pga", title: str = ""
+) -> Path:
+    """Write the page of what `ensemble` or `read_ensemble` gave; ``fragilities`` are drawn in their order."""
+    names = ", ".join(str(name) for name in dataset.building_name.values)
+    sections = [Section("Peaks", summary_tables(dataset))]
+    sections += [fragility_section(found) for found in fragilities]
+    if dataset.sizes["scale"] > 1 and "drift" in dataset:
+        sections.append(
+            _incremental_section(incremental(dataset, "drift", intensity, fractions=FRACTIONS), fragilities)
+        )
+    sections.append(Section("How far to trust it", [Text("\n\n".join(trust(dataset)))]))
+    html = page(title or f"Ensemble: {names}", sections, subtitle=_sizes(dataset), provenance=_provenance(dataset))
+    return write_page(path, html)
+
+
+def _sizes(dataset: Any) -> str:
+    n = dataset.sizes
+    parts = [(n["building"], "building"), (n["damper"], "damper case"), (n["input"], "input"), (n["motion"], "motion"),
+             (n["scale"], "scale")]  # fmt: skip
+    words = [f"{count} {word}{'s' * (count != 1)}" for count, word in parts]
+    return f"{dataset.attrs['cases']} cases: {', '.join(words)}"
+
+
+def summary_rows(dataset: Any, shown: Sequence[str] = tuple(SHOWN)) -> tuple[list[str], list[str], list[list[Cell]]]:
+    """Columns, units and rows of medians and 84 % fractiles, worst storey, floor and damper."""
+    kept = [q for q in shown if q in dataset and dataset[q].shape[-1]]
+    columns = ["case", "scale"] + [f"{SHOWN[q][0]}, {part}" for q in kept for part in ("median", "84 %")]
+    units = ["", ""] + [SHOWN[q][1] for q in kept for _ in range(2)]
+    rows: list[list[Cell]] = []
+    for row in summary(dataset):
+        pairs = [(row.peaks[q] or (None, None), SHOWN[q][2]) for q in kept]
+        numbers = [None if v is None else factor * v for pair, factor in pairs for v in pair]
+        rows.append([row.name, row.scale, *numbers])
+    return columns, units, rows
+
+
+def summary_tables(dataset: Any) -> list[Table]:
+    """The summary: what moves, and what is felt."""
+    captions = {
+        (
+            "drift",
+            "displacement",
+        ): "Across motions and draws of the damper, of the worst storey and floor of each case; "
+        "displacements relative to the ground.",
+        ("acceleration", "force"): "The same for absolute accelerations and the dampers' forces.",
+    }
+    made = [(caption, summary_rows(dataset, shown)) for shown, caption in captions.items()]
+    return [Table(c, rows, units, caption=caption, digits=4) for caption, (c, units, rows) in made if len(c) > 2]
+
+
+def _incremental_section(found: Incremental, fragilities: Sequence[Fragility]) -> Section:
+    axis = axis_of(found.intensity)
+    limits = {
+        f"limit, {1e3 * f.limit:.4g} mm": f.limit for f in fragilities if (f.quantity, f.limit_unit) == ("drift", "m")
+    }
+    reach = [np.max(s.fractiles[-1], initial=0.0, where=np.isfinite(s.fractiles[-1])) for s in found.sweeps]
+    furthest = MARGIN * float(max(reach)) or None
+    blocks: list[Block] = []
+    for s in found.sweeps:
+        names = {f"{100 * p:g} %": s.fractiles[k] for k, p in enumerate(found.fractions)}
+        figure = incremental_curves(s.intensity, s.peaks, s.levels, names, axis, limits=limits, furthest=furthest)
+        blocks.append(FigureBlock(figure, _sweep_in_words(s)))
+    return Section("Incremental analysis", blocks)
+
+
+def _sweep_in_words(s: Any) -> str:
+    bent = f"{s.bent_back} of {len(s.peaks)} curves bend back somewhere" if s.bent_back else "no curve bends back"
+    lost = f"; {s.unbounded} cases grew without bound and are left out of the lines" if s.unbounded else ""
+    return f"{s.name}: the drift of each motion (grey) and fractiles across motions by intensity; {bent}{lost}."
+
+
+def trust(dataset: Any) -> list[str]:
+    """What was measured of the error, and what it does not cover; sentences."""
+    told = dataset.attrs
+    error = f"{100 * told['error_estimate']:.2g} %"
+    measured = (
+        f"The largest change of a peak displacement or drift on halving the step was {error}, measured on {told['judged']} of "
+        f"{told['cases']} cases."
+    )
+    fast = (
+        "The accuracy is “fast”: about 0.1 % of the peak in strong motion, up to about 1 % where the motion is small and "
+        "the input high. Accelerations are less sharp, a few per cent at a high input. Accuracy “strict” halves the step."
+    )
+    strict = "The accuracy is “strict”, half the step of “fast”. Accelerations are less sharp than drifts."
+    lost = (
+        f"{told['unbounded']} cases grew without bound; they have no peak, and count as exceeding every limit."
+        if told["unbounded"]
+        else "No case grew without bound."
+    )
+    return [measured, fast if told["accuracy"] == "fast" else strict, lost]
+
+
+def _provenance(dataset: Any) -> dict[str, str]:
+    scales, told = dataset.scale.values, dataset.attrs
+    names = [str(name) for name in dataset.motion_name.values]
+    shown = ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
+    span = f"{scales.min():g} to {scales.max():g}" if scales.size > 1 else f"{scales[0]:g}"
+    return {
+        "dampyr": dampyr.__version__,
+        "motions": shown,
+        "scales": f"{scales.size}, {span}",
+        "accuracy": f"{told['accuracy']}, {told['precision_bits']} bits",
+    }

@@ -1,0 +1,60 @@
+"""Fragility curves: how likely a limit is exceeded over the intensity, with bands and what was counted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dampyr.report import style
+from dampyr.report.style import Axis
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PGA = Axis("peak ground acceleration", "g", 1 / 9.80665)
+SA = Axis("Sa at the first period, 5 %", "g", 1 / 9.80665)
+SCALE = Axis("scale of the motions", "1")
+PROBABILITY = Axis("probability of exceeding", "%", 100.0)
+
+
+@dataclass(frozen=True)
+class Fragile:
+    """One curve: ``probability`` over ``intensity`` SI (n,), None without a curve; ``band`` (low, high); ``counted``
+    (intensity, share), shown as points."""
+
+    intensity: ArrayLike
+    probability: ArrayLike | None
+    band: tuple[ArrayLike, ArrayLike] | None = None
+    counted: tuple[ArrayLike, ArrayLike] | None = None
+
+
+def fragility_curves(curves: Mapping[str, Fragile], axis: Axis = PGA, title: str = "") -> Figure:
+    """All curves in one panel; at most six, one colour each."""
+    fig, axes = style.figure(3.3, 1, 1, title)
+    panel = axes[0, 0]
+    with style.style():
+        for colour, (name, curve) in zip(cycle(style.SERIES), curves.items(), strict=False):
+            _draw(panel, name, curve, axis, colour)
+        panel.set_ylim(-2, 102)
+        panel.set_xlim(left=0.0)
+        style.name_axes(panel, axis, PROBABILITY)
+        style.legend(fig, panel, columns=4, fewest=1)
+    return fig
+
+
+def _draw(panel: Any, name: str, curve: Fragile, axis: Axis, colour: str) -> None:
+    x = axis.of(curve.intensity)
+    label: str | None = name
+    if curve.band is not None and not np.isnan(np.asarray(curve.band[0], dtype=float)).all():
+        panel.fill_between(x, *(PROBABILITY.of(edge) for edge in curve.band), color=colour, alpha=0.16, lw=0)
+    if curve.probability is not None:
+        panel.plot(x, PROBABILITY.of(curve.probability), color=colour, lw=1.4, label=label)
+        label = None
+    if curve.counted is not None:
+        at, share = curve.counted
+        panel.plot(axis.of(at), PROBABILITY.of(share), "o", ms=3, color=colour, alpha=0.75, mew=0, label=label)

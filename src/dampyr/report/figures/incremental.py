@@ -1,0 +1,54 @@
+"""Incremental curves: intensity against peak for each motion, thin, with the fractiles across them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import cycle
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dampyr.report import style
+from dampyr.report.figures.fragility import PGA
+from dampyr.report.style import Axis
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST = 120
+DRIFT = Axis("largest drift", "mm", 1e3)
+DASHES = ("--", "-", "-.")
+
+
+def incremental_curves(
+    intensity: ArrayLike,
+    peaks: ArrayLike,
+    levels: ArrayLike,
+    fractiles: Mapping[str, ArrayLike],
+    axis: Axis = PGA,
+    peak: Axis = DRIFT,
+    limits: Mapping[str, float] | None = None,
+    furthest: float | None = None,
+    title: str = "",
+) -> Figure:
+    """``intensity`` and ``peaks`` (curves, scales) SI; ``fractiles`` name -> peaks (levels,); ``limits`` name -> peak.
+
+    Of more than 120 curves every n-th is drawn; ``furthest`` is the peak at which the axis ends, to compare figures.
+    """
+    fig, axes = style.figure(3.1, 1, 1, title)
+    panel = axes[0, 0]
+    x, y = np.atleast_2d(peaks), np.atleast_2d(intensity)
+    with style.style():
+        for row in range(0, len(x), max(1, -(-len(x) // MOST))):
+            panel.plot(peak.of(x[row]), axis.of(y[row]), color=style.MUTED, lw=0.5, alpha=0.55)
+        for dash, (name, values) in zip(cycle(DASHES), fractiles.items(), strict=False):
+            shown = np.where(np.isfinite(values), values, np.nan)
+            panel.plot(peak.of(shown), axis.of(levels), dash, color=style.BLUE, lw=1.7, label=name)
+        for name, value in (limits or {}).items():
+            panel.axvline(float(peak.of(value)), color=style.VERMILLION, lw=1.3, label=name)
+        panel.set_xlim(0.0, None if furthest is None else float(peak.of(furthest)))
+        panel.set_ylim(bottom=0.0)
+        style.name_axes(panel, peak, axis)
+        style.legend(fig, panel, columns=5, fewest=1)
+    return fig

@@ -1,0 +1,105 @@
+"""Fragility curves on a page: figure, numbers, comparisons, and what the cases do not tell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
+from dampyr.report.figures.fragility import PGA, SA, SCALE, Fragile, fragility_curves
+from dampyr.report.style import Axis
+from dampyr.structures import Curve, Fragility
+
+LEVEL = 0.9
+MOST = 6
+COLUMNS = ("case", "median", "from", "to", "beta", "direct median", "direct beta", "cases", "exceed", "without bound")
+DIRECT = (
+    "Direct: from the intensity at which each motion first exceeds the limit, linear between its scales; motions that never "
+    "do, or do at the weakest scale already, are counted as such in the likelihood."
+)
+
+
+def axis_of(intensity: str) -> Axis:
+    """How an intensity is shown."""
+    return {"pga": PGA, "sa": SA, "scale": SCALE}.get(intensity, Axis("intensity, your measure", "its unit"))
+
+
+def limit_in_words(found: Fragility) -> str:
+    """Such as ``drift above 12 mm``, ``drift above 1 % of the height``."""
+    value, unit = {
+        "m": (1e3 * found.limit, "mm"),
+        "": (100 * found.limit, "% of the height"),
+        "m/s^2": (found.limit, "m/s²"),
+    }.get(found.limit_unit, (found.limit, found.limit_unit))
+    return f"{found.quantity} above {value:.4g} {unit}"
+
+
+def fragility_rows(found: Fragility) -> list[list[Cell]]:
+    """One row for each curve, in the order of `COLUMNS`; None where there is no number."""
+    axis = axis_of(found.intensity)
+    rows: list[list[Cell]] = []
+    for c in found.curves:
+        numbers = [float(axis.of(v)) for v in (c.theta, *c.theta_band(LEVEL))]
+        direct = [float(axis.of(c.direct.theta)), c.direct.beta]
+        told: list[Cell] = [None if np.isnan(v) else float(v) for v in (*numbers, c.beta, *direct)]
+        rows.append([c.name, *told, int(c.of.sum()), int(c.exceeding.sum()), c.unbounded])
+    return rows
+
+
+def fragility_units(found: Fragility) -> list[str]:
+    """Units of the columns."""
+    unit = axis_of(found.intensity).unit
+    return ["", unit, unit, unit, "", unit, "", "", "", ""]
+
+
+def remarks(found: Fragility) -> list[str]:
+    """What the cases do not tell, and how curves compare."""
+    told = [f"{c.name}: no curve; {c.reason}" for c in found.curves if not c.found]
+    told += [f"{c.name}: no band; {c.no_band}" for c in found.curves if c.found and c.no_band]
+    told += [f"{c.name}: no direct estimate; {c.direct.reason}" for c in found.curves if c.found and c.direct.reason]
+    told += [_censored(c) for c in found.curves if c.capacities.above or c.capacities.below]
+    first = found.curves[0]
+    for c in found.curves[1:]:
+        if first.found and c.found:
+            ratio, low, high = found.ratio(c.name, first.name, LEVEL)
+            band = "" if np.isnan(low) else f" (90 % band {low:.3g} to {high:.3g})"
+            told.append(f"{c.name}: its median is {ratio:.3g} times that of {first.name}{band}")
+    return told
+
+
+def _censored(c: Curve) -> str:
+    held, all_ = c.capacities, c.capacities.value.size
+    parts = [f"{held.above} never exceed the limit"] * bool(held.above)
+    parts += [f"{held.below} do at the weakest scale already"] * bool(held.below)
+    return f"{c.name}: of {all_} sweeps {' and '.join(parts)}"
+
+
+def fragility_section(found: Fragility) -> Section:
+    """A section for one limit."""
+    caption = (
+        f"Lognormal curves of largest likelihood; the band holds {100 * LEVEL:g} % of a bootstrap over the "
+        f"{found.motions} motions (seed {found.seed}); points are the shares that were counted."
+    )
+    table = Table(
+        COLUMNS,
+        fragility_rows(found),
+        fragility_units(found),
+        caption=f"Median with its {100 * LEVEL:g} % band, and beta, the standard deviation of the logarithm. {DIRECT}",
+        digits=4,
+    )
+    notes = "\n\n".join(sentence(each) for each in remarks(found))
+    text: list[Block] = [Text(notes)] if notes else []
+    return Section(f"Fragility: {limit_in_words(found)}", [*_figures(found, caption), table, *text])
+
+
+def _figures(found: Fragility, caption: str) -> list[Block]:
+    axis = axis_of(found.intensity)
+    parts: list[Sequence[Curve]] = [found.curves[k : k + MOST] for k in range(0, len(found.curves), MOST)]
+    return [FigureBlock(fragility_curves({c.name: _fragile(c) for c in part}, axis), caption) for part in parts]
+
+
+def _fragile(c: Curve) -> Fragile:
+    x = np.linspace(0.0, float(c.levels.max()), 241)[1:]
+    at, share, _ = c.shares()
+    return Fragile(x, c.at(x) if c.found else None, c.band(x, LEVEL), (at, share))
