@@ -31,7 +31,7 @@ DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.rglob("*.md"))]
 HOW_TO = [
     DOCS / "how-to" / f"{name}.md"
-    for name in ("read-your-own-files", "another-laboratory", "ground-motions", "your-own-structure")
+    for name in ("read-your-own-files", "another-laboratory", "ground-motions", "your-own-structure", "ensembles")
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -179,7 +179,7 @@ def test_the_intensity_is_that_of_the_scaled_motion() -> None:
     [own] = fragility(made(capacity, np.linspace(0.02, 6, 200)), "drift", 1.0, pga, draws=0).curves
     assert curve.direct.theta == pytest.approx(np.exp(np.log(drawn(50)).mean()), rel=1e-9)
     assert (own.theta, own.beta) == (curve.theta, curve.beta)
-    assert len(curve.shares()[0]) == 12
+    assert len(curve.shares()[0]) == 24
     assert curve.shares()[2].sum() == 50 * 200
 
 

@@ -13,6 +13,7 @@ from dampyr.structures import Curve, Fragility
 
 LEVEL = 0.9
 MOST = 6
+FULL = 3.3  # standard deviations above the median
 COLUMNS = ("case", "median", "from", "to", "beta", "direct median", "direct beta", "cases", "exceed", "without bound")
 DIRECT = (
     "Direct: from the intensity at which each motion first exceeds the limit, linear between its scales; motions that never "
@@ -96,10 +97,21 @@ def fragility_section(found: Fragility) -> Section:
 def _figures(found: Fragility, caption: str) -> list[Block]:
     axis = axis_of(found.intensity)
     parts: list[Sequence[Curve]] = [found.curves[k : k + MOST] for k in range(0, len(found.curves), MOST)]
-    return [FigureBlock(fragility_curves({c.name: _fragile(c) for c in part}, axis), caption) for part in parts]
+    return [
+        FigureBlock(fragility_curves({c.name: _fragile(c, _reach(part)) for c in part}, axis), caption)
+        for part in parts
+    ]
 
 
-def _fragile(c: Curve) -> Fragile:
-    x = np.linspace(0.0, float(c.levels.max()), 241)[1:]
+def _reach(curves: Sequence[Curve]) -> float:
+    """How far a figure goes: to where the last curve is nearly 1, at most as far as the motions."""
+    most = max(float(c.levels.max()) for c in curves)
+    full = [c.theta * np.exp(FULL * c.beta) for c in curves]
+    return most if np.isnan(full).any() else float(min(most, max(full)))
+
+
+def _fragile(c: Curve, reach: float) -> Fragile:
+    x = np.linspace(0.0, reach, 301)[1:]
     at, share, _ = c.shares()
-    return Fragile(x, c.at(x) if c.found else None, c.band(x, LEVEL), (at, share))
+    near = at <= reach
+    return Fragile(x, c.at(x) if c.found else None, c.band(x, LEVEL), (at[near], share[near]))

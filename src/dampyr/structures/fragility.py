@@ -31,7 +31,7 @@ from dampyr.structures.peaks import INTENSITIES, Group, groups
 
 Array = NDArray[np.float64]
 LEAST_SHARE = 0.95  # of the draws must give a curve, else there is no band
-STRIPES, BINS = 40, 12
+STRIPES, BINS = 40, 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ class Curve:
         return float(low), float(high)
 
     def shares(self) -> tuple[Array, Array, Array]:
-        """Intensity, share that exceeded and number of cases, by level; by twelfths of the levels where there are many."""
+        """Intensity, share that exceeded and number of cases, by level; in 24 parts where there are many levels."""
         if self.levels.size <= STRIPES:
             return self.levels, self.exceeding / self.of, self.of
         parts = np.array_split(np.arange(self.levels.size), BINS)
