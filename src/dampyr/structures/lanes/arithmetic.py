@@ -11,6 +11,8 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 LANES = 64
 LN2, LOG2E = math.log(2.0), 1.0 / math.log(2.0)
 
@@ -20,8 +22,7 @@ def functions(precision: int) -> dict[str, Any]:
     """exp, tanh, copysign and eighth_over by name, for numba to inline; ``precision`` is 64 or 32 bits."""
     from numba import njit
 
-    bits, number = _bitcasts(precision)
-    given = constants(precision) | {"bits": bits, "number": number}
+    given = constants(precision)
     made: dict[str, Any] = {}
     for plain in (exp, copysign, tanh, eighth_over):
         made[plain.__name__] = njit(inline="always", error_model="numpy")(_copy(plain, given | made))
@@ -36,8 +37,6 @@ def _copy(function: Callable[..., Any], names: dict[str, Any]) -> Callable[..., 
 
 def constants(precision: int) -> dict[str, Any]:
     """Numbers of one precision; a literal would turn a sum of single precision into one of double."""
-    import numpy as np
-
     kind = np.float64 if precision == 64 else np.float32
     integer = np.int64 if precision == 64 else np.int32
     digits = 52 if precision == 64 else 23
@@ -57,10 +56,12 @@ def constants(precision: int) -> dict[str, Any]:
         "digits": integer(digits),
         "magic": integer(magic),
         "sign": integer(-(2 ** (precision - 1))),
+        "real": kind,
+        "whole": integer,
     }
 
 
-bits = number = None  # bound by `functions`
+real, whole = np.float64, np.int64  # all of these are bound by `functions`
 over_2 = over_6 = over_24 = over_120 = over_720 = over_5040 = 0.0
 lowest = log2e = ln2 = one = two = quarter = eighth = rounding = tiny = 0.0
 digits = magic = sign = 0
@@ -74,7 +75,7 @@ def exp(t: float) -> float:
     low = (one + r) + square * (over_2 + over_6 * r)
     high = (over_24 + over_120 * r) + square * (over_720 + over_5040 * r)
     p = low + square * square * high
-    return number(bits(p) + (bits(k) << digits))  # type: ignore[misc]
+    return whole(real(p).view(whole) + (real(k).view(whole) << digits)).view(real)
 
 
 def tanh(t: float) -> float:
@@ -83,30 +84,10 @@ def tanh(t: float) -> float:
 
 
 def copysign(size: float, t: float) -> float:
-    return number(bits(abs(size)) | (bits(t) & sign))  # type: ignore[misc]
+    return whole(real(abs(size)).view(whole) | (real(t).view(whole) & sign)).view(real)
 
 
 def eighth_over(t: float) -> float:
     """1/(8 t) of a positive number to 0.3 %, without a division."""
-    y = number(magic - bits(t))  # type: ignore[misc]
+    y = whole(magic - real(t).view(whole)).view(real)
     return y * (quarter - eighth * t * y)
-
-
-def _bitcasts(precision: int) -> tuple[Any, Any]:
-    """The bits of a number as an integer, and back."""
-    from llvmlite import ir
-    from numba import types
-    from numba.extending import intrinsic
-
-    real, whole = (types.float64, types.int64) if precision == 64 else (types.float32, types.int32)
-    target = ir.IntType(precision), ir.DoubleType() if precision == 64 else ir.FloatType()
-
-    @intrinsic
-    def bits(context: Any, value: Any) -> Any:
-        return whole(real), lambda _, builder, signature, values: builder.bitcast(values[0], target[0])
-
-    @intrinsic
-    def number(context: Any, value: Any) -> Any:
-        return real(whole), lambda _, builder, signature, values: builder.bitcast(values[0], target[1])
-
-    return bits, number
