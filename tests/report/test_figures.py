@@ -27,6 +27,17 @@ LAWS = [
 POINTS = {"0 V": ([0.5, 1.2], [0.02, 0.008]), "1 V": ([np.nan], [0.01])}
 RANGES = {"displacement": (0.0, 0.02), "velocity": (0.0, 0.07), "frequency": (0.5, 1.2)}
 
+GRID = np.linspace(0.1, 9.0, 50)
+FRAGILE = {
+    "0 V": report.Fragile(GRID, GRID / 9.0, (GRID / 10.0, GRID / 8.0), ([1.0, 5.0], [0.2, 0.5])),
+    "no curve": report.Fragile(GRID, None, None, ([1.0, 5.0], [0.0, 0.0])),
+}
+SWEEPS = (
+    np.array([[1.0, 2.0, 3.0]] * 3),
+    np.array([[0.01, 0.03, 0.02], [0.01, 0.02, 0.03], [0.02, 0.05, np.nan]]),
+    [1, 2, 3],
+)
+
 MAKERS: dict[str, Callable[[], Figure]] = {
     "loops": lambda: report.loops(X, V, F, {"Dahl": 0.9 * F}, title="Loops"),
     "loops_without_velocity": lambda: report.loops(X, None, None, {"Dahl": F, "tanh": 0.8 * F}),
@@ -38,6 +49,8 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "motion": lambda: report.ground_motion(T, 3.1266 * np.cos(T)),
     "ground": lambda: report.ground_histories(T, 3.0 * np.cos(T), V, X),
     "spectrum": lambda: report.response_spectrum(T[4:], {"2 %": X[4:] + 0.02, "5 %": 0.5 * X[4:] + 0.02}),
+    "fragility": lambda: report.fragility_curves(FRAGILE),
+    "incremental": lambda: report.incremental_curves(*SWEEPS, {"50 %": SWEEPS[1][1], "84 %": [1.0, np.inf, np.inf]}),
     "theta": lambda: report.theta(X, F, {"x*": (0.0, 0.0)}, (X, F)),
     "phase": lambda: report.phase_portrait(Axis("x", "1"), Axis("z", "1"), {"z": (X, V)}, {"bound": 0.5}),
     "memory": lambda: report.memory([(T, np.exp(-T)), (T[:200], np.cos(9 * T[:200]))], 0.31),
@@ -181,3 +194,24 @@ def test_an_axis_scales_from_si() -> None:
 def test_a_figure_can_be_a_file(tmp_path: Path) -> None:
     for kind in ("svg", "png", "pdf"):
         assert report.save(MAKERS["theta"](), tmp_path / "deep" / f"theta.{kind}").stat().st_size > 1000
+
+
+def test_a_fragility_is_in_g_and_per_cent_and_one_without_a_curve_shows_its_points() -> None:
+    fig = report.fragility_curves(FRAGILE)
+    x, y = lines(fig)["0 V"]
+    np.testing.assert_allclose((x[-1], y[-1]), (9.0 / 9.80665, 100.0))
+    x, y = lines(fig)["no curve"]
+    np.testing.assert_allclose(x, np.array([1.0, 5.0]) / 9.80665)
+    np.testing.assert_array_equal(y, 0.0)
+    [band] = fig.axes[0].collections
+    assert band.get_paths()[0].get_extents().y1 == pytest.approx(100.0 * 9.0 / 8.0)
+
+
+def test_an_incremental_curve_is_intensity_over_peak_as_it_is() -> None:
+    fig = report.incremental_curves(*SWEEPS, {"50 %": [0.01, 0.02, np.inf]}, limits={"limit": 0.02}, furthest=0.04)
+    [axes] = fig.axes
+    np.testing.assert_allclose(axes.lines[0].get_xdata(), [10.0, 30.0, 20.0])
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), np.array([1.0, 2.0, 3.0]) / 9.80665)
+    np.testing.assert_array_equal(lines(fig)["50 %"][0], [10.0, 20.0, np.nan])
+    np.testing.assert_allclose(lines(fig)["limit"][0], 20.0)
+    assert axes.get_xlim() == pytest.approx((0.0, 40.0))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -17,7 +19,8 @@ def test_a_cluster_gives_the_same_numbers(cubics: Damper, monkeypatch: pytest.Mo
     monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 32)
     motions = [el_centro(), *(kanai_tajimi(6.0, 0.02, seed=k, pga=3.0) for k in range(3))]
     given = (two_storey(), motions, [None, cubics], [0.0, 1.98], np.linspace(0.2, 2.0, 10))
-    alone = ensemble(*given)
+    with ThreadPoolExecutor(1) as one:
+        alone = ensemble(*given, one)
     told: list[int] = []
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,

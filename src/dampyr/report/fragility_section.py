@@ -15,6 +15,7 @@ LEVEL = 0.9
 MOST = 6
 FULL = 3.3  # standard deviations above the median
 COLUMNS = ("case", "median", "from", "to", "beta", "direct median", "direct beta", "cases", "exceed", "without bound")
+FEW = " From fewer than 40 motions the band is too narrow away from the median."
 DIRECT = (
     "Direct: from the intensity at which each motion first exceeds the limit, linear between its scales; motions that never "
     "do, or do at the weakest scale already, are counted as such in the likelihood."
@@ -81,6 +82,7 @@ def fragility_section(found: Fragility) -> Section:
     caption = (
         f"Lognormal curves of largest likelihood; the band holds {100 * LEVEL:g} % of a bootstrap over the "
         f"{found.motions} motions (seed {found.seed}); points are the shares that were counted."
+        + (FEW if found.motions < 40 else "")
     )
     table = Table(
         COLUMNS,

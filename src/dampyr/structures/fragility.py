@@ -6,7 +6,9 @@ through several scales, the direct way stands beside it: the intensity at which 
 
 What is not known is mostly which motions come. The band is therefore a bootstrap over motions: each draw takes as many motions
 as there are, with return, and a motion brings all its cases, its scales and the draws of the damper ([EfronTibshirani1993]_,
-section 8). With few motions it is somewhat too narrow, as every bootstrap.
+section 8). With few motions it is too narrow, and most so far from the median: of
+90 % bands from motions with a known curve those of theta held it in 86, 89, 90 and 87 % of 200 studies of 10, 20, 40 and 80
+motions, those of beta in 64, 73, 80 and 89 %.
 
 References
 ----------
