@@ -116,7 +116,9 @@ def engine(
 ) -> Engine:
     """The engine of ``building`` with sites at ``connections`` (N, n), m steps to a sample of ``dt`` seconds."""
     one = step(building, connections, dt / m, basis_of(building))
-    return Engine(Text(one, compositions, quantities), compositions, precision, m)
+    made = Engine(Text(one, compositions, quantities), compositions, precision, m)
+    compiled(made.text.source, compositions, precision)  # by one thread, before several ask for it
+    return made
 
 
 def takes(compositions: Sequence[Composition]) -> bool:

@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 GROUND = ["low = before[l]", "rise = after[l] - low", "a0 = low + rise*part", "a1 = low + rise*(part + share)"]
 
 
+TOGETHER = 8  # products of a row
+
+
 class Small:
     """Every sum of the building written out."""
 
@@ -138,10 +141,21 @@ class Large:
             lines += self._product(text.step.sites, range(self.k, self.k + size), self.be)
         lines += dampers
         lines += self._product(unknown, range(self.g, self.g + 2 * N), self.z, start=self.k)
-        lines += self._product(
-            self.looks, [*range(self.z, self.z + size), *(self.f + d for d in range(N))], self.values
-        )
+        lines += self._values([*range(self.z, self.z + size), *(self.f + d for d in range(N))])
         return [*lines, *self._peaks(len(self.looks))]
+
+    def _values(self, columns: list[int]) -> list[str]:
+        """What peaks are kept of; drifts are differences of displacements where both are wanted."""
+        wanted, n = self.text.quantities, self.text.size // 2
+        if not {"displacement", "drift"} <= set(wanted):
+            return self._product(self.looks, columns, self.values)
+        lines = self._product(self.looks[:n], columns, self.values)
+        first = {"x": _row(self.values + n), "y": _row(self.values)}
+        lines += _loop(1, first, [], ["x[l] = y[l]"])
+        rows = {"x": _row(self.values + n + 1), "y": _row(self.values + 1), "z": _row(self.values)}
+        lines += _loop(n - 1, rows, [], ["x[l] = y[l] - z[l]"])
+        rest = self.looks[2 * n :]
+        return lines + (self._product(rest, columns, self.values + 2 * n) if len(rest) else [])
 
     def _stored(self, values: Array) -> int:
         """Put numbers behind the named coefficients; where the first stands."""
@@ -161,13 +175,13 @@ class Large:
     def _product(self, matrix: Array, columns: Any, target: int, start: int | None = None) -> list[str]:
         """Rows of a block from ``target`` on: a matrix times the rows ``columns``, added to the rows from ``start`` on.
 
-        Four columns at a time, so that a row is loaded and stored once for four products.
+        Some columns at a time, so that a row is loaded and stored once for as many products.
         """
         columns = list(columns)
         lines = []
-        for at in range(0, max(len(columns), 1), 4):
-            some = columns[at : at + 4]
-            first = self._stored(matrix[:, at : at + 4])
+        for at in range(0, max(len(columns), 1), TOGETHER):
+            some = columns[at : at + TOGETHER]
+            first = self._stored(matrix[:, at : at + TOGETHER])
             rows = {"x": _row(target)} if at or start is None else {"x": _row(target), "y": _row(start)}
             terms = [f"q{k}*b[{row * LANES} + l]" for k, row in enumerate(some)]
             terms += ["x[l]"] if at else ["y[l]"] if start is not None else []
