@@ -14,6 +14,8 @@ from collections.abc import Iterable
 from types import FunctionType
 from typing import Any
 
+import numpy as np
+
 from dampyr.models.composition import namespace_of
 from dampyr.structures.lanes import arithmetic, block
 from dampyr.structures.lanes.engine import Engine
@@ -83,6 +85,7 @@ def _operators(sheet: Sheet) -> None:
     ):
         setattr(Symbol, f"__{name}__", lambda a, b, kind=kind: sheet.made(kind, a, b))
         setattr(Symbol, f"__r{name}__", lambda a, b, kind=kind: sheet.made(kind, b, a))
+    Symbol.view = lambda a, kind: sheet.made("bits" if kind is _whole else "number", a)
     for name in ("neg", "abs"):
         setattr(Symbol, f"__{name}__", lambda a, name=name: sheet.made(name, a))
 
@@ -113,14 +116,33 @@ def per_step(engine: Engine) -> Counter[str]:
 
 def _names(engine: Engine, sheet: Sheet) -> dict[str, Any]:
     """What the text calls: its damper's formulas and the arithmetic of the lanes, all of them on symbols."""
-    numbers = {name: value.item() for name, value in arithmetic.constants(64).items()}
-    names: dict[str, Any] = {kind: _operation(sheet, kind) for kind in ("bits", "number", "min", "max", *block.MATH)}
+    constants = arithmetic.constants(64)
+    numbers = {name: value.item() for name, value in constants.items() if isinstance(value, np.generic)}
+    names: dict[str, Any] = {kind: _operation(sheet, kind) for kind in ("min", "max", *block.MATH)}
+    names |= {"real": _same, "whole": _whole}
     names |= numbers | block.CONSTANTS
     for name, value in vars(arithmetic).items():
         if isinstance(value, FunctionType) and value.__module__ == arithmetic.__name__ and name[0] != "_":
             names[name] = FunctionType(value.__code__, names, name)
     exec(namespace_of(engine.compositions)[0] if engine.compositions else "", names)
     return names
+
+
+class _Plain(float):
+    """A number that is known, whose bits can be taken."""
+
+    def view(self, kind: Any) -> int:
+        return int(np.float64(self).view(np.int64))
+
+
+def _same(number: Any) -> Any:
+    """A number of the kernel's precision: itself."""
+    return number if isinstance(number, Symbol) else _Plain(number)
+
+
+def _whole(number: Any) -> Any:
+    """Bits taken for an integer: themselves."""
+    return number
 
 
 def _operation(sheet: Sheet, kind: str) -> Any:

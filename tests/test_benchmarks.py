@@ -42,7 +42,7 @@ def test_operations_are_counted_once_and_only_if_kept(monkeypatch: pytest.Monkey
 def test_bits_and_signs_cost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     operations = bench("_operations", monkeypatch)
     source = SOURCE.replace("low + zero", "copysign(x, y)").replace(
-        "min(twice - low, exp(zero*x))", "number(bits(x) + 7)"
+        "min(twice - low, exp(zero*x))", "whole(real(x).view(whole) + 7).view(real)"
     )
     engine = SimpleNamespace(text=SimpleNamespace(source=source), compositions=())
     assert operations.total(engine) == 0

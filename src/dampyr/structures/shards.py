@@ -179,10 +179,12 @@ def _blocks(members: list[Member], scales: int, most: int) -> Iterator[list[tupl
 
 
 def _march(cases: Cases, made: Engine, block: list[tuple[Member, int]], rest: dict[int, Array]) -> dict[str, Array]:
-    motions = [cases.motions[member.motion].acceleration * cases.scales[s] for member, s in block]
-    values = [np.array([member.sites[d].values for member, _ in block]) for d in range(len(made.compositions))]
-    delays = np.array([[site.delay for site in member.sites] for member, _ in block])
-    return made.run(motions, values, np.array([rest[id(member.sites)] for member, _ in block]), delays)
+    members = [member for member, _ in block]
+    motions = [cases.motions[member.motion].acceleration for member in members]
+    scales = cases.scales[[s for _, s in block]]
+    values = [np.array([member.sites[d].values for member in members]) for d in range(len(made.compositions))]
+    delays = np.array([[site.delay for site in member.sites] for member in members])
+    return made.run(motions, values, np.array([rest[id(member.sites)] for member in members]), delays, scales)
 
 
 def _rest(sites: tuple[Site, ...]) -> Array:

@@ -32,12 +32,17 @@ class Engine:
     most: ClassVar[int] = LANES
 
     def run(
-        self, motions: Sequence[Array], values: Sequence[Array], rest: Array, delays: Array | None = None
+        self,
+        motions: Sequence[Array],
+        values: Sequence[Array],
+        rest: Array,
+        delays: Array | None = None,
+        scales: Array | None = None,
     ) -> dict[str, Array]:
         """The peaks and energies of up to ``most`` histories: quantity -> (lanes, rows).
 
-        ``motions`` are the ground's accelerations, a history each; ``values`` the parameters (lanes, P) of each site; ``rest``
-        and ``delays`` (lanes, sites) the forces at rest [N] and the delays [s] of the sites.
+        ``motions`` are the ground's accelerations, a history each, times ``scales`` (lanes,); ``values`` the parameters
+        (lanes, P) of each site; ``rest`` and ``delays`` (lanes, sites) the forces at rest [N] and the delays [s] of the sites.
         """
         kind = np.float64 if self.precision == 64 else np.float32
         steps = np.zeros_like(rest) if delays is None else delays / self.text.step.h
@@ -45,7 +50,8 @@ class Engine:
         block, ends = self._block(values, rest, steps, wide, kind), np.array([len(motion) for motion in motions])
         t: Array = np.array([h / 2, h / 6, 1 / self.m, h / 8, 1.5 / h], kind)
         c: Array = np.array(self.text.coefficients, kind)
-        return self._read(self._launch(ends, _stacked(motions, wide, kind), t, c, block, self._ring(block, steps)))
+        ag = _stacked(motions, np.ones(len(motions)) if scales is None else scales, wide, kind)
+        return self._read(self._launch(ends, ag, t, c, block, self._ring(block, steps)))
 
     def wide(self, count: int) -> int:
         """How many columns a block for ``count`` histories has."""
@@ -97,12 +103,12 @@ class Engine:
         return {quantity: np.stack(rows, axis=1) for quantity, rows in read.items() if rows}
 
 
-def _stacked(motions: Sequence[Array], wide: int, kind: type) -> Array:
-    """Motions of different lengths as the columns of one array."""
-    ag: Array = np.zeros((max(map(len, motions)), wide), kind)
-    for lane, motion in enumerate(motions):
-        ag[: len(motion), lane] = motion
-    return ag
+def _stacked(motions: Sequence[Array], scales: Array, wide: int, kind: type) -> Array:
+    """Scaled motions of different lengths as the columns of one array."""
+    rows: Array = np.zeros((wide, max(map(len, motions))), kind)
+    for row, motion, scale in zip(rows, motions, scales):
+        np.multiply(motion, scale, out=row[: len(motion)], casting="same_kind")
+    return np.ascontiguousarray(rows.T)
 
 
 def engine(
