@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import ClassVar
 
 import numpy as np
@@ -50,7 +52,7 @@ class Engine:
         block, ends = self._block(values, rest, steps, wide, kind), np.array([len(motion) for motion in motions])
         t: Array = np.array([h / 2, h / 6, 1 / self.m, h / 8, 1.5 / h], kind)
         c: Array = np.array(self.text.coefficients, kind)
-        ag = _stacked(motions, np.ones(len(motions)) if scales is None else scales, wide, kind)
+        ag = _ground(motions, np.ones(len(motions)) if scales is None else scales, wide, kind)
         return self._read(self._launch(ends, ag, t, c, block, self._ring(block, steps)))
 
     def wide(self, count: int) -> int:
@@ -70,7 +72,8 @@ class Engine:
 
     def _block(self, values: Sequence[Array], rest: Array, steps: Array, wide: int, kind: type) -> Array:
         rows = self.text.rows
-        block: Array = np.zeros((len(rows.names), wide), kind)
+        block = _aligned(len(rows.names) * wide, kind).reshape(-1, wide)
+        block[:] = 0.0
         for d, parameters in enumerate(values):
             count = len(parameters)
             for k in range(parameters.shape[1]):
@@ -103,12 +106,34 @@ class Engine:
         return {quantity: np.stack(rows, axis=1) for quantity, rows in read.items() if rows}
 
 
-def _stacked(motions: Sequence[Array], scales: Array, wide: int, kind: type) -> Array:
-    """Scaled motions of different lengths as the columns of one array."""
-    rows: Array = np.zeros((wide, max(map(len, motions))), kind)
-    for row, motion, scale in zip(rows, motions, scales):
-        np.multiply(motion, scale, out=row[: len(motion)], casting="same_kind")
-    return np.ascontiguousarray(rows.T)
+LINE = 64  # bytes of a line of a core's cache, which eight numbers of a row should not straddle
+
+
+def _aligned(size: int, kind: type) -> Array:
+    """An uninitialised array that begins on a line of the cache."""
+    width = np.dtype(kind).itemsize
+    room: Array = np.empty(size + LINE // width, kind)
+    first = -room.ctypes.data % LINE // width
+    found: Array = room[first : first + size]
+    return found
+
+
+_held = threading.local()
+
+
+def _ground(motions: Sequence[Array], scales: Array, wide: int, kind: type) -> Array:
+    """Scaled motions of different lengths as the columns of one array (samples, wide), which the thread keeps for the next."""
+    size = max(map(len, motions)) * wide
+    if getattr(_held, "size", 0) < size or _held.ground.dtype != kind:
+        _held.size, _held.ground = size, _aligned(size, kind)
+    ag: Array = _held.ground[:size].reshape(-1, wide)
+    for _, group in groupby(range(len(motions)), key=lambda lane: id(motions[lane])):
+        lanes = list(group)
+        motion, some = motions[lanes[0]], slice(lanes[0], lanes[-1] + 1)
+        np.multiply(motion[:, None], scales[some], out=ag[: len(motion), some], casting="same_kind")
+        ag[len(motion) :, some] = 0.0
+    ag[:, len(motions) :] = 0.0
+    return ag
 
 
 def engine(
