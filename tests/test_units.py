@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from dampyr import units
 from dampyr.errors import InputError
+from dampyr.units import EVERYDAY, _by_pint
 
 KNOWN = [
     (12.4, "mm", "m", 0.0124),
@@ -112,3 +113,8 @@ def test_a_quantity_checks_its_range(quantity: units.Quantity, good: list[float]
     for value in bad:
         with pytest.raises(InputError, match=f"p = .* {quantity.unit} is not allowed; it must be {words}"):
             quantity.check("p", value)
+
+
+@pytest.mark.parametrize(("pair", "factor"), EVERYDAY.items())
+def test_everyday_units_are_those_of_pint(pair: tuple[str, str], factor: float) -> None:
+    assert _by_pint(*pair) == pytest.approx((factor, 0.0), rel=1e-15)

@@ -71,9 +71,28 @@ def _registry() -> Any:
     return registry
 
 
+# what the published tables are in; pint takes most of the start of a command, and is left out where these do
+EVERYDAY = {
+    ("m", "m"): 1.0,
+    ("mm", "m"): 1e-3,
+    ("mm/s", "m/s"): 1e-3,
+    ("N", "N"): 1.0,
+    ("N s/mm", "N s/m"): 1e3,
+    ("N/mm", "N/m"): 1e3,
+    ("1/mm", "1/m"): 1e3,
+    ("s", "s"): 1.0,
+    ("V", "V"): 1.0,
+    ("A", "A"): 1.0,
+}
+
+
 @lru_cache(maxsize=256)
 def _scale(unit: str, si: str) -> tuple[float, float]:
     """``(factor, shift)`` such that ``value_si = factor*value + shift``."""
+    return (EVERYDAY[unit, si], 0.0) if (unit, si) in EVERYDAY else _by_pint(unit, si)
+
+
+def _by_pint(unit: str, si: str) -> tuple[float, float]:
     import pint
 
     registry = _registry()
