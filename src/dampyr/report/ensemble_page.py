@@ -107,7 +107,7 @@ def trust(dataset: Any) -> list[str]:
     )
     fast = (
         "The accuracy is “fast”: about 0.1 % of the peak in strong motion, up to about 1 % where the motion is small and "
-        "the input high. Accelerations are less sharp, a few per cent at a high input. Accuracy “strict” halves the step."
+        "the input high. Accelerations are less sharp, a few per cent at a high input. Accuracy “strict” takes 0.4 of the step."
     )
     strict = "The accuracy is “strict”, half the step of “fast”. Accelerations are less sharp than drifts."
     lost = (
