@@ -135,7 +135,7 @@ def of(name: str) -> Damper:
         pytest.param("dahl + compliance", 0, marks=pytest.mark.prove),
         pytest.param("hyperbolic_tangent + compliance", 0, marks=pytest.mark.prove),
         pytest.param("dahl + free_play", 0, marks=pytest.mark.prove),
-        ("dahl + compliance + delay", 0),
+        pytest.param("dahl + compliance + delay", 0, marks=pytest.mark.prove),
         ("dahl + inertia", 1),
     ],
 )
