@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from threading import Lock
 from typing import Any
 
@@ -40,7 +40,7 @@ class Shard:
     """What came of some lines: ``values`` quantity -> (lines, scales, width), NaN where a building has no such storey.
 
     ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases; ``unbounded`` counts
-    cases that grew without bound; ``stroke`` is the longest that each damper (by its place in ``dampers``) was asked for.
+    cases that grew without bound; ``general`` counts those that no engine takes.
     """
 
     lines: range
@@ -49,7 +49,6 @@ class Shard:
     judged: int = 0
     unbounded: int = 0
     general: int = 0
-    stroke: dict[int, float] = field(default_factory=dict)
 
 
 def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
