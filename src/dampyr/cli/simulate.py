@@ -72,14 +72,18 @@ def command(
     if as_json:
         print_json({name: _told(r) for name, r in cases.items()})
         return
+    _print(f"{building.name}, {shaking.name}: peaks", cases)
+
+
+def _print(title: str, cases: dict[str, Response]) -> None:
     rows = [
         [name, *(1e3 * r.peak_displacement), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
          max(r.peak_force, default=None), r.scheme]
         for name, r in cases.items()
     ]  # fmt: skip
-    floors = [f"floor {k + 1}" for k in range(building.n)]
+    floors = [f"floor {k + 1}" for k in range(len(cases["no damper"].peak_displacement))]
     print_table(
-        f"{building.name}, {shaking.name}: peaks",
+        title,
         ["case", *floors, "drift", "acceleration", "base shear", "damper force", "scheme"],
         rows,
         ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", ""],

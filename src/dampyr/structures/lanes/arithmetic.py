@@ -2,6 +2,7 @@ r"""What a step in lanes computes with: functions without branches, so that the 
 
 The exponential is :math:`2^k` times a polynomial of degree 7 on :math:`|r| \le \ln 2 / 2`: 7e-9 relative in double
 precision. It is held below by the smallest normal number. A hyperbolic tangent is made of it, accurate to 1e-8 absolutely.
+Fits need the last digits (`dampyr.models.quick`); here the step errs far more, and every operation counts.
 """
 
 from __future__ import annotations

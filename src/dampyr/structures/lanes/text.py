@@ -4,7 +4,7 @@ In a step of h seconds the dampers' forces are the quadratics through their valu
 `dampyr.structures.coupling`). Their first guess continues the last half step, the dampers' laws along the path of that guess
 give forces and slopes, and a Newton correction, written out, gives the forces that are kept; the states follow by their
 tangents. Nothing branches. At the middle of the step a site is where the cubic through both ends has it. What rounding and
-the corrections leave is measured in every ensemble (see `dampyr.structures.ensemble`).
+the correction leaves is measured in every ensemble (see `dampyr.structures.ensemble`).
 
 Every history is a column of a block; which row holds what, `Rows` says. A small building's sums are written out, without the
 terms whose coefficients are 0; a large one's run in loops over its modes. Either way the text depends on the building's
@@ -57,7 +57,6 @@ class Text:
     step: Step
     compositions: tuple[Composition, ...]
     quantities: tuple[str, ...]
-    corrections: int = 1
     rows: Rows = field(default_factory=Rows)
     coefficients: list[float] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
@@ -111,10 +110,9 @@ class Text:
         for d in range(N):
             self.say(*(self._past(d) if self.late(d) else self._guess(d)))
         self.cut()
-        for turn in range(self.corrections):
-            done = self._laws(f"_{turn}")
-            self.cut()
-            self._correct(done)
+        done = self._laws()
+        self.cut()
+        self._correct(done)
         for r in range(2 * N):
             self.say(f"n_e{r} = {self._moved(r)}")
         self._keep(done)
@@ -155,7 +153,7 @@ class Text:
             f"h{self.sites + d} = three_half_rate*({x1} - {x0}) - quarter*({v0} + {v1})",
         ]
 
-    def _laws(self, turn: str) -> list[tuple[Half, Half]]:
+    def _laws(self) -> list[tuple[Half, Half]]:
         """The dampers' laws along the path of the guess."""
         N, done = self.sites, []
         self.say(*(f"e{r} = {self._moved(r)}" for r in range(2 * N)))
@@ -168,9 +166,9 @@ class Text:
             early = {"x0": self.starts[d], "x1": f"h{d}", "v0": self.starts[N + d], "v1": f"h{N + d}", "dt": "dt"}
             early |= {"g0": before, "g1": before if self.late(d) else f"g{d}"}
             late = {"x0": f"h{d}", "x1": f"e{d}", "v0": f"h{N + d}", "v1": f"e{N + d}", "dt": "dt"}
-            first = half_step(composition, f"_h{d}{turn}", states, values, early)
+            first = half_step(composition, f"_h{d}", states, values, early)
             late |= {"g0": first.force, "g1": first.force if self.late(d) else f"g{N + d}"}
-            second = half_step(composition, f"_e{d}{turn}", [*first.ends, *states[len(first.ends) :]], values, late)
+            second = half_step(composition, f"_e{d}", [*first.ends, *states[len(first.ends) :]], values, late)
             self.say(*first.lines, *second.lines)
             done.append((first, second))
         return done
