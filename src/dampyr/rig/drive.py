@@ -1,0 +1,71 @@
+"""A drive: what the table and the coil do in one test."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.units import Quantity
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Reversals:
+    """The original rig's excitation: a constant duty that changes its sign every half period; no position is followed."""
+
+    duty: Annotated[float, Quantity("", low=0.0, high=1.0, open_low=True)]
+    half_period: Annotated[float, Quantity("s", low=0.02, high=60.0)]
+    pause: Annotated[float, Quantity("s", low=0.0, high=5.0)] = 0.05
+    count: int = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Set points at a constant ``period`` [s]: where the table shall be, and the voltage at the coil.
+
+    Parameters
+    ----------
+    period : s, a whole number of milliseconds.
+    displacement : (n,) m from the middle of the stroke, extension positive. It begins and ends where the table rests.
+    voltage : (n,) V at the coil, held between set points.
+    record_from, record_to : set points between which samples are kept; ``record_to`` None is the end.
+    reversals : where given, the table is driven by timed reversals; ``displacement`` then only says how long it takes.
+    until_temperature, until_cycles : the drive ends early when this is reached; None: never.
+    """
+
+    period: float
+    displacement: Array
+    voltage: Array
+    record_from: int = 0
+    record_to: int | None = None
+    reversals: Reversals | None = None
+    until_temperature: float | None = None
+    until_cycles: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "voltage"):
+            values = np.ascontiguousarray(getattr(self, name), dtype=float)
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+        if self.displacement.ndim != 1 or self.displacement.shape != self.voltage.shape or self.displacement.size < 2:
+            raise InputError("displacement and voltage must be two rows of the same length, at least 2")
+        if not (np.all(np.isfinite(self.displacement)) and np.all(np.isfinite(self.voltage))):
+            raise InputError("displacement and voltage must be finite")
+        steps = round(self.period * 1000)
+        if not 1 <= steps <= 1000 or abs(self.period * 1000 - steps) > 1e-9:
+            raise InputError(f"period = {self.period:g} s must be a whole number of milliseconds from 1 to 1000")
+
+    @property
+    def n(self) -> int:
+        """How many set points there are."""
+        return int(self.displacement.size)
+
+    @property
+    def duration(self) -> float:
+        """s."""
+        return (self.n - 1) * self.period

@@ -1,0 +1,1 @@
+"""What runs on the Uno: the protocol that it speaks, and a model of it."""

@@ -1,0 +1,221 @@
+"""The frames between host and Uno, version 1 (docs/reference/protocol.md): COBS, CRC-16/CCITT-FALSE, little-endian bodies."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from enum import IntEnum, IntFlag
+
+VERSION = 1
+MOST_BODY = 70
+MOST_POINTS = 16
+QUEUE = 64  # set points that the Uno holds
+
+
+class Request(IntEnum):
+    """What the host asks for."""
+
+    HELLO = 0x01
+    LIMITS = 0x02
+    HEARTBEAT = 0x03
+    ARM = 0x04
+    DISARM = 0x05
+    HOME = 0x06
+    JOG = 0x07
+    SETPOINTS = 0x08
+    FOLLOW = 0x09
+    REVERSE = 0x0A
+    STOP = 0x0B
+    ABORT = 0x0C
+    CLEAR = 0x0D
+
+
+class Reply(IntEnum):
+    """What the Uno answers."""
+
+    HELLO = 0x81
+    ACK = 0x82
+    NAK = 0x83
+    STATUS = 0x84
+
+
+class State(IntEnum):
+    """What the Uno is doing."""
+
+    IDLE = 0
+    ARMED = 1
+    FOLLOWING = 2
+    REVERSING = 3
+    JOGGING = 4
+    HOMING = 5
+    STOPPING = 6
+    FAULT = 7
+
+
+class Fault(IntFlag):
+    """Why the Uno stopped by itself."""
+
+    HEARTBEAT = 1
+    LOW = 2
+    HIGH = 4
+    SPEED = 8
+    STALL = 16
+    FOLLOWING = 32
+    UNDERRUN = 64
+    ENCODER = 128
+    ABORTED = 256
+    RESTARTED = 512
+
+
+class Reason(IntEnum):
+    """Why a request was refused."""
+
+    STATE = 1
+    RANGE = 2
+    NOT_HOMED = 3
+    NO_LIMITS = 4
+    QUEUE_FULL = 5
+    GAP = 6
+    VERSION = 7
+    NO_HEARTBEAT = 8
+
+
+ENABLED, HOMED, LIMITED = 1, 2, 4  # flags of a status
+
+BODIES: dict[Request | Reply, struct.Struct] = {
+    Request.HELLO: struct.Struct("<B"),
+    Request.LIMITS: struct.Struct("<iiIHBH"),
+    Request.HEARTBEAT: struct.Struct("<"),
+    Request.ARM: struct.Struct("<"),
+    Request.DISARM: struct.Struct("<"),
+    Request.HOME: struct.Struct("<Bi"),
+    Request.JOG: struct.Struct("<iH"),
+    Request.FOLLOW: struct.Struct("<HI"),
+    Request.REVERSE: struct.Struct("<BHHH"),
+    Request.STOP: struct.Struct("<"),
+    Request.ABORT: struct.Struct("<"),
+    Request.CLEAR: struct.Struct("<"),
+    Reply.HELLO: struct.Struct("<BHHB"),
+    Reply.ACK: struct.Struct("<BB"),
+    Reply.NAK: struct.Struct("<BB"),
+    Reply.STATUS: struct.Struct("<IBHiihBBIH"),
+}
+"""The body of each type; SETPOINTS has one of its own."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One request or reply: its type, its number, and the values of its body."""
+
+    kind: Request | Reply
+    number: int
+    values: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Status:
+    """What the Uno says of itself: time [ms], state, faults, position [counts], speed [counts/s], duty (-255..255)."""
+
+    time: int
+    state: State
+    faults: Fault
+    position: int
+    speed: int
+    duty: int
+    enabled: bool
+    homed: bool
+    limited: bool
+    free: int
+    next: int
+    bad_frames: int
+
+
+def status_of(frame: Frame) -> Status:
+    """The status in a STATUS reply."""
+    time, state, faults, position, speed, duty, flags, free, nxt, bad = frame.values
+    known = (bool(flags & ENABLED), bool(flags & HOMED), bool(flags & LIMITED))
+    return Status(time, State(state), Fault(faults), position, speed, duty, *known, free, nxt, bad)
+
+
+def encode(frame: Frame) -> bytes:
+    """The bytes of a frame with its closing 0."""
+    if frame.kind == Request.SETPOINTS:
+        first, *points = frame.values
+        body = struct.pack(f"<IB{len(points)}i", first, len(points), *points)
+    else:
+        body = BODIES[frame.kind].pack(*frame.values)
+    payload = bytes((frame.kind, frame.number)) + body
+    return stuffed(payload + struct.pack("<H", crc(payload))) + b"\0"
+
+
+def decode(block: bytes) -> Frame | None:
+    """The frame in the bytes before a 0; None where they are none."""
+    raw = unstuffed(block)
+    if raw is None or not 4 <= len(raw) <= MOST_BODY + 4 or crc(raw[:-2]) != int.from_bytes(raw[-2:], "little"):
+        return None
+    return _frame(raw[0], raw[1], raw[2:-2])
+
+
+def _frame(kind: int, number: int, body: bytes) -> Frame | None:
+    if kind == Request.SETPOINTS:
+        count = body[4] if len(body) > 4 else 0
+        if not 1 <= count <= MOST_POINTS or len(body) != 5 + 4 * count:
+            return None
+        return Frame(
+            Request.SETPOINTS, number, (int.from_bytes(body[:4], "little"), *struct.unpack(f"<{count}i", body[5:]))
+        )
+    known = next((each for each in BODIES if each == kind), None)
+    if known is None or len(body) != BODIES[known].size:
+        return None
+    return Frame(known, number, BODIES[known].unpack(body))
+
+
+class Reader:
+    """Bytes in, frames out; ``bad`` counts what was dropped."""
+
+    def __init__(self) -> None:
+        self.bad = 0
+        self._waiting = bytearray()
+
+    def feed(self, data: bytes) -> list[Frame]:
+        """The frames that are whole with these bytes."""
+        *blocks, rest = (bytes(self._waiting) + data).split(b"\0")
+        self._waiting = bytearray(rest[-2 * MOST_BODY :])
+        found = [decode(block) for block in blocks if block]
+        self.bad += found.count(None)
+        return [frame for frame in found if frame is not None]
+
+
+def crc(data: bytes) -> int:
+    """CRC-16/CCITT-FALSE; of b"123456789" it is 0x29B1."""
+    value = 0xFFFF
+    for byte in data:
+        value = (value << 8 & 0xFFFF) ^ _TABLE[value >> 8 ^ byte]
+    return value
+
+
+def _entry(byte: int) -> int:
+    value = byte << 8
+    for _ in range(8):
+        value = (value << 1 ^ 0x1021 if value & 0x8000 else value << 1) & 0xFFFF
+    return value
+
+
+_TABLE = tuple(map(_entry, range(256)))
+
+
+def stuffed(data: bytes) -> bytes:
+    """COBS of at most 254 bytes: no zeros; each run is led by its length plus 1."""
+    return b"".join(bytes((len(run) + 1,)) + run for run in data.split(b"\0"))
+
+
+def unstuffed(data: bytes) -> bytes | None:
+    """What was `stuffed`; None where it cannot have been."""
+    runs, at = [], 0
+    while at < len(data):
+        code = data[at]
+        if code == 0 or at + code > len(data):
+            return None
+        runs.append(data[at + 1 : at + code])
+        at += code
+    return b"\0".join(runs) if runs else None

@@ -1,0 +1,191 @@
+"""What a rig is made of, from its ``rig.toml``: the defaults are the parts of the original rig.
+
+Each default says where it comes from: a table of the dissertation's Appendix A, what its measured records show (FACTS), or
+"assumed" where nothing is known; what only the simulated rig needs says "simulated". SI throughout.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+from dampyr.errors import FileError, InputError
+from dampyr.tables import fill, load_toml
+from dampyr.units import Quantity
+
+Metre = Quantity("m", low=0.0)
+Length = Quantity("m", low=0.0, open_low=True)
+Speed = Quantity("m/s", low=0.0, open_low=True)
+Force = Quantity("N", low=0.0, open_low=True)
+Second = Quantity("s", low=0.0)
+Time = Quantity("s", low=0.0, open_low=True)
+
+
+@dataclass(frozen=True)
+class Wires:
+    """How the rig is reached; empty for a rig that dampyr simulates itself."""
+
+    serial: Annotated[str, "such as COM3, /dev/ttyACM0 or socket://127.0.0.1:5000"] = ""
+    baud: Annotated[int, "assumed: the Uno divides its clock to this without error"] = 250000
+    board: Annotated[str, "the NI board's name in NI MAX"] = "Dev1"
+    grpc: Annotated[str, "host:port of an NI gRPC device server; empty for the board of this machine"] = ""
+    force: Annotated[str, "analogue input of the load cell"] = "ai0"
+    temperature: Annotated[str, "analogue input of the thermocouple's amplifier; empty without one"] = ""
+    position: Annotated[str, "counter of the linear encoder"] = "ctr0"
+    command: Annotated[str, "analogue output to the damper's supply"] = "ao0"
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """H-bridge, motor and ball screw."""
+
+    free_speed: Annotated[float, Speed, "measured: 78 mm/s at full PWM; Table A.2's 16.8 mm/s cannot be right"] = 0.078
+    droop: Annotated[float, Quantity("m/(N s)", low=0.0), "measured: 0.02-0.03 mm/s per N"] = 2.0e-5
+    max_load: Annotated[float, Force, "Table A.2"] = 4500.0
+    stroke: Annotated[float, Length, "Table A.2"] = 0.457
+    lag: Annotated[float, Time, "assumed: the motor's time constant with the screw's inertia"] = 0.025
+    dead_band: Annotated[float, Quantity("", low=0.0, high=0.9), "assumed: duty that only overcomes friction"] = 0.06
+    backlash: Annotated[float, Metre, "assumed: a rolled ball screw"] = 2.0e-5
+
+
+@dataclass(frozen=True)
+class Table:
+    """The sliding table."""
+
+    friction: Annotated[float, Quantity("N", low=0.0), "assumed: linear guides, before the load cell"] = 15.0
+
+
+@dataclass(frozen=True)
+class Encoder:
+    """The linear encoder; its counts go to the NI board and to the Uno."""
+
+    count: Annotated[float, Length, "Table A.5: 20 um lines, read four times"] = 5.0e-6
+    range: Annotated[float, Length, "Table A.5"] = 0.370
+    max_speed: Annotated[float, Speed, "Table A.5: 60 m/min"] = 1.0
+    index: Annotated[float, Quantity("m"), "assumed: the index mark, from the middle of the damper's stroke"] = 0.002
+
+
+@dataclass(frozen=True)
+class LoadCell:
+    """The load cell and its amplifier: volts = zero + force/scale."""
+
+    capacity: Annotated[float, Force, "Table A.4: 500 kg"] = 4903.325
+    safe: Annotated[float, Quantity("", low=1.0), "Table A.4: 150 % of the capacity"] = 1.5
+    sensitivity: Annotated[float, Quantity("V/V", low=0.0, open_low=True), "Table A.4: 1.955 mV/V"] = 1.955e-3
+    bridge: Annotated[float, Quantity("ohm", low=0.0, open_low=True), "assumed: the usual full bridge"] = 350.0
+    scale: Annotated[float, Quantity("N/V", low=0.0, open_low=True), "measured: steps of 0.187 N of 16 bit"] = 613.0
+    zero: Annotated[float, Quantity("V", low=-10.0, high=10.0), "to be measured: `dampyr calibrate`"] = 0.0
+    bandwidth: Annotated[float, Quantity("Hz", low=0.0, open_low=True), "assumed: the amplifier's filter"] = 200.0
+    noise: Annotated[float, Quantity("N", low=0.0), "simulated: rms"] = 0.4
+
+
+@dataclass(frozen=True)
+class Supply:
+    """From the command voltage to the coil: amplifier, enable line and coil."""
+
+    gain: Annotated[
+        float, Quantity("V/V", low=0.0, open_low=True), "assumed: volts at the coil per volt of command"
+    ] = 1.0
+    resistance: Annotated[float, Quantity("ohm", low=0.0, open_low=True), "measured: 0.495 A at 2.178 V"] = 4.4
+    inductance: Annotated[float, Quantity("H", low=0.0), "assumed: 10 ms with the resistance"] = 0.044
+    max_voltage: Annotated[float, Quantity("V", low=0.0, open_low=True), "1 A of Table A.1 through the coil"] = 4.4
+    enable_line: Annotated[
+        bool, "whether the Uno's enable line cuts the coil; without it a dead host leaves it live"
+    ] = True
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """The damper on the table; all but its card is for the simulated rig only."""
+
+    card: Annotated[str, "a card of dampyr, beside this file; empty: the fit of FACTS section 6"] = ""
+    free_play: Annotated[float, Metre, "simulated: the play of the pins"] = 0.0
+    heat_capacity: Annotated[float, Quantity("J/K", low=0.0, open_low=True), "assumed: 0.9 kg of steel and fluid"] = (
+        450.0
+    )
+    cooling: Annotated[float, Quantity("W/K", low=0.0), "assumed: still air"] = 1.0
+    softening: Annotated[float, Quantity("1/K", low=0.0), "assumed: force lost per kelvin above the room"] = 0.0
+    room: Annotated[float, Quantity("degC"), "assumed"] = 20.0
+
+
+@dataclass(frozen=True)
+class Board:
+    """How the NI board samples."""
+
+    rate: Annotated[float, Quantity("Hz", low=10.0, high=250000.0), "assumed; the original took 100 samples/s"] = 1000.0
+    block: Annotated[float, Quantity("s", low=0.005, high=0.2), "what is read at once: the interlock's reaction"] = 0.04
+    bits: Annotated[int, "PCI-6221"] = 16
+    range: Annotated[float, Quantity("V", low=0.1, high=10.0), "PCI-6221: +-10 V"] = 10.0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What no test may leave: the interlocks of all three rings."""
+
+    stroke: Annotated[float, Length, "Table A.1: peak to peak, about the middle"] = 0.074
+    force: Annotated[float, Force, "Table A.2: the least of actuator, load cell and damper"] = 4500.0
+    speed: Annotated[float, Speed, "assumed: half as much again as the actuator's free speed"] = 0.120
+    temperature: Annotated[float, Quantity("degC"), "Table A.1"] = 71.0
+    voltage: Annotated[float, Quantity("V", low=0.0, open_low=True), "1 A of Table A.1 through the coil"] = 4.4
+    heartbeat: Annotated[float, Quantity("s", low=0.05, high=0.2), "after which the Uno stops by itself"] = 0.15
+
+
+@dataclass(frozen=True)
+class RigSettings:
+    """A rig: its parts and its limits."""
+
+    name: str = "shaking table, UTFPR 2020"
+    wires: Wires = field(default_factory=Wires)
+    actuator: Actuator = field(default_factory=Actuator)
+    table: Table = field(default_factory=Table)
+    encoder: Encoder = field(default_factory=Encoder)
+    load_cell: LoadCell = field(default_factory=LoadCell)
+    supply: Supply = field(default_factory=Supply)
+    specimen: Specimen = field(default_factory=Specimen)
+    board: Board = field(default_factory=Board)
+    limits: Limits = field(default_factory=Limits)
+
+    def __post_init__(self) -> None:
+        check(self)
+
+    @property
+    def block_samples(self) -> int:
+        """Samples of a block."""
+        return max(1, round(self.board.rate * self.board.block))
+
+
+def load_settings(path: str | Path) -> RigSettings:
+    """The settings in a ``rig.toml``; what it leaves out keeps its default. :class:`FileError` says what is wrong."""
+    told = load_toml(path)
+    try:
+        return fill(RigSettings, told)
+    except FileError:
+        raise
+    except InputError as problem:
+        raise FileError(path, str(problem)) from None
+
+
+def check(rig: RigSettings) -> None:
+    """Raise :class:`InputError` where parts and limits contradict each other."""
+    limits, most = rig.limits, rig.load_cell.capacity * rig.load_cell.safe
+    if limits.force > min(most, rig.actuator.max_load):
+        least = min(most, rig.actuator.max_load)
+        raise InputError(f"limits.force = {limits.force:g} N is more than the parts bear; give at most {least:g} N")
+    if limits.stroke > min(rig.encoder.range, rig.actuator.stroke):
+        least = min(rig.encoder.range, rig.actuator.stroke)
+        raise InputError(
+            f"limits.stroke = {limits.stroke * 1e3:g} mm is more than the parts reach; give at most {least * 1e3:g} mm"
+        )
+    if limits.speed > rig.encoder.max_speed:
+        raise InputError(
+            f"limits.speed = {limits.speed:g} m/s is more than the encoder follows; give at most {rig.encoder.max_speed:g} m/s"
+        )
+    if limits.voltage > rig.supply.max_voltage:
+        raise InputError(
+            f"limits.voltage = {limits.voltage:g} V is more than supply.max_voltage = {rig.supply.max_voltage:g} V; lower it"
+        )
+    if limits.heartbeat < 2 * rig.board.block:
+        raise InputError(
+            f"limits.heartbeat = {limits.heartbeat:g} s must be two blocks or more; shorten board.block = {rig.board.block:g} s"
+        )

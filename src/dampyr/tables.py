@@ -1,0 +1,119 @@
+"""A TOML table as a dataclass: units at the boundary, SI inside, each mistake one sentence that says where it stands.
+
+A field is what its annotation says::
+
+    speed: Annotated[float, Quantity("m/s", low=0), "where the value comes from"] = 0.078
+
+takes ``speed = "78 mm/s"`` or, SI already, ``speed = 0.078``. Dataclasses may hold dataclasses; their tables nest.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+
+from dampyr.errors import FileError, InputError, MissingData
+from dampyr.units import Quantity, parse
+
+T = TypeVar("T")
+
+
+def load_toml(path: str | Path) -> dict[str, Any]:
+    """The tables of a TOML file; :class:`FileError` where it is no TOML, :class:`MissingData` where it is not there."""
+    path = Path(path)
+    try:
+        return tomllib.loads(path.read_text("utf-8"))
+    except FileNotFoundError:
+        raise MissingData(f"{path}: there is no such file; check the path") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+        raise FileError(path, f"is no TOML ({' '.join(str(problem).split())}); repair that place") from None
+    except OSError as problem:
+        raise FileError(path, f"cannot be read ({problem.strerror})") from None
+
+
+def fill(cls: type[T], told: Any, where: str = "") -> T:
+    """The dataclass ``cls`` from the table ``told``; ``where`` is the table's name in messages.
+
+    Raises :class:`InputError` for what is not known, is missing, has the wrong type or unit, or leaves its range.
+    """
+    if not isinstance(told, Mapping):
+        raise InputError(f"{where or 'the file'} = {told!r} must be a table")
+    hints, known = get_type_hints(cls, include_extras=True), {f.name: f for f in fields(cls)}  # type: ignore[arg-type]
+    for name in told:
+        if name not in known:
+            raise InputError(unknown(_joined(where, name), name, list(known)))
+    missing = [name for name, field in known.items() if name not in told and _is_required(field)]
+    if missing:
+        raise InputError(f"{_joined(where, missing[0])} is missing; give it{_example(hints[missing[0]])}")
+    return cls(**{name: value_of(hints[name], value, _joined(where, name)) for name, value in told.items()})
+
+
+def unknown(where: str, name: str, known: list[str]) -> str:
+    """A sentence about a name that is not known."""
+    close = get_close_matches(name, known, n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    return f"{where} is not known; {hint}choose from {', '.join(known)}"
+
+
+def value_of(hint: Any, value: Any, where: str) -> Any:
+    """One value as its annotation wants it."""
+    kind, quantity = split(hint)
+    if is_dataclass(kind):
+        return fill(kind, value, where)  # type: ignore[arg-type]
+    if get_origin(kind) is tuple:
+        listed = value if isinstance(value, list | tuple) else [value]
+        inner = Annotated[get_args(kind)[0], quantity] if quantity else get_args(kind)[0]
+        return tuple(value_of(inner, each, where) for each in listed)
+    allowed = [t for t in get_args(kind) if t is not type(None)] or [kind]
+    if quantity is not None and float in allowed:
+        return _measured(quantity, value, where)
+    return _plain(allowed[0], value, where)
+
+
+def split(hint: Any) -> tuple[Any, Quantity | None]:
+    """The type of an annotation, and its quantity if it has one."""
+    if get_origin(hint) is not Annotated:
+        return hint, None
+    kind, *notes = get_args(hint)
+    return kind, next((note for note in notes if isinstance(note, Quantity)), None)
+
+
+def origin(hint: Any) -> str:
+    """Where the default of a field comes from: the text in its annotation."""
+    return next((note for note in get_args(hint) if isinstance(note, str)), "") if get_origin(hint) is Annotated else ""
+
+
+def _measured(quantity: Quantity, value: Any, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise InputError(f'{where} = {value!r} must be a quantity such as "1 {quantity.unit}"')
+    try:
+        found = parse(value, quantity.unit)
+    except InputError as problem:
+        raise InputError(f"{where} = {value!r}: {problem}") from None
+    quantity.check(where, found)
+    return found
+
+
+def _plain(kind: Any, value: Any, where: str) -> Any:
+    names = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
+    wrong = not isinstance(value, (int, float) if kind is float else kind)
+    if kind in names and (wrong or (kind is not bool and isinstance(value, bool))):
+        raise InputError(f"{where} = {value!r} must be {names[kind]}")
+    return float(value) if kind is float else value
+
+
+def _is_required(field: Field[Any]) -> bool:
+    return field.default is MISSING and field.default_factory is MISSING
+
+
+def _example(hint: Any) -> str:
+    _, quantity = split(hint)
+    return f" in {quantity.unit} or another unit of that kind" if quantity and quantity.unit else ""
+
+
+def _joined(where: str, name: str) -> str:
+    return f"{where}.{name}" if where else name
