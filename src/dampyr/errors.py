@@ -6,7 +6,8 @@
     ├── InputError (ValueError)       an argument or a value is wrong: what, its value, the allowed range, the repair
     │   ├── FileError                 a file is wrong: the message starts with its path
     │   └── RangeError                an input lies outside the range that a damper was calibrated on
-    └── MissingData (FileNotFoundError)  a data set or file is not there, and how to get it
+    ├── MissingData (FileNotFoundError)  a data set or file is not there, and how to get it
+    └── RigFault                      the rig does not answer, or stopped: why, and what to look at
 
     DampyrWarning (UserWarning)
     └── ExtrapolationWarning          a result leaves the calibrated range; the caller asked for it by name
@@ -43,6 +44,14 @@ class MissingData(DampyrError, FileNotFoundError):
 
     def __str__(self) -> str:
         return str(self.args[0]) if self.args else "data are missing"
+
+
+class RigFault(DampyrError):
+    """The rig does not answer, or it stopped by itself; ``ring`` is the ring of safety that acted, if one did."""
+
+    def __init__(self, message: str, ring: str = "") -> None:
+        super().__init__(message)
+        self.ring = ring
 
 
 class DampyrWarning(UserWarning):

@@ -48,7 +48,7 @@ def test_round_trip_is_exact(tmp_path, full, make_sine):
 
 def test_the_layout_is_the_documented_one(tmp_path, full):
     with h5py.File(write(full, tmp_path / "r.h5"), "r") as file:
-        assert (file.attrs["format"], file.attrs["schema"], file.attrs["complete"]) == ("dampyr record", 1, 1)
+        assert (file.attrs["format"], file.attrs["schema"], file.attrs["complete"]) == ("dampyr record", 2, 1)
         force = file["calibrated/force"]
         assert (force.attrs["unit"], force.dtype, force.shape) == ("N", np.float64, (full.n,))
         assert file["calibrated/displacement"].attrs["unit"] == "m"
@@ -88,8 +88,8 @@ def changed(path, change):
     ("change", "message"),
     [
         (
-            lambda f: f.attrs.update({"schema": 2}),
-            r"has the schema 2, this dampyr knows schema 1; upgrade dampyr",
+            lambda f: f.attrs.update({"schema": 3}),
+            r"has the schema 3, this dampyr knows schema 2; upgrade dampyr",
         ),
         (
             lambda f: f.attrs.update({"format": "other"}),

@@ -1,6 +1,6 @@
 """dampyr's own file, HDF5: one file per test, the raw readings beside the calibrated channels.
 
-Layout (schema 1)::
+Layout (schema 2)::
 
     /            format = "dampyr record", schema = 1, complete = 0 or 1, name, role, test, try
     /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
@@ -10,6 +10,8 @@ Layout (schema 1)::
     /label       peak_to_peak_m, frequency_hz, table, row (as attributes), where there is a label
     /provenance  one attribute per entry
     /history     one string per step
+    /rows        only while a test is recorded (`dampyr.records.recording`): how many samples are there; the
+                 datasets are longer, and what lies beyond is nothing
 
 In MATLAB: ``h5read("test.h5", "/calibrated/force")`` and ``h5readatt("test.h5", "/calibrated/force",
 "unit")``. ``complete`` is set last, so a file whose writer was killed says so.
@@ -32,7 +34,8 @@ from dampyr.units import to_si
 from dampyr.whole import whole_file
 
 FORMAT = "dampyr record"
-SCHEMA = 1
+SCHEMA = 2
+KNOWN = (1, 2)  # schema 1 had no /rows
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ def read_raw(path: str | Path) -> dict[str, Raw]:
     with _open(Path(path)) as file:
         return {
             name: Raw(
-                data[()],
+                data[: _rows(file)],
                 str(data.attrs["unit"]),
                 float(data.attrs["gain"]),
                 float(data.attrs["offset"]),
@@ -164,7 +167,7 @@ def _check_schema(path: Path, file: Any) -> None:
     if found != FORMAT:
         raise FileError(path, f"is HDF5 but no {FORMAT}: its format is {found!r}; export it as .csv")
     schema = int(file.attrs.get("schema", 0))
-    if schema != SCHEMA:
+    if schema not in KNOWN:
         raise FileError(path, f"has the schema {schema}, this dampyr knows schema {SCHEMA}; upgrade dampyr")
 
 
@@ -172,12 +175,17 @@ def _is_complete(file: Any) -> bool:
     return bool(file.attrs.get("complete", 0))
 
 
+def _rows(file: Any) -> int | None:
+    """How many samples are there, of a file whose recording has not ended; else None, which is all of them."""
+    return int(file["rows"][()]) if "rows" in file else None
+
+
 def _channel(path: Path, file: Any, name: str, request: Request) -> Any:
     data = file[f"calibrated/{name}"]
     unit = str(data.attrs.get("unit", "")) or request.units.get(name, "")
     if not unit:
         raise FileError(path, f"/calibrated/{name} has no unit; declare units={{{name!r}: {CHANNELS[name]!r}}}")
-    values = data[()]
+    values = data[: _rows(file)] if data.shape else data[()]
     converted = values if unit == CHANNELS[name] else to_si(values, unit, CHANNELS[name])
     return float(converted) if np.ndim(converted) == 0 else converted
 

@@ -1,0 +1,167 @@
+"""What happened in a campaign's folder, in SQLite: the plan, the state of each test, and every event with its time.
+
+Each entry is on the disk before the next thing happens, so that a killed campaign tells how far it came. The measurements
+themselves are in the files of the tests, and where the two differ the files are right.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterable
+from contextlib import closing
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Literal
+
+from dampyr.errors import FileError, InputError
+
+NAME = "journal.sqlite"
+SCHEMA = 1
+TestState = Literal["planned", "running", "complete", "failed"]
+
+TABLES = """
+CREATE TABLE IF NOT EXISTS campaign (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS tests (
+    name TEXT PRIMARY KEY, place INTEGER NOT NULL, state TEXT NOT NULL, attempt INTEGER NOT NULL, reason TEXT NOT NULL
+);
+CREATE TABLE IF NOT EXISTS events (
+    id INTEGER PRIMARY KEY, time TEXT NOT NULL, test TEXT NOT NULL, attempt INTEGER NOT NULL, what TEXT NOT NULL,
+    detail TEXT NOT NULL
+);
+"""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A test in the journal."""
+
+    name: str
+    state: TestState
+    attempt: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened: when (UTC), to which try of which test, what, and the rest in words."""
+
+    time: str
+    test: str
+    attempt: int
+    what: str
+    detail: str
+
+
+class Journal:
+    """The journal of a folder; made where there is none."""
+
+    def __init__(self, folder: str | Path) -> None:
+        self.path = Path(folder) / NAME
+        try:
+            self._base = sqlite3.connect(self.path, isolation_level=None)
+            self._base.execute("PRAGMA synchronous = FULL")
+            self._base.executescript(TABLES)
+            self._check_schema()
+        except sqlite3.Error as problem:
+            raise FileError(
+                self.path, f"is no journal of a campaign, or is broken ({problem}); choose another folder"
+            ) from problem
+
+    def _check_schema(self) -> None:
+        found = self.said("schema")
+        if found and int(found) > SCHEMA:
+            raise FileError(self.path, f"has the schema {found}, this dampyr knows schema {SCHEMA}; upgrade dampyr")
+        if not found:
+            self.say({"schema": str(SCHEMA)})
+
+    def said(self, key: str) -> str:
+        """What was said about the campaign; empty where nothing was."""
+        row = self._base.execute("SELECT value FROM campaign WHERE key = ?", (key,)).fetchone()
+        return str(row[0]) if row else ""
+
+    def say(self, told: dict[str, str]) -> None:
+        """Say something about the campaign."""
+        with self._base:
+            self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", told.items())
+
+    def plan(self, digest: str, names: Iterable[str], told: dict[str, str]) -> None:
+        """Enter the plan; :class:`InputError` where the folder belongs to another one."""
+        known = self.said("digest")
+        if known and known != digest:
+            raise InputError(
+                f"{self.path.parent} holds the campaign {self.said('name')!r}, and this one differs; give another --out"
+            )
+        if not known:
+            with self._transaction():
+                rows = [(name, place, "planned", 0, "") for place, name in enumerate(names)]
+                self._base.executemany("INSERT INTO tests VALUES (?, ?, ?, ?, ?)", rows)
+                told = told | {"digest": digest}
+                self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", told.items())
+
+    def tests(self) -> list[Entry]:
+        """All tests in their order."""
+        rows = self._base.execute("SELECT name, state, attempt, reason FROM tests ORDER BY place")
+        return [Entry(*row) for row in rows]
+
+    def begin(self, name: str) -> int:
+        """A test begins: which try it is, from 1."""
+        with self._transaction():
+            self._base.execute(
+                "UPDATE tests SET state = 'running', attempt = attempt + 1, reason = '' WHERE name = ?", (name,)
+            )
+            attempt = int(self._base.execute("SELECT attempt FROM tests WHERE name = ?", (name,)).fetchone()[0])
+            self._event(name, attempt, "begun", "")
+        return attempt
+
+    def end(self, name: str, state: TestState, reason: str = "") -> None:
+        """A test has ended."""
+        with self._transaction():
+            self._base.execute("UPDATE tests SET state = ?, reason = ? WHERE name = ?", (state, reason, name))
+            attempt = int(self._base.execute("SELECT attempt FROM tests WHERE name = ?", (name,)).fetchone()[0])
+            self._event(name, attempt, state, reason)
+
+    def note(self, what: str, detail: str = "", test: str = "", attempt: int = 0) -> None:
+        """Enter an event."""
+        with self._transaction():
+            self._event(test, attempt, what, detail)
+
+    def events(self) -> list[Event]:
+        """Everything that happened, oldest first."""
+        rows = self._base.execute("SELECT time, test, attempt, what, detail FROM events ORDER BY id")
+        return [Event(*row) for row in rows]
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._base.close()
+
+    def _event(self, test: str, attempt: int, what: str, detail: str) -> None:
+        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+        self._base.execute(
+            "INSERT INTO events (time, test, attempt, what, detail) VALUES (?, ?, ?, ?, ?)",
+            (now, test, attempt, what, detail),
+        )
+
+    def _transaction(self) -> _Transaction:
+        return _Transaction(self._base)
+
+
+class _Transaction:
+    """All of it or nothing, on the disk when it ends."""
+
+    def __init__(self, base: sqlite3.Connection) -> None:
+        self._base = base
+
+    def __enter__(self) -> None:
+        self._base.execute("BEGIN IMMEDIATE")
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        self._base.execute("ROLLBACK" if kind else "COMMIT")
+
+
+def read_journal(folder: str | Path) -> tuple[list[Entry], list[Event]]:
+    """The tests and events of a campaign's folder."""
+    if not (Path(folder) / NAME).is_file():
+        raise InputError(f"{folder} has no {NAME}; it is no folder of a campaign that dampyr ran")
+    with closing(Journal(folder)) as journal:
+        return journal.tests(), journal.events()

@@ -1,0 +1,191 @@
+"""The loop that reads, judges and feeds: one block of samples at a time, whatever anyone else is doing.
+
+On a real rig, and on a simulated one in real time, it has a thread of its own, so that no slow disk or page delays the
+interlock. A simulated rig in lockstep has no clock but its reads, and is read when its blocks are asked for.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Iterator
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import RigFault
+from dampyr.rig.calibration import Calibration
+from dampyr.rig.firmware.protocol import Fault, State, Status
+from dampyr.rig.instruments.board import Board
+from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.interlock import Interlock, Samples
+from dampyr.rig.player import Player
+from dampyr.rig.settings import RigSettings
+from dampyr.rig.warmth import Warmth
+
+Array = NDArray[np.float64]
+AHEAD = 2  # blocks by which the command runs ahead of the reading
+HELD = 10.0  # s of blocks that may wait for whoever stores them
+
+WORDS = {
+    Fault.HEARTBEAT: "the host was silent for too long",
+    Fault.LOW: "the table passed the lower end of the stroke",
+    Fault.HIGH: "the table passed the upper end of the stroke",
+    Fault.SPEED: "the table was too fast",
+    Fault.STALL: "the motor was driven and did not move: is it blocked, overloaded or without power?",
+    Fault.FOLLOWING: "the table could not follow: the drive asks for more than the actuator gives",
+    Fault.UNDERRUN: "set points came too late",
+    Fault.ENCODER: "the encoder's signals are broken",
+    Fault.ABORTED: "it was aborted",
+    Fault.RESTARTED: "the Uno had started anew; home the table again",
+}
+
+
+def fault_in_words(faults: Fault) -> str:
+    """Why the Uno stopped."""
+    return " and ".join(words for fault, words in WORDS.items() if fault in faults) or "no reason given"
+
+
+class Acquisition:
+    """Blocks of samples from an armed rig; :class:`RigFault` is raised where a ring of safety has acted."""
+
+    def __init__(
+        self,
+        rig: RigSettings,
+        uno: Uno,
+        board: Board,
+        calibration: Calibration,
+        interlock: Interlock | None,
+        warmth: Warmth,
+        threaded: bool,
+    ) -> None:
+        self.rig, self.uno, self.board, self.calibration = rig, uno, board, calibration
+        self.interlock, self.warmth, self.threaded = interlock, warmth, threaded
+        self.lock = threading.RLock()
+        self.player: Player | None = None
+        self.next = 0
+        self.stopped: RigFault | None = None
+        self.status: Status = uno.heartbeat()
+        self._command = np.zeros(0)  # coil volts of samples not read yet
+        self._timed = False
+        self._over = threading.Event()
+        self._blocks: queue.Queue[Samples | RigFault] = queue.Queue(max(4, round(HELD / rig.board.block)))
+        self._thread = threading.Thread(target=self._run, name="acquisition", daemon=True) if threaded else None
+
+    def begin(self) -> None:
+        """Start sampling with the coil at 0 V."""
+        self._command = np.zeros(AHEAD * self.rig.block_samples)
+        self.board.start(self.rig.board.rate, self._command)
+        self._timed = True
+        if self._thread:
+            self._thread.start()
+
+    @property
+    def queued(self) -> int:
+        """The first sample whose command is not fixed yet."""
+        return self.next + len(self._command)
+
+    def blocks(self) -> Iterator[Samples]:
+        """Blocks as they come, for ever."""
+        while True:
+            if self.stopped:
+                raise self.stopped
+            yield self._waited() if self._thread else self.cycle()
+
+    def _waited(self) -> Samples:
+        found = self._blocks.get(timeout=30.0)
+        if isinstance(found, RigFault):
+            raise found
+        return found
+
+    def _run(self) -> None:
+        while not self._over.is_set():
+            try:
+                self._blocks.put_nowait(self.cycle())
+            except queue.Full:
+                self.halt(RigFault(f"blocks waited for {HELD:g} s to be stored; is the disk too slow?", "interlock"))
+            except RigFault as problem:
+                self.halt(problem)
+            if self.stopped:
+                with suppress(queue.Full):
+                    self._blocks.put_nowait(self.stopped)
+                return
+
+    def cycle(self, n: int | None = None) -> Samples:
+        """Read a block, judge it, and feed what comes next."""
+        n = self.rig.block_samples if n is None else n
+        try:
+            volts, counts = self.board.read(n)
+            with self.lock:
+                samples = self._samples(volts, counts, self.uno.heartbeat())
+                self._judge(samples)
+                self._feed()
+        except RigFault as problem:
+            self.halt(problem)
+            raise
+        return samples
+
+    def _samples(self, volts: Array, counts: NDArray[np.int64], status: Status) -> Samples:
+        n, first = len(counts), self.next
+        voltage, self._command = self._command[:n], self._command[n:]
+        if len(voltage) < n:  # the timed command has ended: the coil is at 0 V
+            voltage = np.concatenate([voltage, np.zeros(n - len(voltage))])
+        self.next, self.status = first + n, status
+        known = self.calibration
+        return Samples(
+            first,
+            np.arange(first, first + n) / self.rig.board.rate,
+            known.displacement(counts),
+            known.force(volts[0]),
+            known.temperature(volts[1]) if len(volts) > 1 else None,
+            volts,
+            counts,
+            voltage,
+            status,
+        )
+
+    def _judge(self, samples: Samples) -> None:
+        warm = self.warmth.take(samples)
+        if self.interlock is not None:
+            trip = self.interlock.judge(samples)
+            if samples.temperature is None:
+                trip = self.interlock.estimate(warm, float(samples.time[-1]))
+            if trip:
+                raise RigFault(f"the interlock stopped the rig: {trip}", "interlock")
+        if samples.status.state is State.FAULT:
+            raise RigFault(f"the Uno stopped the table: {fault_in_words(samples.status.faults)}", "firmware")
+
+    def _feed(self) -> None:
+        if self.player:
+            self.player.feed(self.next, self.status)
+        if self._timed:
+            n = self.rig.block_samples * AHEAD - len(self._command)
+            volts = self.player.voltage(self.queued, n) if self.player else np.zeros(n)
+            if n > 0:
+                self.board.queue(volts / self.rig.supply.gain)
+                self._command = np.concatenate([self._command, volts])
+
+    def halt(self, why: RigFault) -> None:
+        """Brake the table and take the coil to 0 V, now; every step is tried whatever fails."""
+        with self.lock:
+            self.stopped = self.stopped or why
+            self.player = None
+            for step in (self.uno.abort, self.cut):
+                try:
+                    step()
+                except RigFault as problem:
+                    self.stopped.add_note(str(problem))
+
+    def cut(self) -> None:
+        """The coil to 0 V."""
+        with self.lock:
+            self._timed, self._command = False, np.zeros(0)
+            self.board.write(0.0)
+
+    def end(self) -> None:
+        """Leave the thread; the board still samples."""
+        self._over.set()
+        if self._thread and self._thread is not threading.current_thread() and self._thread.is_alive():
+            self._thread.join(timeout=5.0)
+        self._thread = None

@@ -1,0 +1,87 @@
+"""From volts and counts to newtons and metres, and how the load cell's scale is found.
+
+Two points: the volts without load and under a known force. Shunt: a resistor across one arm of the bridge unbalances it as a
+known force would, without a weight.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.rig.settings import LoadCell, RigSettings
+
+Array = NDArray[np.float64]
+SPREAD = 0.02  # by which a measured scale may differ from the one before without a word
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """force = scale*(volts - zero) [N], displacement = count*(counts - middle) [m], temperature = slope*volts + base [degC]."""
+
+    scale: float
+    zero: float
+    count: float
+    middle: float = 0.0
+    slope: float = 100.0
+    base: float = 0.0
+    how: str = "from the rig's settings"
+
+    def force(self, volts: Array) -> Array:
+        """N."""
+        return self.scale * (volts - self.zero)
+
+    def displacement(self, counts: NDArray[np.int64]) -> Array:
+        """m from the middle of the stroke."""
+        return self.count * (counts.astype(np.float64) - self.middle)
+
+    def temperature(self, volts: Array) -> Array:
+        """degC."""
+        return self.slope * volts + self.base
+
+    def zeroed(self, volts: float) -> Calibration:
+        """The same with these volts at no force."""
+        return replace(self, zero=volts)
+
+
+def calibration_of(rig: RigSettings) -> Calibration:
+    """What the settings say."""
+    return Calibration(rig.load_cell.scale, rig.load_cell.zero, rig.encoder.count)
+
+
+def two_point(zero: float, loaded: float, force: float) -> float:
+    """N/V: ``force`` [N] changed the volts from ``zero`` to ``loaded``; :class:`InputError` where they hardly differ."""
+    if abs(loaded - zero) < 0.01:
+        raise InputError(
+            f"the load of {force:g} N changed the signal by {abs(loaded - zero) * 1e3:.2g} mV only; it must be 10 mV or "
+            "more: check the cell's wires, or take a heavier load"
+        )
+    return force / (loaded - zero)
+
+
+def shunt_force(cell: LoadCell, resistor: float) -> float:
+    r"""The force [N] that a shunt ``resistor`` [ohm] across one arm of the full bridge pretends.
+
+    .. math:: \frac{\Delta U}{U} = \frac{R_b}{4 R_s + 2 R_b}, \qquad F = \frac{\Delta U/U}{S} F_n
+
+    with the arm R_b, the shunt R_s and the sensitivity S [V/V] at the capacity F_n.
+    """
+    if not resistor > 0.0:
+        raise InputError(f"shunt = {resistor:g} ohm is not allowed; it must be greater than 0")
+    return cell.bridge / (4.0 * resistor + 2.0 * cell.bridge) / cell.sensitivity * cell.capacity
+
+
+def shunt_point(cell: LoadCell, resistor: float, zero: float, shunted: float) -> float:
+    """N/V from a shunt ``resistor`` [ohm] that changed the volts from ``zero`` to ``shunted``."""
+    return two_point(zero, shunted, shunt_force(cell, resistor))
+
+
+def doubt(scale: float, before: float) -> str:
+    """A sentence where a new scale is far from the one before; empty where it is not."""
+    off = scale / before - 1.0
+    if abs(off) <= SPREAD:
+        return ""
+    return f"the scale {scale:.4g} N/V differs from {before:.4g} N/V by {off:+.1%}; look at the cell before you keep it"

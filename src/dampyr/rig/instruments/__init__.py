@@ -1,0 +1,1 @@
+"""The instruments: one file each, the driver for the real one beside its end of the simulated rig."""

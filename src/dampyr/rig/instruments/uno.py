@@ -1,0 +1,162 @@
+"""The Arduino Uno that drives the actuator: the host's end of docs/reference/protocol.md."""
+
+from __future__ import annotations
+
+import random
+import time
+from dataclasses import dataclass
+from typing import ClassVar
+
+from dampyr.errors import InputError, RigFault
+from dampyr.rig.firmware.protocol import (
+    MOST_POINTS,
+    VERSION,
+    Frame,
+    Reader,
+    Reason,
+    Reply,
+    Request,
+    State,
+    Status,
+    encode,
+    status_of,
+)
+from dampyr.rig.instruments.wire import Wire
+from dampyr.rig.settings import RigSettings
+
+REASONS = {
+    Reason.STATE: "it is in another state",
+    Reason.RANGE: "a value is out of range",
+    Reason.NOT_HOMED: "its encoder is not homed",
+    Reason.NO_LIMITS: "it was given no limits",
+    Reason.QUEUE_FULL: "its queue is full",
+    Reason.GAP: "set points are missing",
+    Reason.VERSION: "it speaks another version of the protocol",
+    Reason.NO_HEARTBEAT: "it has seen no heartbeat",
+}
+INDEX, HERE = 1, 0  # how to home
+
+
+@dataclass(frozen=True)
+class Hello:
+    """What the Uno says it is."""
+
+    version: int
+    firmware: str
+    rate: int
+    queue: int
+
+
+class Uno:
+    """The Uno at the end of a wire; every call waits for its answer or raises :class:`RigFault`."""
+
+    TRIES: ClassVar[int] = 4
+    WAIT: ClassVar[float] = 0.02  # s
+
+    def __init__(self, wire: Wire) -> None:
+        self._wire, self._reader = wire, Reader()
+        self._number = random.randrange(256)  # so that a new host is not taken for the one before it
+
+    @property
+    def bad_frames(self) -> int:
+        """Frames of the Uno's that arrived broken."""
+        return self._reader.bad
+
+    def hello(self) -> Hello:
+        """Say hello; :class:`RigFault` where the firmware speaks another version."""
+        version, firmware, rate, queue = self._ask(Request.HELLO, VERSION).values
+        if version != VERSION:
+            raise RigFault(
+                f"the Uno's firmware speaks version {version} of the protocol and this dampyr {VERSION}; flash it anew"
+            )
+        return Hello(version, f"{firmware >> 8}.{firmware & 255}", rate, queue)
+
+    def configure(self, rig: RigSettings) -> None:
+        """Give the Uno its limits, those of ``rig``."""
+        count, limits = rig.encoder.count, rig.limits
+        half = int(limits.stroke / 2 / count)
+        heartbeat = round(limits.heartbeat * 1000)
+        self._ask(Request.LIMITS, -half, half, int(limits.speed / count), heartbeat, 255, 300)
+
+    def heartbeat(self) -> Status:
+        """Tell that the host lives, and learn how the Uno is."""
+        return status_of(self._ask(Request.HEARTBEAT))
+
+    def arm(self) -> None:
+        """Let energy in: enable line high."""
+        self._ask(Request.ARM)
+
+    def disarm(self) -> None:
+        """Enable line low, motor shorted."""
+        self._ask(Request.DISARM)
+
+    def home(self, how: int, counts: int) -> None:
+        """Take the table to be at ``counts`` (`HERE`), or look for the index, which is there (`INDEX`)."""
+        self._ask(Request.HOME, how, counts)
+
+    def jog(self, speed: int, time_ms: int) -> None:
+        """Move at ``speed`` counts/s for a while, at most 500 ms."""
+        self._ask(Request.JOG, speed, time_ms)
+
+    def points(self, first: int, positions: list[int]) -> int:
+        """Send up to 16 set points [counts], numbered from ``first``; how many places are free then."""
+        if not 1 <= len(positions) <= MOST_POINTS:
+            raise InputError(f"{len(positions)} set points in one frame are not allowed; send 1 to {MOST_POINTS}")
+        return self._ask(Request.SETPOINTS, first, *positions).values[1]
+
+    def follow(self, period_ms: int, n: int) -> None:
+        """Follow the set points."""
+        self._ask(Request.FOLLOW, period_ms, n)
+
+    def reverse(self, duty: int, half_ms: int, pause_ms: int, n: int) -> None:
+        """Constant duty whose sign changes every half period."""
+        self._ask(Request.REVERSE, duty, half_ms, pause_ms, n)
+
+    def stop(self) -> None:
+        """Slow down to rest."""
+        self._ask(Request.STOP)
+
+    def abort(self) -> None:
+        """Brake and cut the coil, now."""
+        self._ask(Request.ABORT)
+
+    def clear(self) -> None:
+        """Leave FAULT."""
+        self._ask(Request.CLEAR)
+
+    def close(self) -> None:
+        """Let go of the wire."""
+        self._wire.close()
+
+    def _ask(self, kind: Request, *values: int) -> Frame:
+        self._number = (self._number + 1) % 256
+        request = encode(Frame(kind, self._number, values))
+        for _ in range(self.TRIES):
+            self._wire.send(request)
+            reply = self._reply()
+            if reply is not None:
+                return self._checked(kind, reply)
+        raise RigFault(f"the Uno does not answer {kind.name}, asked {self.TRIES} times; check its cable and its power")
+
+    def _reply(self) -> Frame | None:
+        until = time.monotonic() + self.WAIT
+        while True:
+            data = self._wire.receive()
+            for frame in self._reader.feed(data):
+                if frame.number == self._number and isinstance(frame.kind, Reply):
+                    return frame
+            if time.monotonic() >= until:
+                return None
+
+    def _checked(self, kind: Request, reply: Frame) -> Frame:
+        if reply.kind is not Reply.NAK:
+            return reply
+        reason = (
+            REASONS.get(Reason(reply.values[1])) if reply.values[1] in list(Reason) else f"reason {reply.values[1]}"
+        )
+        raise RigFault(f"the Uno refused {kind.name}: {reason}")
+
+
+def moving(status: Status) -> bool:
+    """Whether the table moves or may move at once."""
+    return status.state in (State.FOLLOWING, State.REVERSING, State.JOGGING, State.HOMING, State.STOPPING)

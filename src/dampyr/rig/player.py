@@ -1,0 +1,77 @@
+"""Playing a drive: set points to the Uno ahead of their time, the coil's voltage to the board on its clock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.rig.drive import Drive
+from dampyr.rig.firmware.protocol import MOST_POINTS, State, Status
+from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.settings import RigSettings
+
+Array = NDArray[np.float64]
+AHEAD = 40  # set points to keep in the Uno's queue
+
+
+@dataclass
+class Player:
+    """One drive under way; sample ``start`` is when it begins."""
+
+    drive: Drive
+    rig: RigSettings
+    uno: Uno
+    start: int
+    sent: int = 0
+    running: bool = False
+    finished: bool = False
+
+    @property
+    def end(self) -> int:
+        """The sample after the last."""
+        return self.start + round(self.drive.duration * self.rig.board.rate) + 1
+
+    def kept(self, first: int, n: int) -> slice:
+        """Which of n samples from ``first`` on are to be recorded."""
+        rate, drive = self.rig.board.rate, self.drive
+        begin = self.start + round(drive.record_from * drive.period * rate)
+        last = drive.n - 1 if drive.record_to is None else drive.record_to
+        end = self.start + round(last * drive.period * rate) + 1
+        return slice(min(max(begin - first, 0), n), min(max(end - first, 0), n))
+
+    def voltage(self, first: int, n: int) -> Array:
+        """The coil's voltage for n samples from ``first`` on."""
+        time = (np.arange(first, first + n) - self.start) / self.rig.board.rate
+        at = np.clip(np.floor(time / self.drive.period + 1e-9).astype(int), 0, self.drive.n - 1)
+        return self.drive.voltage[at]
+
+    def feed(self, now: int, status: Status) -> None:
+        """Begin when it is time, keep the queue filled, see the end; ``now`` is the next sample to be read."""
+        if not self.running and now >= self.start:
+            self._begin()
+        elif self.running and not self.finished:
+            if status.state is State.ARMED:
+                self.finished = True
+            elif self.drive.reversals is None:
+                self._send(status.free)
+
+    def _begin(self) -> None:
+        self.running = True
+        if self.drive.reversals is None:
+            self._send(AHEAD)
+            self.uno.follow(round(self.drive.period * 1000), self.drive.n)
+            return
+        how = self.drive.reversals
+        half, pause = round(how.half_period * 1000), round(how.pause * 1000)
+        self.uno.reverse(round(how.duty * 255), half, pause, how.count)
+
+    def _send(self, free: int) -> None:
+        """Fill the queue up to `AHEAD`, or as far as there are places."""
+        count = self.rig.encoder.count
+        while self.sent < self.drive.n and free > 0:
+            n = min(MOST_POINTS, free, self.drive.n - self.sent)
+            points = self.drive.displacement[self.sent : self.sent + n] / count
+            self.uno.points(self.sent, [round(float(p)) for p in points])
+            self.sent, free = self.sent + n, free - n

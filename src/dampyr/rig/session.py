@@ -1,0 +1,246 @@
+"""One door for energy: `Rig.armed`. However its block ends, the coil is at 0 V and the table at rest afterwards."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from dampyr.errors import InputError, RigFault
+from dampyr.rig.acquisition import Acquisition
+from dampyr.rig.calibration import Calibration, calibration_of
+from dampyr.rig.drive import Drive
+from dampyr.rig.firmware.protocol import State
+from dampyr.rig.instruments.board import Board
+from dampyr.rig.instruments.uno import HERE, INDEX, Uno
+from dampyr.rig.interlock import Interlock, Samples
+from dampyr.rig.player import Player
+from dampyr.rig.settings import RigSettings
+from dampyr.rig.warmth import Warmth
+
+GENTLE = 0.010  # m/s, the speed of a table on its way to where a test begins
+SETTLED = 0.3  # s in which a table that was told to stop is at rest
+HOMING = 120.0  # s that looking for the index may take
+
+
+@dataclass
+class Rig:
+    """A rig that is connected and not armed; see `dampyr.rig.connect` and `dampyr.rig.simulated`."""
+
+    settings: RigSettings
+    uno: Uno
+    board: Board
+    threaded: bool = True
+    calibration: Calibration | None = None
+    interlocked: bool = True
+    on_close: list[Callable[[], None]] = field(default_factory=list)
+    warmth: Warmth = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.calibration = self.calibration or calibration_of(self.settings)
+        self.warmth = Warmth(self.settings, self.settings.specimen.room)
+
+    @contextmanager
+    def armed(self) -> Iterator[Table]:
+        """Let energy in; a `Table` that can be moved. On leaving: stop, coil to 0 V, rest, disarm, in this order."""
+        self.uno.hello()
+        if self.uno.heartbeat().state is not State.IDLE:
+            self.uno.disarm()
+            self.uno.clear()
+        self.uno.configure(self.settings)
+        table = Table(self)
+        try:
+            table.begin()
+            yield table
+        except BaseException as problem:
+            table.leave(problem)
+            raise
+        else:
+            table.leave(None)
+
+    def close(self) -> None:
+        """Let go of the instruments."""
+        for close in (self.uno.close, self.board.close, *self.on_close):
+            close()
+
+    def __enter__(self) -> Rig:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class Table:
+    """An armed rig. Everything is in m, s, N and V; displacement from the middle of the stroke, extension positive."""
+
+    def __init__(self, rig: Rig) -> None:
+        assert rig.calibration is not None
+        self.rig = rig
+        guard = Interlock(rig.settings) if rig.interlocked else None
+        self.loop = Acquisition(
+            rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, threaded=rig.threaded
+        )
+
+    def begin(self) -> None:
+        """Start sampling and arm."""
+        self.loop.begin()
+        with self.loop.lock:
+            self.rig.uno.heartbeat()
+            self.rig.uno.arm()
+            self._align(next(self.loop.blocks()))
+
+    def leave(self, problem: BaseException | None) -> None:
+        """Stop, coil to 0 V, rest, disarm; each is tried, and what fails is told with ``problem`` or raised."""
+        failed: list[RigFault] = []
+        loop, uno = self.loop, self.rig.uno
+        loop.player = None
+        for step in (uno.stop, loop.cut, loop.end, self._settle, uno.disarm, self.rig.board.stop):
+            try:
+                with loop.lock if step in (uno.stop, uno.disarm) else _nothing():
+                    step()
+            except RigFault as trouble:
+                failed.append(trouble)
+        if failed and problem is None:
+            raise failed[0]
+        if problem is not None:
+            for each in failed:
+                problem.add_note(str(each))
+
+    def _settle(self) -> None:
+        """Read on until the table is at rest."""
+        n = max(1, self.rig.settings.block_samples // 4)
+        for _ in range(math.ceil(SETTLED * self.rig.settings.board.rate / n)):
+            if self.loop.stopped or self.loop.cycle(n).status.speed == 0:
+                return
+
+    @property
+    def position(self) -> float:
+        """Where the table is, as the Uno says [m]."""
+        return self.loop.status.position * self.rig.settings.encoder.count
+
+    @property
+    def homed(self) -> bool:
+        """Whether the Uno knows where the middle is."""
+        return self.loop.status.homed
+
+    @property
+    def temperature(self) -> float:
+        """The estimate of the damper's temperature [degC]."""
+        return self.rig.warmth.temperature
+
+    def home(self, here: bool = False) -> None:
+        """Find the middle of the stroke by the index mark; ``here``: the table stands in it."""
+        index = round(self.rig.settings.encoder.index / self.rig.settings.encoder.count)
+        with self.loop.lock:
+            if here:
+                self.rig.uno.disarm()
+                self.rig.uno.home(HERE, 0)
+                self.rig.uno.arm()
+            else:
+                self.rig.uno.home(INDEX, index)
+        for samples in self._for(HOMING):
+            if samples.status.state is State.ARMED and samples.status.homed:
+                self._align(next(self.loop.blocks()))
+                return
+        raise RigFault(f"no index mark was found in {HOMING:g} s; look at the encoder, or home by hand in the middle")
+
+    def _align(self, samples: Samples) -> None:
+        """Make the board's counts mean what the Uno's mean, at rest."""
+        if samples.status.homed:
+            middle = float(samples.counts[-1]) - samples.status.position
+            self.loop.calibration = replace(self.loop.calibration, middle=middle)
+            self.rig.calibration = self.loop.calibration
+
+    def zero_force(self, seconds: float = 1.0) -> float:
+        """Take the mean signal at rest for no force; the volts."""
+        volts = float(np.mean(np.concatenate([samples.volts[0] for samples in self._for(seconds)])))
+        self.loop.calibration = self.rig.calibration = self.loop.calibration.zeroed(volts)
+        return volts
+
+    def rest(self, seconds: float) -> None:
+        """Let time pass."""
+        for _ in self._for(seconds):
+            pass
+
+    def jog(self, speed: float, seconds: float = 0.2) -> None:
+        """Move at ``speed`` [m/s] for a while, at most 0.5 s."""
+        if not 0.0 < seconds <= 0.5:
+            raise InputError(f"seconds = {seconds:g} is not allowed; a jog lasts at most 0.5 s, and is asked for again")
+        with self.loop.lock:
+            self.rig.uno.jog(round(speed / self.rig.settings.encoder.count), round(seconds * 1000))
+        for samples in self._for(seconds + 0.2):
+            if samples.status.state is State.ARMED:
+                return
+
+    def go(self, displacement: float) -> None:
+        """Move gently to ``displacement`` and rest there."""
+        path = displacement - self.position
+        seconds = max(1.875 * abs(path) / GENTLE, 0.1)  # a minimum-jerk path's peak speed is 15/8 of its mean
+        n = math.ceil(seconds / 0.01) + 1
+        s = np.linspace(0.0, 1.0, n)
+        smooth = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+        for _ in self.play(Drive(0.01, self.position + path * smooth, np.zeros(n))):
+            pass
+
+    def play(self, drive: Drive) -> Iterator[tuple[Samples, slice]]:
+        """Play a drive: each block, and which of its samples are to be kept; the table must stand where the drive begins.
+
+        Raises :class:`InputError` where it does not, before anything moves, and :class:`RigFault` where a ring of safety acts.
+        """
+        if drive.reversals is None and abs(drive.displacement[0] - self.position) > 5e-4:
+            raise InputError(
+                f"the drive begins at {drive.displacement[0] * 1e3:.2f} mm and the table stands at "
+                f"{self.position * 1e3:.2f} mm; call go() first"
+            )
+        with self.loop.lock:
+            player = Player(drive, self.rig.settings, self.rig.uno, self.loop.queued)
+            self.loop.player = player
+        try:
+            yield from self._played(player, drive)
+        finally:
+            with self.loop.lock:
+                self.loop.player = None
+
+    def _played(self, player: Player, drive: Drive) -> Iterator[tuple[Samples, slice]]:
+        for samples in self.loop.blocks():
+            yield samples, player.kept(samples.first, samples.n)
+            if self._early(drive, samples):
+                self.stop()
+                return
+            if samples.first + samples.n >= player.end and player.finished:
+                return
+
+    def _early(self, drive: Drive, samples: Samples) -> bool:
+        """Whether the drive has reached what it was for."""
+        if drive.until_temperature is None:
+            return False
+        warm = self.temperature if samples.temperature is None else float(samples.temperature[-1])
+        return warm >= drive.until_temperature
+
+    def stop(self) -> None:
+        """Slow down to rest, and stay armed."""
+        with self.loop.lock:
+            self.loop.player = None
+            self.rig.uno.stop()
+        for samples in self._for(SETTLED):
+            if samples.status.state is State.ARMED:
+                return
+
+    def abort(self, why: str = "it was asked for") -> None:
+        """Brake and cut the coil, now; from any thread. Whoever waits for blocks gets a :class:`RigFault`."""
+        self.loop.halt(RigFault(f"aborted: {why}", "operator"))
+
+    def _for(self, seconds: float) -> Iterator[Samples]:
+        last = self.loop.next + round(seconds * self.rig.settings.board.rate)
+        for samples in self.loop.blocks():
+            yield samples
+            if samples.first + samples.n >= last:
+                return
+
+
+@contextmanager
+def _nothing() -> Iterator[None]:
+    yield

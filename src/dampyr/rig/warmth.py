@@ -1,0 +1,42 @@
+"""How warm the damper is where nothing measures it: the heat it made, less what it gave to the room."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from dampyr.rig.interlock import Samples
+from dampyr.rig.settings import RigSettings
+
+
+@dataclass
+class Warmth:
+    r"""An estimate of the damper's temperature [degC].
+
+    .. math:: C \dot T = F \dot x + u^2 / R - h (T - T_r)
+
+    with the heat capacity C, the coil's resistance R and the cooling h of ``specimen`` and ``supply`` in the rig's settings.
+    """
+
+    rig: RigSettings
+    temperature: float
+    _last: float = math.nan
+
+    def take(self, samples: Samples) -> float:
+        """The temperature after a block."""
+        body, dt = self.rig.specimen, 1.0 / self.rig.board.rate
+        path = np.diff(samples.displacement, prepend=samples.displacement[0] if math.isnan(self._last) else self._last)
+        self._last = float(samples.displacement[-1])
+        heat = float(samples.force @ path) + float(np.sum(samples.voltage**2)) / self.rig.supply.resistance * dt
+        self.temperature += heat / body.heat_capacity
+        self.cool(samples.n * dt)
+        return self.temperature
+
+    def cool(self, seconds: float) -> None:
+        """Give heat to the room."""
+        body = self.rig.specimen
+        self.temperature = body.room + (self.temperature - body.room) * math.exp(
+            -body.cooling / body.heat_capacity * seconds
+        )

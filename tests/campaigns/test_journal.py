@@ -1,0 +1,50 @@
+"""The journal tells how far a campaign came, whoever was killed."""
+
+from pathlib import Path
+
+import pytest
+
+from dampyr.campaigns.journal import Journal, read_journal
+from dampyr.errors import FileError, InputError
+
+
+def test_the_story_of_a_campaign(tmp_path: Path) -> None:
+    journal = Journal(tmp_path)
+    journal.plan("d1", ["a", "b"], {"name": "first"})
+    assert journal.begin("a") == 1
+    journal.close()  # as a kill would
+    journal = Journal(tmp_path)
+    journal.plan("d1", ["a", "b"], {"name": "first"})
+    assert [(t.name, t.state, t.attempt) for t in journal.tests()] == [("a", "running", 1), ("b", "planned", 0)]
+    assert journal.begin("a") == 2
+    journal.end("a", "complete")
+    journal.begin("b")
+    journal.end("b", "failed", "the motor stalled")
+    journal.close()
+    tests, events = read_journal(tmp_path)
+    assert [(t.name, t.state, t.attempt, t.reason) for t in tests] == [
+        ("a", "complete", 2, ""),
+        ("b", "failed", 1, "the motor stalled"),
+    ]
+    assert [(e.test, e.attempt, e.what) for e in events] == [
+        ("a", 1, "begun"),
+        ("a", 2, "begun"),
+        ("a", 2, "complete"),
+        ("b", 1, "begun"),
+        ("b", 1, "failed"),
+    ]
+    assert events[0].time.endswith("+00:00")
+
+
+def test_another_campaign_in_the_folder_is_refused(tmp_path: Path) -> None:
+    Journal(tmp_path).plan("d1", ["a"], {"name": "first"})
+    with pytest.raises(InputError, match="holds the campaign 'first', and this one differs; give another --out"):
+        Journal(tmp_path).plan("d2", ["a"], {"name": "second"})
+
+
+def test_what_is_no_journal_is_told(tmp_path: Path) -> None:
+    (tmp_path / "journal.sqlite").write_text("no journal at all " * 100)
+    with pytest.raises(FileError, match="is no journal of a campaign, or is broken"):
+        Journal(tmp_path)
+    with pytest.raises(InputError, match=r"has no journal.sqlite"):
+        read_journal(tmp_path / "nowhere")

@@ -1,0 +1,146 @@
+"""A recording: every acknowledged sample is readable whatever happens to its writer."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dampyr.errors import FileError
+from dampyr.records import read
+from dampyr.records.formats import h5
+from dampyr.records.recording import Header, RawChannel, Recording
+
+HEADER = Header(
+    "sine",
+    "03-sine",
+    2,
+    ("time", "displacement", "force"),
+    {"force": RawChannel("V", 613.0, -1.5, "N"), "position": RawChannel("count", 5e-6, 0.0, "m", "i8")},
+    {"voltage": 0.5},
+    provenance={"operator": "A"},
+)
+
+
+def block(first: int, n: int = 40) -> dict[str, np.ndarray]:
+    at = np.arange(first, first + n)
+    return {
+        "calibrated/time": at / 1000.0,
+        "calibrated/displacement": 0.01 * np.sin(at),
+        "calibrated/force": 100.0 * np.cos(at),
+        "raw/force": np.cos(at) / 6.13,
+        "raw/position": at,
+    }
+
+
+def test_what_was_acknowledged_is_read_while_it_goes_on(tmp_path: Path) -> None:
+    recording = Recording(tmp_path / "t.h5", 1000, HEADER)
+    for k in range(3):
+        assert recording.append(block(40 * k)) == 40 * (k + 1)
+    shutil.copy(tmp_path / "t.h5", tmp_path / "copy.h5")  # what a kill would leave
+    found = read(tmp_path / "copy.h5")
+    assert found.n == 120
+    assert found.provenance["complete"] == "no"
+    assert found.provenance["operator"] == "A"
+    np.testing.assert_array_equal(found.force, 100.0 * np.cos(np.arange(120)))
+    np.testing.assert_array_equal(h5.read_raw(tmp_path / "copy.h5")["position"].values, np.arange(120))
+    assert h5.state(tmp_path / "copy.h5") == h5.State(False, "03-sine", 2)
+    recording.close()
+
+
+def test_the_finished_file_is_as_long_as_it_became(tmp_path: Path) -> None:
+    recording = Recording(tmp_path / "t.h5", 1000000, HEADER)
+    recording.append(block(0))
+    recording.finish({"exit_status": "complete", "reason": ""})
+    found = read(tmp_path / "t.h5")
+    assert found.n == 40
+    assert found.voltage == 0.5
+    assert found.provenance["exit_status"] == "complete"
+    assert "complete" not in found.provenance
+    assert h5.state(tmp_path / "t.h5").complete
+    assert (tmp_path / "t.h5").stat().st_size < 40000
+    assert [path.name for path in tmp_path.iterdir()] == ["t.h5"]
+
+
+def test_an_aborted_test_is_kept_and_not_called_complete(tmp_path: Path) -> None:
+    recording = Recording(tmp_path / "t.h5", 1000, HEADER)
+    recording.append(block(0))
+    recording.finish({"exit_status": "failed", "reason": "force 4600 N passed its limit"}, complete=False)
+    assert not h5.state(tmp_path / "t.h5").complete
+    assert read(tmp_path / "t.h5").provenance["reason"] == "force 4600 N passed its limit"
+
+
+def test_more_samples_than_planned_are_refused(tmp_path: Path) -> None:
+    recording = Recording(tmp_path / "t.h5", 50, HEADER)
+    recording.append(block(0))
+    with pytest.raises(FileError, match="room for 50 samples, and 80 came"):
+        recording.append(block(40))
+    recording.close()
+    assert read(tmp_path / "t.h5").n == 40
+
+
+def test_a_full_disk_is_told_before_the_first_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    with pytest.raises(FileError, match="the disk is full; make room"):
+        Recording(tmp_path / "t.h5", 1000, HEADER)
+
+
+WRITER = textwrap.dedent("""
+    import sys
+    import numpy as np
+    from tests.records.test_recording import HEADER, block
+    from dampyr.records.recording import Recording
+    recording, k = Recording(sys.argv[1], 400_000, HEADER), 0
+    while True:
+        rows = recording.append(block(40 * k))
+        k += 1
+        sys.stdout.write(f"{rows}\\n")
+        sys.stdout.flush()
+""")
+
+
+def killed(folder: Path, after: float) -> tuple[int, Path]:
+    """The last row that a writer acknowledged before it was killed, and its file."""
+    path, root = folder / "t.h5", Path(__file__).parents[2]
+    with subprocess.Popen(
+        [sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, cwd=root, text=True
+    ) as writer:
+        assert writer.stdout is not None
+        first = writer.stdout.readline()
+        try:
+            writer.wait(after)
+        except subprocess.TimeoutExpired:
+            os.kill(writer.pid, signal.SIGKILL)
+        told = [line for line in writer.stdout.read().split("\n")[:-1] if line]
+    return int(told[-1] if told else first), path
+
+
+def check(acknowledged: int, path: Path) -> None:
+    found = read(path)
+    assert found.n >= acknowledged
+    np.testing.assert_array_equal(found.force, 100.0 * np.cos(np.arange(found.n)))
+
+
+@pytest.mark.parametrize("after", [0.05, 0.2])
+def test_a_killed_writer_leaves_every_acknowledged_sample(tmp_path: Path, after: float) -> None:
+    check(*killed(tmp_path, after))
+
+
+@pytest.mark.prove
+def test_two_hundred_kills_inside_flushes_too(tmp_path: Path) -> None:
+    """The writer does nothing but write and flush, so that nearly every kill falls inside of it."""
+    moments = np.random.default_rng(20201124).uniform(0.0, 0.15, 200)
+    for k, after in enumerate(moments):
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        acknowledged, path = killed(folder, float(after))
+        check(acknowledged, path)
+        shutil.rmtree(folder)
