@@ -1,0 +1,240 @@
+"""A model of the firmware: requests in, replies out, and the registers that `dampyr.rig.firmware.control` works on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.rig.firmware import control as c
+from dampyr.rig.firmware.protocol import (
+    ENABLED,
+    HOMED,
+    LIMITED,
+    VERSION,
+    Fault,
+    Frame,
+    Reader,
+    Reason,
+    Reply,
+    Request,
+    State,
+    encode,
+)
+
+FIRMWARE = (1, 0)  # major, minor
+FARTHEST, FASTEST = 37000, 40000  # counts, counts/s: the firmware's own limits
+RESTING = tuple(State)
+ALLOWED: dict[Request, tuple[State, ...]] = {
+    Request.LIMITS: (State.IDLE,),
+    Request.ARM: (State.IDLE,),
+    Request.JOG: (State.ARMED, State.JOGGING),
+    Request.SETPOINTS: (State.ARMED, State.FOLLOWING),
+    Request.FOLLOW: (State.ARMED,),
+    Request.REVERSE: (State.ARMED,),
+    Request.CLEAR: (State.FAULT,),
+}
+"""The states in which a request is carried out; all where it is not named. HOME depends on its body."""
+WITHOUT_HELLO = (Request.HELLO, Request.STOP, Request.ABORT, Request.DISARM)
+
+
+class Twin:
+    """The Uno: `receive` takes the host's bytes, `dampyr.rig.firmware.control.tick` is to be run every millisecond.
+
+    ``beaten`` is called when a HEARTBEAT has been carried out and before its status is made.
+    """
+
+    def __init__(self, beaten: Callable[[], None] = lambda: None) -> None:
+        self.registers: NDArray[np.int64] = np.zeros(c.REGISTERS, dtype=np.int64)
+        self.beaten = beaten
+        self.restart()
+
+    def restart(self) -> None:
+        """As after power or the watchdog: FAULT with RESTARTED, and nothing known; the encoder's lines stay where they are."""
+        counts = self.registers[c.R_COUNTS]
+        self.registers[:] = 0
+        self.registers[[c.R_COUNTS, c.R_POSITION]] = counts
+        self.registers[c.R_STATE], self.registers[c.R_FAULTS] = State.FAULT, Fault.RESTARTED
+        self.registers[c.R_SINCE] = 1000000
+        self.reader, self.greeted, self.before, self.said = Reader(), False, (-1, -1), b""
+
+    @property
+    def state(self) -> State:
+        """What the Uno is doing."""
+        return State(int(self.registers[c.R_STATE]))
+
+    @property
+    def faults(self) -> Fault:
+        """Why it stopped by itself."""
+        return Fault(int(self.registers[c.R_FAULTS]))
+
+    @property
+    def enabled(self) -> bool:
+        """The enable line."""
+        return State.ARMED <= self.state <= State.STOPPING
+
+    @property
+    def free(self) -> int:
+        """Free places in the queue."""
+        return c.QUEUE - int(self.registers[c.R_NEXT] - self.registers[c.R_HEAD])
+
+    def receive(self, data: bytes) -> bytes:
+        """Bytes from the host -> the replies to what is whole with them."""
+        return b"".join(map(self.answer, self.reader.feed(data)))
+
+    def answer(self, frame: Frame) -> bytes:
+        """The reply to one request; a repeated request is answered again and not carried out again."""
+        if not isinstance(frame.kind, Request):
+            self.reader.bad += 1
+            return b""
+        if (frame.kind, frame.number) != self.before:
+            self.said = encode(self._reply(frame))
+            self.before = (frame.kind, frame.number)
+        return self.said
+
+    def _reply(self, frame: Frame) -> Frame:
+        kind = Request(frame.kind)
+        reason = self._refused(kind, frame.values)
+        if reason is not None:
+            return Frame(Reply.NAK, frame.number, (kind, reason))
+        getattr(self, f"_{kind.name.lower()}")(*frame.values)
+        if kind == Request.HELLO:
+            return Frame(Reply.HELLO, frame.number, (VERSION, FIRMWARE[0] << 8 | FIRMWARE[1], c.RATE, c.QUEUE))
+        if kind == Request.HEARTBEAT:
+            return Frame(Reply.STATUS, frame.number, self._status())
+        return Frame(Reply.ACK, frame.number, (kind, self.free))
+
+    def _refused(self, kind: Request, values: tuple[int, ...]) -> Reason | None:
+        """Why a request cannot be carried out; the first reason of the order in the document."""
+        if not self.greeted and kind not in WITHOUT_HELLO:
+            return Reason.VERSION
+        allowed = ALLOWED.get(kind, RESTING)
+        if kind == Request.HOME:
+            allowed = {0: (State.IDLE,), 1: (State.ARMED,)}.get(values[0], RESTING)
+        if self.state not in allowed:
+            return Reason.STATE
+        check: Callable[..., Reason | None] = getattr(self, f"_check_{kind.name.lower()}", lambda *_: None)
+        return check(*values)
+
+    def _check_limits(self, low: int, high: int, speed: int, beat: int, duty: int, stall: int) -> Reason | None:
+        fine = -FARTHEST <= low < high <= FARTHEST and 1 <= speed <= FASTEST
+        return None if fine and 50 <= beat <= 200 and duty >= 1 and 100 <= stall <= 1000 else Reason.RANGE
+
+    def _check_arm(self) -> Reason | None:
+        r = self.registers
+        if not r[c.R_LIMITED]:
+            return Reason.NO_LIMITS
+        if r[c.R_HOMED] and not r[c.R_LOW] <= r[c.R_POSITION] <= r[c.R_HIGH]:
+            return Reason.RANGE
+        return Reason.NO_HEARTBEAT if r[c.R_SINCE] > r[c.R_HEARTBEAT] else None
+
+    def _check_home(self, how: int, counts: int) -> Reason | None:
+        return None if how in (0, 1) and abs(counts) <= FARTHEST else Reason.RANGE
+
+    def _check_jog(self, speed: int, time: int) -> Reason | None:
+        if not 1 <= time <= 500 or abs(speed) > self.registers[c.R_MAX_SPEED]:
+            return Reason.RANGE
+        return Reason.NOT_HOMED if abs(speed) > c.SLOW and not self.registers[c.R_HOMED] else None
+
+    def _check_setpoints(self, first: int, *points: int) -> Reason | None:
+        r = self.registers
+        if not all(r[c.R_LOW] <= p <= r[c.R_HIGH] for p in points):
+            return Reason.RANGE
+        if not r[c.R_HOMED]:
+            return Reason.NOT_HOMED
+        anew = first == 0 and self.state == State.ARMED
+        at, free = (0, c.QUEUE) if anew else (int(r[c.R_NEXT]), self.free)
+        if first > at or (first + len(points) - 1 > r[c.R_LAST] and self.state == State.FOLLOWING):
+            return Reason.GAP if first > at else Reason.RANGE
+        return Reason.QUEUE_FULL if first + len(points) - at > free else None
+
+    def _check_follow(self, period: int, n: int) -> Reason | None:
+        r = self.registers
+        if not 1 <= period <= 1000 or n < max(1, r[c.R_NEXT]):
+            return Reason.RANGE
+        if not r[c.R_HOMED]:
+            return Reason.NOT_HOMED
+        if r[c.R_NEXT] == 0:
+            return Reason.GAP
+        return Reason.RANGE if abs(r[c.R_QUEUE] - r[c.R_POSITION]) > 100 else None
+
+    def _check_reverse(self, duty: int, half: int, pause: int, n: int) -> Reason | None:
+        if not (1 <= duty <= self.registers[c.R_MAX_DUTY] and 20 <= half <= 60000 and pause <= 5000 and n >= 1):
+            return Reason.RANGE
+        return None if self.registers[c.R_HOMED] else Reason.NOT_HOMED
+
+    def _hello(self, version: int) -> None:
+        self.greeted = version == VERSION
+
+    def _limits(self, *values: int) -> None:
+        self.registers[c.R_LOW : c.R_STALL + 1] = values
+        self.registers[c.R_LIMITED] = 1
+
+    def _heartbeat(self) -> None:
+        self.registers[c.R_SINCE] = 0
+        self.beaten()
+
+    def _arm(self) -> None:
+        c.empty(self.registers)
+        self.registers[[c.R_STATE, c.R_STALLED, c.R_DUTY]] = State.ARMED, 0, 0
+
+    def _disarm(self) -> None:
+        if self.state != State.FAULT:
+            c.empty(self.registers)
+            self.registers[[c.R_STATE, c.R_DUTY]] = State.IDLE, 0
+
+    def _home(self, how: int, counts: int) -> None:
+        r = self.registers
+        if how == 0:
+            r[c.R_OFFSET] = counts - r[c.R_COUNTS]
+            r[c.R_POSITION], r[c.R_HOMED] = counts, 1
+            return
+        start = r[c.R_POSITION]
+        r[[c.R_INDEX, c.R_START, c.R_TARGET, c.R_TURN]] = counts, start, start * c.RATE, c.FIRST_SWEEP
+        r[[c.R_STATE, c.R_SIGN, c.R_RATE, c.R_HOMED]] = State.HOMING, 1, c.SLOW, 0
+        c.empty(r)
+
+    def _jog(self, speed: int, time: int) -> None:
+        r = self.registers
+        if self.state != State.JOGGING:
+            r[c.R_TARGET] = r[c.R_POSITION] * c.RATE
+            c.empty(r)
+        r[[c.R_STATE, c.R_RATE, c.R_LEFT]] = State.JOGGING, speed, time
+
+    def _setpoints(self, first: int, *points: int) -> None:
+        r = self.registers
+        if first == 0 and self.state == State.ARMED:
+            c.empty(r)
+        for number, value in enumerate(points, first):
+            if number >= r[c.R_NEXT]:
+                r[c.R_QUEUE + number % c.QUEUE] = value
+                r[c.R_NEXT] = number + 1
+
+    def _follow(self, period: int, n: int) -> None:
+        r = self.registers
+        r[[c.R_STATE, c.R_PERIOD, c.R_LAST, c.R_PHASE]] = State.FOLLOWING, period, n - 1, 0
+        r[c.R_TARGET] = r[c.R_QUEUE]
+
+    def _reverse(self, duty: int, half: int, pause: int, n: int) -> None:
+        r = self.registers
+        r[[c.R_STATE, c.R_RATE, c.R_HALF, c.R_PAUSE]] = State.REVERSING, duty, half, pause
+        r[[c.R_STROKES, c.R_PHASE, c.R_SIGN]] = n, 0, 1
+        c.empty(r)
+
+    def _stop(self) -> None:
+        if State.FOLLOWING <= self.state <= State.HOMING:
+            c.rest(self.registers)
+
+    def _abort(self) -> None:
+        c.fail(self.registers, int(Fault.ABORTED))
+
+    def _clear(self) -> None:
+        self.registers[[c.R_STATE, c.R_FAULTS]] = State.IDLE, 0
+
+    def _status(self) -> tuple[int, ...]:
+        r = self.registers
+        flags = ENABLED * self.enabled | HOMED * bool(r[c.R_HOMED]) | LIMITED * bool(r[c.R_LIMITED])
+        shown = (r[c.R_TIME] & 0xFFFFFFFF, r[c.R_STATE], r[c.R_FAULTS], r[c.R_POSITION], r[c.R_SPEED], r[c.R_DUTY])
+        rest = (flags, self.free, r[c.R_NEXT], self.reader.bad & 0xFFFF)
+        return tuple(int(value) for value in (*shown, *rest))

@@ -1,0 +1,49 @@
+"""The constants of the plant's kernel, from the settings and the specimen."""
+
+from __future__ import annotations
+
+from math import floor, pi
+
+from dampyr.errors import InputError
+from dampyr.models import Damper
+from dampyr.rig.settings import RigSettings
+from dampyr.rig.simulation.plant import Constants
+from dampyr.rig.simulation.specimen import delay_place, input_lag
+
+DELAYED = 4096  # steps that the plant remembers for a specimen that delays
+
+
+def constants_of(settings: RigSettings, specimen: Damper, dt: float) -> Constants:
+    """What does not change while the plant runs with steps of ``dt`` s."""
+    per_tick = round(1e-3 / dt)
+    if per_tick < 1 or abs(per_tick * dt - 1e-3) > 1e-12:
+        raise InputError(f"step = {dt:g} s is not allowed; a millisecond must be a whole number of steps")
+    actuator, supply, body = settings.actuator, settings.supply, settings.specimen
+    low, high = specimen.range
+    return Constants(
+        dt=dt,
+        per_tick=per_tick,
+        free_speed=actuator.free_speed,
+        droop=actuator.droop,
+        lag=actuator.lag,
+        dead_band=actuator.dead_band,
+        stroke=0.5 * actuator.stroke,
+        play=0.5 * actuator.backlash,
+        friction=settings.table.friction,
+        gain=supply.gain,
+        cut=supply.enable_line,
+        resistance=supply.resistance,
+        inductance=supply.inductance,
+        per_ampere=supply.resistance if specimen.input == "V" else 1.0,
+        low=float(low),
+        high=float(high),
+        input_lag=input_lag(specimen),
+        delay=delay_place(specimen, dt, DELAYED),
+        heat_capacity=body.heat_capacity,
+        cooling=body.cooling,
+        softening=body.softening,
+        room=body.room,
+        pulse=settings.encoder.count,
+        mark=floor(settings.encoder.index / settings.encoder.count),
+        bandwidth=2.0 * pi * settings.load_cell.bandwidth,
+    )

@@ -1,0 +1,101 @@
+"""What may go wrong in the simulated rig, and when: ``stuck-encoder@12.5s for 3s``, ``lost-bytes=0.1@2s for 5s``."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from dampyr.errors import InputError
+from dampyr.tables import unknown
+from dampyr.units import parse
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of fault: what happens, and what its number means."""
+
+    words: str
+    amount: float | None = None
+    unit: str = ""
+    high: float = math.inf
+
+
+KINDS: dict[str, Kind] = {
+    "lost-bytes": Kind("each byte of the serial wire, both ways, is lost with this probability", 0.1, "", 1.0),
+    "unplugged-serial": Kind("nothing passes the serial wire"),
+    "restarted-uno": Kind("the Uno starts anew (power, watchdog)"),
+    "stuck-encoder": Kind("neither the Uno nor the board sees the encoder's pulses"),
+    "stuck-encoder-uno": Kind("the Uno sees none of the encoder's pulses"),
+    "stuck-encoder-board": Kind("the board sees none of the encoder's pulses"),
+    "glitching-encoder": Kind("both lines of the encoder change at once, as the Uno sees them"),
+    "broken-cell": Kind("the load cell's wire is broken: its input floats to this voltage", 10.0, "V", 10.0),
+    "drifting-cell": Kind("the load cell's zero moves by so much each second", 50.0, "N/s"),
+    "stalled-motor": Kind("the motor does not turn"),
+    "hot-specimen": Kind("the specimen, with its coil, is suddenly warmer by so much", 60.0, "K"),
+    "board-timeout": Kind("the board's samples do not arrive: DAQmx error -200284"),
+    "board-overrun": Kind("the board's buffer overflows: DAQmx error -200279"),
+    "late-samples": Kind("each read of the board takes so much longer on the wall clock", 0.5, "s", 60.0),
+}  # fmt: skip
+EXAMPLE = "write such as 'stuck-encoder@12.5s for 3s' or 'lost-bytes=0.1@2s'"
+_FORM = re.compile(r"\s*(?P<kind>[\w-]+)\s*(=\s*(?P<amount>[^@]+?))?\s*@\s*(?P<at>.+?)(\s+for\s+(?P<time>.+?))?\s*")
+
+
+@dataclass(frozen=True)
+class FaultSpec:
+    """A fault of the simulated rig: its kind, when it begins [s, simulated], how long it lasts [s], and its number."""
+
+    kind: str
+    at: float
+    duration: float = math.inf
+    amount: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise InputError(unknown(f"fault {self.kind!r}", self.kind, sorted(KINDS)))
+        known = KINDS[self.kind]
+        if not 0.0 <= self.at < math.inf:
+            raise InputError(f"fault {self.kind}: begins at {self.at:g} s; give a time of 0 s or later")
+        if not self.duration > 0.0:
+            raise InputError(
+                f"fault {self.kind}: lasts {self.duration:g} s; give more than 0 s, or leave it out for ever"
+            )
+        if self.amount is None:
+            object.__setattr__(self, "amount", known.amount)
+        elif known.amount is None:
+            raise InputError(f"fault {self.kind} takes no number, but {self.amount:g} was given; leave it out")
+        elif not abs(self.amount) <= known.high:
+            raise InputError(f"fault {self.kind} = {self.amount:g} {known.unit} is too much; at most {known.high:g}")
+        if self.kind in ("lost-bytes", "late-samples") and self.size < 0.0:
+            raise InputError(f"fault {self.kind} = {self.size:g} must be 0 or more")
+
+    @property
+    def until(self) -> float:
+        """When it is over, s."""
+        return self.at + self.duration
+
+    @property
+    def size(self) -> float:
+        """Its number; 0 for a kind that has none."""
+        return 0.0 if self.amount is None else self.amount
+
+    @classmethod
+    def parse(cls, text: str) -> FaultSpec:
+        """A fault as typed, ``kind[=number]@time [for time]``; InputError says what is wrong with it."""
+        found = _FORM.fullmatch(text)
+        if found is None:
+            raise InputError(f"fault {text!r} cannot be read; {EXAMPLE}")
+        kind = found["kind"]
+        if kind not in KINDS:
+            raise InputError(unknown(f"fault {kind!r}", kind, sorted(KINDS)))
+        try:
+            at = parse(found["at"], "s")
+            duration = parse(found["time"], "s") if found["time"] else math.inf
+            amount = parse(found["amount"], KINDS[kind].unit) if found["amount"] else None
+        except InputError as problem:
+            raise InputError(f"fault {text!r}: {problem}; {EXAMPLE}") from None
+        return cls(kind, at, duration, amount)
+
+    def __str__(self) -> str:
+        number = "" if self.amount is None else f"={self.amount:g}"
+        return f"{self.kind}{number}@{self.at:g}s" + ("" if math.isinf(self.duration) else f" for {self.duration:g}s")

@@ -1,0 +1,233 @@
+r"""What moves, flows and warms: a fixed small step, compiled with the specimen's own formulas.
+
+The bridge drives the motor and its screw as a source of velocity that lags and gives way under load,
+
+.. math:: T \dot v_m = v^* - v_m, \qquad v^* = v_0 d - r F
+
+with :math:`v_0` the free speed, r the droop, d the duty beyond the dead band and F the load. A load against the motion slows
+it to standstill at most, and one along it does not hasten it: the screw locks itself. Without duty the motor is shorted and
+stops, :math:`T_b \dot v_m = -v_m - (v_f + r |F|) \,\mathrm{sgn}\, v_m`, with :math:`v_f` the speed that the dead band's duty
+would give. The table follows the screw with its backlash (a play operator), rubs on its guides, and moves the specimen. The
+coil is :math:`L \dot i = u - R(T) i`; the specimen's input is the current, or the voltage R i that would drive it when cool.
+The specimen takes up the work done on it and :math:`i^2 R`, and cools to the room.
+
+The play operator as in Krasnosel'skii and Pokrovskii (1989), Systems with Hysteresis; the numbers in `dampyr.rig.settings`.
+"""
+
+from __future__ import annotations
+
+from math import exp, floor
+from typing import Any, NamedTuple
+
+from dampyr.models.kernels import kept
+from dampyr.rig.firmware import control
+
+R_DUTY, R_STATE, R_FAULTS = control.R_DUTY, control.R_STATE, control.R_FAULTS
+BRAKING = 0.4  # lag of the shorted motor over that of the driven one: no supply and leads in its circuit
+COPPER = 0.0039  # 1/K
+COPPER_AT = 20.0  # degC at which the coil has its resistance
+
+# the state of the plant
+(
+    Y_SCREW, Y_MOTOR, Y_X, Y_V, Y_FORCE, Y_CURRENT, Y_COIL, Y_TEMPERATURE, Y_CELL, Y_COMMAND, Y_INPUT,
+    Y_WORK, Y_RUBBED, Y_TAKEN, Y_HEATED, Y_COOLED, Y_RAW,
+) = range(17)  # fmt: skip
+PLANT = 17
+# whole numbers: steps made; what the Uno and the board count less what the encoder shows; the last count; the index; samples
+N_STEP, N_UNO, N_NI, N_SHOWN, N_PASSED, N_TAKEN, N_HELD = range(7)
+NUMBERS = 7
+# faults that hold now
+Z_STALLED, Z_UNO, Z_NI, Z_GLITCH = range(4)
+TRUTH = (
+    "time", "position", "speed", "force", "voltage", "current", "temperature", "enable", "state", "faults", "duty", "held",
+)  # fmt: skip
+
+
+class Constants(NamedTuple):
+    """What does not change while the plant runs, SI."""
+
+    dt: float
+    per_tick: int
+    free_speed: float
+    droop: float
+    lag: float
+    dead_band: float
+    stroke: float
+    play: float
+    friction: float
+    gain: float
+    cut: bool
+    resistance: float
+    inductance: float
+    per_ampere: float
+    low: float
+    high: float
+    input_lag: float
+    delay: int
+    heat_capacity: float
+    cooling: float
+    softening: float
+    room: float
+    pulse: float
+    mark: int
+    bandwidth: float
+
+
+def _unbound(*_: Any) -> Any:
+    raise TypeError("a driver runs only after dampyr.models.kernels.bind has given it a composition")
+
+
+advance = force = _unbound
+tick = kept(control.tick)
+
+
+def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, counts, truth):  # type: ignore[no-untyped-def]
+    """Step the plant until step number ``until``, and return how many rows of ``truth`` were written.
+
+    ``m`` the `Constants`, ``y`` the plant's state, ``n`` its whole numbers, ``z`` the faults that hold, ``s`` the specimen's
+    states, ``p`` room for its parameters, ``table`` (K, P) these over its input, ``static`` (P,) 1 where a static force,
+    ``past`` the forces of the last steps for a specimen that delays, ``r`` the firmware's registers. While samples are wanted,
+    ``forces`` [N, filtered] and ``counts`` take those at ``start`` + (k + 1)*``period`` s.
+    """
+    rows = 0
+    while n[N_STEP] < until:
+        drive(m, y, z, r)
+        coil(m, y, r)
+        cell = y[Y_CELL]
+        x = move(m, y, n, s, p, table, static, past)
+        n[N_STEP] += 1
+        encode(m, y, n, z, x)
+        sample(m, y, n, x, cell, start, period, forces, counts)
+        if n[N_STEP] % m.per_tick == 0:
+            tick(r, n[N_SHOWN] + n[N_UNO], n[N_PASSED] != 0, m.mark + n[N_UNO], z[Z_GLITCH] != 0)
+            n[N_PASSED] = 0
+            note(m, y, n, r, truth[rows])
+            rows += 1
+    return rows
+
+
+def drive(m, y, z, r):  # type: ignore[no-untyped-def]
+    """The motor's speed after a step, and the screw's place."""
+    duty, load, v = r[R_DUTY] / 255.0, y[Y_FORCE] if y[Y_V] != 0.0 or r[R_DUTY] != 0 else 0.0, y[Y_MOTOR]
+    if y[Y_V] != 0.0:
+        load += m.friction if y[Y_V] > 0.0 else -m.friction
+    size = max(0.0, abs(duty) - m.dead_band) / (1.0 - m.dead_band)
+    if size > 0.0:
+        way = 1.0 if duty > 0.0 else -1.0
+        target = way * max(0.0, m.free_speed * size - m.droop * max(0.0, load * way))
+        v = target + (v - target) * exp(-m.dt / m.lag)
+    elif v != 0.0:
+        way = 1.0 if v > 0.0 else -1.0
+        drag = m.free_speed * m.dead_band / (1.0 - m.dead_band) + m.droop * max(0.0, load * way)
+        v = way * max(0.0, -drag + (abs(v) + drag) * exp(-m.dt / (BRAKING * m.lag)))
+    if z[Z_STALLED] != 0.0:
+        v = 0.0
+    y[Y_MOTOR] = v
+
+
+def coil(m, y, r):  # type: ignore[no-untyped-def]
+    """The coil's current after a step at its voltage, and the heat in it."""
+    enabled = control_enabled(r[R_STATE]) or not m.cut
+    y[Y_COIL] = m.gain * y[Y_COMMAND] if enabled else 0.0
+    R = m.resistance * (1.0 + COPPER * (y[Y_TEMPERATURE] - COPPER_AT))
+    end = y[Y_COIL] / R
+    old = y[Y_CURRENT]
+    y[Y_CURRENT] = end + (old - end) * (exp(-m.dt * R / m.inductance) if m.inductance > 0.0 else 0.0)
+    y[Y_HEATED] += R * 0.5 * (old * old + y[Y_CURRENT] * y[Y_CURRENT]) * m.dt
+    y[Y_TEMPERATURE] += R * 0.5 * (old * old + y[Y_CURRENT] * y[Y_CURRENT]) * m.dt / m.heat_capacity
+    u = m.per_ampere * abs(y[Y_CURRENT])
+    y[Y_INPUT] = u + (y[Y_INPUT] - u) * (exp(-m.dt / m.input_lag) if m.input_lag > 0.0 else 0.0)
+
+
+def control_enabled(state):  # type: ignore[no-untyped-def]
+    """Whether the Uno's enable line is high."""
+    return 1 <= state <= 6
+
+
+def move(m, y, n, s, p, table, static, past):  # type: ignore[no-untyped-def]
+    """Screw, table and specimen over a step; return where the table was."""
+    x0, v0, f0 = y[Y_X], y[Y_V], y[Y_FORCE]
+    y[Y_SCREW] += y[Y_MOTOR] * m.dt
+    if abs(y[Y_SCREW]) > m.stroke:
+        y[Y_SCREW] = m.stroke if y[Y_SCREW] > 0.0 else -m.stroke
+        y[Y_MOTOR] = 0.0
+    x1 = min(max(x0, y[Y_SCREW] - m.play), y[Y_SCREW] + m.play)
+    v1 = (x1 - x0) / m.dt
+    n[N_HELD] = 1 if y[Y_INPUT] < m.low - 1e-9 or y[Y_INPUT] > m.high + 1e-9 else 0
+    rest = look_up(min(max(y[Y_INPUT], m.low), m.high), m.low, m.high, p, table, static)
+    advance(0, s, x0, x1, v0, v1, m.dt, p)
+    f1 = force(0, s, x1, v1, (v1 - v0) / m.dt, p)
+    f1 = rest + (f1 - rest) * max(0.0, 1.0 - m.softening * (y[Y_TEMPERATURE] - m.room))
+    y[Y_X], y[Y_V], y[Y_FORCE] = x1, v1, held_back(m, n, p, past, f1)
+    settle(m, y, x1 - x0, f0, rest)
+    return x0
+
+
+def look_up(u, low, high, p, table, static):  # type: ignore[no-untyped-def]
+    """Fill ``p`` with the parameters at the input ``u``, and return the static force."""
+    place = (u - low) / (high - low) * (table.shape[0] - 1) if high > low else 0.0
+    k = min(int(place), table.shape[0] - 2)
+    part, rest = place - k, 0.0
+    for j in range(p.size):
+        p[j] = table[k, j] + part * (table[k + 1, j] - table[k, j])
+        rest += static[j] * p[j]
+    return rest
+
+
+def held_back(m, n, p, past, f):  # type: ignore[no-untyped-def]
+    """The force as it was a delay earlier, where the specimen delays."""
+    if m.delay < 0:
+        return f
+    here = n[N_STEP] + past.size
+    past[here % past.size] = f
+    back = p[m.delay] / m.dt
+    whole = int(back)
+    early, late = past[(here - whole - 1) % past.size], past[(here - whole) % past.size]
+    return late + (early - late) * (back - whole)
+
+
+def settle(m, y, dx, f0, rest):  # type: ignore[no-untyped-def]
+    """Works, warmth, and the load cell's filter after a step."""
+    work = 0.5 * (f0 + y[Y_FORCE]) * dx
+    cooled = m.cooling * (y[Y_TEMPERATURE] - m.room) * m.dt
+    y[Y_RUBBED] += m.friction * abs(dx)
+    y[Y_TAKEN] += work
+    y[Y_WORK] += work + m.friction * abs(dx)
+    y[Y_COOLED] += cooled
+    y[Y_TEMPERATURE] += (work - rest * dx - cooled) / m.heat_capacity
+    mean = 0.5 * (f0 + y[Y_FORCE])
+    y[Y_CELL] = mean + (y[Y_CELL] - mean) * exp(-m.bandwidth * m.dt)
+
+
+def encode(m, y, n, z, x0):  # type: ignore[no-untyped-def]
+    """The encoder's count after a step, for both who count; a stuck one counts nothing and is behind afterwards."""
+    shown = floor(y[Y_X] / m.pulse)
+    change = shown - n[N_SHOWN]
+    if z[Z_UNO] != 0.0:
+        n[N_UNO] -= change
+    elif min(shown, n[N_SHOWN]) < m.mark <= max(shown, n[N_SHOWN]):
+        n[N_PASSED] = 1
+    if z[Z_NI] != 0.0:
+        n[N_NI] -= change
+    n[N_SHOWN] = shown
+
+
+def sample(m, y, n, x0, cell0, start, period, forces, counts):  # type: ignore[no-untyped-def]
+    """The samples that fall into the step just made."""
+    now = n[N_STEP] * m.dt
+    while n[N_TAKEN] < forces.size:
+        due = start + (n[N_TAKEN] + 1) * period
+        if due > now + 1e-9:
+            break
+        part = min(1.0, max(0.0, 1.0 - (now - due) / m.dt))
+        forces[n[N_TAKEN]] = cell0 + part * (y[Y_CELL] - cell0)
+        counts[n[N_TAKEN]] = floor((x0 + part * (y[Y_X] - x0)) / m.pulse) + n[N_NI]
+        n[N_TAKEN] += 1
+
+
+def note(m, y, n, r, row):  # type: ignore[no-untyped-def]
+    """A row of the truth."""
+    row[0], row[1], row[2], row[3] = n[N_STEP] * m.dt, y[Y_X], y[Y_V], y[Y_FORCE]
+    row[4], row[5], row[6] = y[Y_COIL], y[Y_CURRENT], y[Y_TEMPERATURE]
+    row[7], row[8], row[9] = 1.0 if control_enabled(r[R_STATE]) else 0.0, float(r[R_STATE]), float(r[R_FAULTS])
+    row[10], row[11] = float(r[R_DUTY]), float(n[N_HELD])

@@ -1,0 +1,78 @@
+"""The damper on the simulated table: the default one, and what the plant needs of any."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.models import Constant, Damper, Law
+from dampyr.rig.settings import RigSettings
+
+Array = NDArray[np.float64]
+CARD = Path(__file__).with_name("default_specimen.toml")
+ROWS = 513  # of the table of parameters: a law between two rows is straight
+CLOSING = 10.0  # N that close 71 % of the free play
+
+
+def default_specimen() -> Damper:
+    """The fit of the original campaign for a simulated specimen: hyperbolic tangent, spring and offset over 0 to 3.212 V.
+
+    F = f0 + k0 x + c v + ft tanh((v + s x)/v0), its laws through the fits at 0, 0.8712, 1.98 and 3.212 V; residual 8-11 %
+    rms of the measured force.
+    """
+    return Damper.load(CARD)
+
+
+def specimen_of(settings: RigSettings, folder: Path | None = None) -> Damper:
+    """The damper that the settings name; a relative card lies in ``folder``."""
+    card = settings.specimen.card
+    return Damper.load((folder or Path()) / card) if card else default_specimen()
+
+
+def with_play(damper: Damper, free_play: float) -> Damper:
+    """The damper in series with the play of its pins, ``free_play`` m from one side to the other."""
+    if free_play == 0.0:
+        return damper
+    laws: dict[str, Law | float] = dict(damper.all_laws)
+    if "free_play.g" in laws:
+        return replace(damper, laws=laws | {"free_play.g": damper.all_laws["free_play.g"].shifted(0.5 * free_play)})
+    low, high = damper.range
+    added: dict[str, Law | float] = {
+        "free_play.g": Constant(0.5 * free_play, low, high),
+        "free_play.fc": Constant(CLOSING, low, high),
+    }
+    return replace(damper, parts=(*damper.composition.names, "free_play"), laws=laws | added, covariance=None)
+
+
+def table_of(damper: Damper) -> Array:
+    """The parameters over the calibrated inputs, (ROWS, P)."""
+    return np.ascontiguousarray(damper.values(np.linspace(*damper.range, ROWS)))
+
+
+def delay_place(damper: Damper, dt: float, room: int) -> int:
+    """Where the delay stands among the parameters, -1 without one; InputError where it is longer than the plant remembers."""
+    k = damper.composition.delay
+    if k is None:
+        return -1
+    longest = list(damper.all_laws.values())[k].extremes()[1]
+    if longest / dt > room - 2:
+        raise InputError(
+            f"delay.tau = {longest:g} s is longer than the simulated rig remembers; at most {(room - 2) * dt:g} s"
+        )
+    return k
+
+
+def input_lag(damper: Damper) -> float:
+    """The time constant of the specimen's own lag, s; 0 without one."""
+    k = damper.composition.lag
+    return 0.0 if k is None else float(damper.values(damper.range[0])[k])
+
+
+def force_at_rest(damper: Damper, position: float) -> float:
+    """The force in N where the table stands at ``position`` m with the lowest calibrated input and no memory."""
+    voltage, current = (damper.range[0], None) if damper.input == "V" else (None, damper.range[0])
+    return float(damper.force([0.0, 1.0], [position, position], voltage=voltage, current=current)[0])
