@@ -1,0 +1,67 @@
+"""A simulated rig without wires: the board's end in this process, for demos and tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import RigFault
+from dampyr.rig.simulation.board import BoardError
+from dampyr.rig.simulation.simulator import Simulator
+from dampyr.rig.simulation.timed_command import TimedCommand
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+
+class InProcessBoard:
+    """A `dampyr.rig.instruments.board.Board` of a simulator in this process."""
+
+    def __init__(self, simulator: Simulator) -> None:
+        self.simulator, self.command = simulator, TimedCommand(simulator)
+
+    def start(self, rate: float, ahead: Array) -> None:
+        """Start sampling, and the command with ``ahead``."""
+        self.stop()
+        self.simulator.start(rate)
+        self.command.begin(rate, ahead)
+
+    def read(self, n: int) -> tuple[Array, NDArray[np.int64]]:
+        """The next n samples."""
+        return _told(lambda: self._read(n))
+
+    def _read(self, n: int) -> tuple[Array, NDArray[np.int64]]:
+        self.command.play(n)
+        return self.simulator.read(n)
+
+    def queue(self, volts: Array) -> None:
+        """Append to the command."""
+        _told(lambda: self.command.queue(volts))
+
+    def write(self, volts: float) -> None:
+        """Set the command now."""
+        self.command.end()
+        _told(lambda: self.simulator.write(volts))
+
+    def stop(self) -> None:
+        """Stop sampling."""
+        self.command.end()
+        self.simulator.stop()
+
+    def close(self) -> None:
+        """Stop sampling."""
+        self.stop()
+
+    def identity(self) -> str:
+        """What it is."""
+        return "simulated PCI-6221"
+
+
+def _told(call: Callable[[], T]) -> T:
+    try:
+        return call()
+    except BoardError as problem:
+        raise RigFault(f"the simulated board says: {problem}") from problem
