@@ -1,0 +1,38 @@
+"""What to run: campaigns of tests, planned and checked before anything moves.
+
+::
+
+    campaign = load("campaign.toml")
+    found = plan(campaign, rig, damper)     # every test with its duration, peaks and expected force
+    found.refusals                          # what the rig cannot do, each with the largest value that it can
+
+A kind of step is one file on the shelf ``dampyr.campaigns.steps``; `kinds` lists them.
+"""
+
+from dampyr.campaigns.campaign import Campaign, Header, Test, load, read
+from dampyr.campaigns.check import Finding, findings, largest
+from dampyr.campaigns.expected import envelope, specimen
+from dampyr.campaigns.kinds import kind, kinds
+from dampyr.campaigns.plan import Plan, PlannedTest, plan, planned
+from dampyr.campaigns.step import Peaks, Step
+
+__all__ = [
+    "Campaign",
+    "Header",
+    "Test",
+    "load",
+    "read",
+    "kind",
+    "kinds",
+    "Step",
+    "Peaks",
+    "Plan",
+    "PlannedTest",
+    "plan",
+    "planned",
+    "Finding",
+    "findings",
+    "largest",
+    "specimen",
+    "envelope",
+]

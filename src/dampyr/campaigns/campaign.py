@@ -1,0 +1,178 @@
+"""A campaign: what to run, read from a TOML file.
+
+The names of its tests follow from the file alone, whatever the machine: ``03-sine-12.4mm-1.5Hz-0.8712V-r2`` is the third
+test as written, second repeat.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from itertools import groupby
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+
+from dampyr.campaigns.kinds import kind as kind_of
+from dampyr.campaigns.rows import Row, expanded, read_rows
+from dampyr.campaigns.step import Length, shown, words
+from dampyr.campaigns.steps.quasi_static import QuasiStatic
+from dampyr.errors import DampyrError, FileError, InputError, MissingData
+from dampyr.tables import fill, load_toml, value_of
+from dampyr.units import Quantity, round_trip
+
+ORDERS = ("as written", "random")
+OWN = ("kind", "repeats", "zip", "rows")
+"""What a ``[[step]]`` may say beside the fields of its kind."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """What stands above the steps."""
+
+    name: Annotated[str, "of the campaign"] = ""
+    operator: Annotated[str, "who answers for it"] = ""
+    note: Annotated[str, "kept with every record"] = ""
+    seed: Annotated[int, "of the random order"] = 0
+    order: Annotated[str, '"as written" or "random"; warm-ups and rests keep their place'] = "as written"
+    rest_between: Annotated[float, Quantity("s", low=0.0, high=3600.0), "from one test to the next"] = 5.0
+    check_amplitude: Annotated[
+        float, Quantity("m", low=0.0), "of a slow stroke before the first test; 0 leaves it out"
+    ] = 0.002
+
+    def __post_init__(self) -> None:
+        if self.order not in ORDERS:
+            raise InputError(f"order = {self.order!r} is not known; choose from {', '.join(ORDERS)}")
+        if self.seed < 0:
+            raise InputError(f"seed = {self.seed} is not allowed; it must be at least 0")
+
+
+@dataclass(frozen=True)
+class Test:
+    """One test: its place as written, the ``[[step]]`` that it comes from (from 1), and which of its repeats it is."""
+
+    __test__ = False
+
+    number: int
+    step_number: int
+    kind: str
+    step: Any
+    repeat: int
+    name: str
+
+    @property
+    def words(self) -> str:
+        """What it does, such as ``sine 20 mm at 2 Hz, 0.8712 V``."""
+        return words(self.kind, self.step)
+
+    @property
+    def where(self) -> str:
+        """How a message begins: ``step 3, sine 20 mm at 2 Hz, 0 V``."""
+        return f"step {self.step_number}, {self.words}"
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A header and the tests in the order in which they run; ``source`` is the text that they were read from."""
+
+    header: Header
+    tests: tuple[Test, ...]
+    source: str = ""
+
+    @property
+    def preliminary(self) -> QuasiStatic | None:
+        """The slow stroke before the first test, or None."""
+        amplitude = self.header.check_amplitude
+        return QuasiStatic(amplitude, speed=0.005, cycles=1, rest_before=1.0) if amplitude else None
+
+
+def load(path: str | Path, seed: int | None = None) -> Campaign:
+    """The campaign in a TOML file; ``seed`` takes the place of the file's.
+
+    Raises :class:`~dampyr.errors.FileError` that says what is wrong and where, and MissingData where a file is not there.
+    """
+    path = Path(path)
+    told = load_toml(path)
+    try:
+        found = read(told, path.parent, seed)
+    except (FileError, MissingData):
+        raise
+    except DampyrError as problem:
+        raise FileError(path, str(problem)) from None
+    return replace(found, source=path.read_text("utf-8"), header=_named(found.header, path.stem))
+
+
+def read(told: Mapping[str, Any], beside: str | Path = ".", seed: int | None = None) -> Campaign:
+    """The campaign in a table as TOML gives it; files that it names are looked for in the folder ``beside``."""
+    head = {name: value for name, value in told.items() if name != "step"}
+    header = fill(Header, head | ({} if seed is None else {"seed": seed}))
+    steps = told.get("step")
+    if not isinstance(steps, list) or not steps or not all(isinstance(each, Mapping) for each in steps):
+        raise InputError("there is no step; give at least one table [[step]] with its kind")
+    written = [each for k, table in enumerate(steps) for each in _steps(table, k + 1, Path(beside))]
+    count = len(written)
+    tests = [test for k, each in enumerate(written) for test in _tests(k + 1, count, *each)]
+    return Campaign(header, tuple(_ordered(tests, header)))
+
+
+def _named(header: Header, name: str) -> Header:
+    return header if header.name else replace(header, name=name)
+
+
+def _steps(table: Mapping[str, Any], number: int, beside: Path) -> Iterator[tuple[int, str, Any, int]]:
+    """Each step of one ``[[step]]``: its number, kind, dataclass and how often it is repeated."""
+    where = f"step {number}"
+    if "kind" not in table:
+        raise InputError(f'{where}.kind is missing; give the kind of step, such as kind = "sine"')
+    kind = value_of(str, table["kind"], f"{where}.kind")
+    try:
+        cls = kind_of(kind)
+    except InputError as problem:
+        raise InputError(f"{where}.kind: {str(problem).replace('the steps', 'the kinds of step')}") from None
+    repeats = value_of(int, table.get("repeats", 1), f"{where}.repeats")
+    if repeats < 1:
+        raise InputError(f"{where}.repeats = {repeats} is not allowed; it must be at least 1")
+    own = {name: value for name, value in table.items() if name not in OWN}
+    rows = read_rows(beside / value_of(str, table["rows"], f"{where}.rows")) if "rows" in table else []
+    zipped = value_of(bool, table.get("zip", False), f"{where}.zip")
+    for row in expanded(own, cls, where, zipped, rows):
+        yield number, kind, _step(cls, row, where, beside), repeats
+
+
+def _step(cls: Any, row: Row, where: str, beside: Path) -> Any:
+    row = _halved(cls, row, where)
+    try:
+        made = fill(cls, row, where)
+    except InputError as problem:
+        text = str(problem)
+        raise InputError(text if text.startswith(where) else f"{where}.{text}") from None
+    return made.beside(beside) if hasattr(made, "beside") else made
+
+
+def _halved(cls: Any, row: Row, where: str) -> Row:
+    """``peak_to_peak`` is another way to say the amplitude, of every kind that has one."""
+    if "peak_to_peak" not in row or "amplitude" not in {field.name for field in fields(cls)}:
+        return row
+    if "amplitude" in row:
+        raise InputError(f"{where} has amplitude and peak_to_peak; give one of the two")
+    whole = value_of(Annotated[float, Length], row["peak_to_peak"], f"{where}.peak_to_peak")
+    return {name: value for name, value in row.items() if name != "peak_to_peak"} | {"amplitude": round_trip(whole / 2)}
+
+
+def _tests(number: int, count: int, step_number: int, kind: str, step: Any, repeats: int) -> Iterator[Test]:
+    digits = max(2, len(str(count)))
+    tags = [re.sub(r"[^\w.+-]", "_", shown(step, name, "").replace("/", "p")) for name in step.named]
+    name = "-".join([f"{number:0{digits}d}", kind, *(tag for tag in tags if tag)])
+    for k in range(1, repeats + 1):
+        yield Test(number, step_number, kind, step, k, f"{name}-r{k}" if repeats > 1 else name)
+
+
+def _ordered(tests: list[Test], header: Header) -> Iterator[Test]:
+    """As written, or drawn by the seed between the tests that keep their place."""
+    rng = np.random.default_rng(header.seed)
+    for fixed, group in groupby(tests, key=lambda test: bool(test.step.fixed)):
+        run = list(group)
+        drawn = range(len(run)) if fixed or header.order == "as written" else rng.permutation(len(run))
+        yield from (run[int(k)] for k in drawn)

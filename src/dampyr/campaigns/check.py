@@ -1,0 +1,173 @@
+"""Whether the rig can do a step, before anything moves; where it cannot, what is in the way and what it could do.
+
+This is the outermost of the three rings of safety: firmware and interlock do not rely on it. At every set point the
+actuator's free speed less its droop under the expected force and the table's friction must exceed the path's speed, and also
+the speed that the motor's lag makes of it, :math:`|v + \\tau a|`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+
+from dampyr.campaigns.expected import Array, Course, course
+from dampyr.campaigns.step import quantity_of, shown
+from dampyr.errors import InputError
+from dampyr.models import Damper
+from dampyr.rig import Drive, RigSettings
+from dampyr.units import round_trip
+
+ROOM = 0.0005  # m that the path stays inside of the stroke: the table follows its set points with an error
+LONGEST = 7200.0  # s of one test
+DIGITS = 3
+HALVINGS = 16
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One limit that a step would leave: which one, and a sentence without its beginning."""
+
+    limit: str
+    words: str
+
+
+def findings(step: Any, rig: RigSettings, damper: Damper | None = None) -> tuple[Finding, ...]:
+    """What the rig cannot do of a step; empty where it can do all of it."""
+    drive = step.drive(rig)
+    found = [*_duration(drive), *_temperature(drive, rig), *_voltage(drive, rig, damper)]
+    if not any(each.limit in ("voltage", "duration") for each in found):  # the force follows from the voltage
+        asked = course(drive, rig, damper)
+        found += [*_stroke(step, asked, rig), *_speed(step, drive, asked, rig), *_force(asked, rig, damper)]
+    else:
+        found += _stroke(step, None, rig)
+    return tuple(found)
+
+
+def _duration(drive: Drive) -> list[Finding]:
+    if drive.duration <= LONGEST:
+        return []
+    words = f"takes {drive.duration / 60:.4g} min, a test takes at most {LONGEST / 60:g} min; shorten it"
+    return [Finding("duration", words)]
+
+
+def _temperature(drive: Drive, rig: RigSettings) -> list[Finding]:
+    wanted, most = drive.until_temperature, rig.limits.temperature
+    if wanted is None:
+        return []
+    if not rig.wires.temperature:
+        return [Finding("temperature", "waits for a temperature, the rig has no thermocouple (wires.temperature); "
+                                       "give cycles and no temperature")]  # fmt: skip
+    if wanted < most:
+        return []
+    return [Finding("temperature", f"warms up to {wanted:g} degC, the limit is {most:g} degC; stay below it")]
+
+
+def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Finding]:
+    high, most = float(drive.voltage.max()), min(rig.limits.voltage, rig.board.range * rig.supply.gain)
+    if high > most * (1 + 1e-9):
+        return [Finding("voltage", f"needs {high:.4g} V at the coil, the limit is {most:.4g} V")]
+    if damper is None:
+        return []
+    factor = 1.0 if damper.input == "V" else rig.supply.resistance
+    low, top = (each * factor for each in damper.range)
+    slack = 1e-9 * max(abs(low), abs(top), 1.0)
+    for worst in (high, float(drive.voltage.min())):
+        if not low - slack <= worst <= top + slack:
+            words = f"needs {worst:.4g} V at the coil, the damper was calibrated from {low:.4g} to {top:.4g} V"
+            return [Finding("voltage", words)]
+    return []
+
+
+def _stroke(step: Any, asked: Course | None, rig: RigSettings) -> list[Finding]:
+    most = 0.5 * rig.limits.stroke - ROOM
+    far = max(step.peaks(rig).position, 0.0 if asked is None else float(np.abs(asked.x).max()))
+    if far <= most * (1 + 1e-9):
+        return []
+    room = f"{1e3 * most:.4g} mm (half of the stroke, less {1e3 * ROOM:g} mm for errors of following)"
+    return [Finding("stroke", f"goes {1e3 * far:.4g} mm from the middle, the table may go {room}")]
+
+
+def _speed(step: Any, drive: Drive, asked: Course, rig: RigSettings) -> list[Finding]:
+    peak, fast = step.peaks(rig).speed, float(asked.speed.max())
+    between = max(peak / fast, 1.0) if fast else 1.0  # the peak of the path between set points
+    too_slow = [] if drive.reversals is not None else _actuator(asked, between * asked.speed, rig)
+    fast = max(fast, peak)
+    if too_slow or fast <= rig.limits.speed:
+        return too_slow
+    return [Finding("speed", f"reaches {1e3 * fast:.4g} mm/s, the limit is {1e3 * rig.limits.speed:.4g} mm/s")]
+
+
+def _actuator(asked: Course, speed: Array, rig: RigSettings) -> list[Finding]:
+    """Where the path is faster than the loaded actuator, or, with what its lag takes, its motor."""
+    loaded = asked.against + rig.table.friction
+    gives = rig.actuator.free_speed - rig.actuator.droop * loaded
+    lagging = np.abs(asked.v + rig.actuator.lag * asked.a)
+    for need, words in ((speed, ","), (lagging, " of the motor, with what its lag takes,")):
+        short = np.where(asked.speed > 0, need - gives, -np.inf)
+        worst = int(np.argmax(short))
+        if short[worst] > 0:
+            have = f"{1e3 * gives[worst]:.4g} mm/s at {loaded[worst]:.3g} N"
+            return [Finding("speed", f"needs {1e3 * need[worst]:.4g} mm/s{words} the actuator gives {have}")]
+    return []
+
+
+def _force(asked: Course, rig: RigSettings, damper: Damper | None) -> list[Finding]:
+    high = float(np.abs(asked.force).max())
+    if high <= rig.limits.force:
+        return []
+    kind = "expects" if damper is not None else "may meet, by a conservative envelope,"
+    return [Finding("force", f"{kind} {high:.4g} N, the limit is {rig.limits.force:.4g} N")]
+
+
+def repairs(step: Any, rig: RigSettings, damper: Damper | None = None, limit: str | None = None) -> tuple[str, ...]:
+    """What could be lowered, each alone, and to what: ``the amplitude to 6.2 mm``; for one ``limit``, or for all."""
+    found = []
+    for field in step.lowers:
+        value = largest(step, field, rig, damper, limit)
+        if value is not None:
+            found.append(f"the {field.replace('_', ' ')} to {_value(replace(step, **{field: value}), field)}")
+    return tuple(found)
+
+
+def largest(
+    step: Any, field: str, rig: RigSettings, damper: Damper | None = None, limit: str | None = None
+) -> float | None:
+    """The largest value of ``field`` below the step's that passes the check, to three digits, rounded down.
+
+    The whole check, or that of one ``limit``. None where lowering this field alone does not help. Found by halving until it
+    passes, and then by bisection.
+    """
+
+    def passes(value: float) -> bool:
+        try:
+            found = findings(replace(step, **{field: value}), rig, damper)
+        except InputError:  # such as a frequency below the least that is allowed
+            return False
+        return not [each for each in found if limit in (None, each.limit)]
+
+    high = float(getattr(step, field))
+    low = next((high * 0.5**k for k in range(1, HALVINGS) if high > 0 and passes(high * 0.5**k)), None)
+    return None if low is None else _down(_bisected(passes, low, min(2 * low, high)), passes)
+
+
+def _bisected(passes: Callable[[float], bool], low: float, high: float) -> float:
+    """The largest value that passes, to a hundred-thousandth: ``low`` does, ``high`` does not."""
+    while high - low > 1e-5 * low:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if passes(middle) else (low, middle)
+    return low
+
+
+def _down(value: float, passes: Callable[[float], bool]) -> float:
+    """``value`` > 0 rounded down to three digits, if that passes too."""
+    unit = 10.0 ** (floor(log10(value)) - DIGITS + 1)
+    rounded = round_trip(floor(value / unit + 2e-3) * unit)
+    return rounded if passes(rounded) else value
+
+
+def _value(step: Any, field: str) -> str:
+    return shown(step, field) if quantity_of(step, field).unit else f"{getattr(step, field):.6g}"

@@ -1,0 +1,19 @@
+"""The catalogue of the kinds of step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dampyr import catalogue
+
+SHELF = "dampyr.campaigns.steps"
+
+
+def kinds() -> list[str]:
+    """The names of all kinds of step."""
+    return catalogue.names(SHELF)
+
+
+def kind(name: str) -> Any:
+    """The dataclass of a kind; :class:`~dampyr.errors.InputError` lists them where there is none of that name."""
+    return getattr(catalogue.member(SHELF, name), "".join(part.capitalize() for part in name.split("_")))

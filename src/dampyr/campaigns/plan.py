@@ -1,0 +1,136 @@
+"""The plan of a campaign on a rig: every test with what it will ask for, all refusals together, nothing moved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dampyr.campaigns.campaign import Campaign, Test, load
+from dampyr.campaigns.check import Finding, findings, largest, repairs
+from dampyr.campaigns.expected import UNKNOWN, course, specimen
+from dampyr.campaigns.step import words
+from dampyr.errors import InputError
+from dampyr.models import Damper
+from dampyr.rig import Drive, RigSettings, load_settings
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedTest:
+    """A test as it would run.
+
+    ``duration`` s, ``peak_speed`` m/s, ``peak_position`` m from the middle, ``peak_force`` N as expected (None where its
+    voltage is refused), ``peak_voltage`` V. ``step`` may differ from ``test.step`` where the plan says so in ``notes``.
+    ``refusal`` is the sentence of what is in the way, "" where the rig can do it.
+    """
+
+    test: Test
+    step: Any
+    drive: Drive
+    duration: float
+    peak_speed: float
+    peak_position: float
+    peak_force: float | None
+    peak_voltage: float
+    notes: tuple[str, ...] = ()
+    refusal: str = ""
+
+    @property
+    def name(self) -> str:
+        """Unique in its campaign."""
+        return self.test.name
+
+    @property
+    def kind(self) -> str:
+        """The kind of step."""
+        return self.test.kind
+
+    @property
+    def words(self) -> str:
+        """What it does, as it would run."""
+        return words(self.kind, self.step)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """The tests in their order, the stroke before them, and what the expected force rests on."""
+
+    campaign: Campaign
+    rig: RigSettings
+    damper: Damper | None
+    tests: tuple[PlannedTest, ...]
+    preliminary: Drive | None
+    notes: tuple[str, ...]
+    refusals: tuple[str, ...]
+
+    @property
+    def duration(self) -> float:
+        """s, with the rests between the tests and the stroke before them."""
+        rests = self.campaign.header.rest_between * max(len(self.tests) - 1, 0)
+        before = 0.0 if self.preliminary is None else self.preliminary.duration
+        return sum(each.duration for each in self.tests) + rests + before
+
+    def require(self) -> None:
+        """Raise :class:`~dampyr.errors.InputError` with all refusals, where there are any."""
+        if self.refusals:
+            raise InputError("; ".join(self.refusals))
+
+
+def plan(campaign: Campaign, rig: RigSettings | None = None, damper: Damper | None = None) -> Plan:
+    """What ``campaign`` would ask of ``rig`` (the original rig's parts by default), and all that it cannot do.
+
+    ``damper`` gives the expected force; without one a conservative envelope does, and the plan's notes say so.
+    """
+    rig = rig or RigSettings()
+    alike = {test.number: test for test in campaign.tests}
+    known = {number: _planned(alike[number], rig, damper) for number in sorted(alike)}
+    tests = tuple(replace(known[test.number], test=test) for test in campaign.tests)
+    before = campaign.preliminary
+    refusals = [each.refusal for each in known.values() if each.refusal]
+    if before is not None and (found := findings(before, rig, damper)):
+        refusals.insert(0, f"the stroke before the first test: {found[0].words}; lower check_amplitude")
+    notes = (UNKNOWN,) if damper is None else ()
+    return Plan(campaign, rig, damper, tests, before.drive(rig) if before else None, notes, tuple(refusals))
+
+
+def planned(campaign: str | Path, rig: str | Path | None = None, seed: int | None = None) -> Plan:
+    """The plan of a campaign file on the rig of a ``rig.toml`` (None: the original rig), its card looked for beside it."""
+    settings = RigSettings() if rig is None else load_settings(rig)
+    damper = specimen(settings, None if rig is None else Path(rig).parent)
+    return plan(load(campaign, seed), settings, damper)
+
+
+def _planned(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest:
+    step, found, notes = _fitted(test.step, findings(test.step, rig, damper), rig, damper)
+    drive, peaks, force = step.drive(rig), step.peaks(rig), None
+    if not any(each.limit == "voltage" for each in found):
+        asked = course(drive, rig, damper)
+        force, notes = float(np.abs(asked.force).max()), (*notes, *asked.notes)
+    return PlannedTest(
+        test, step, drive, drive.duration, peaks.speed, peaks.position, force, float(drive.voltage.max()),
+        notes, _refusal(test, step, found, rig, damper),
+    )  # fmt: skip
+
+
+Findings = tuple[Finding, ...]
+
+
+def _fitted(
+    step: Any, found: Findings, rig: RigSettings, damper: Damper | None
+) -> tuple[Any, Findings, tuple[str, ...]]:
+    """The step scaled to what the rig can do, where it asks for that and needs it, and what was done in words."""
+    scale = largest(step, "scale", rig, damper) if found and getattr(step, "fit_limits", False) else None
+    if scale is None:
+        return step, found, ()
+    note = f"scaled to {scale:g} instead of {step.scale:g}: at {step.scale:g} it {found[-1].words}"
+    return replace(step, scale=scale), (), (note,)
+
+
+def _refusal(test: Test, step: Any, found: tuple[Finding, ...], rig: RigSettings, damper: Damper | None) -> str:
+    told = []
+    for each in found:
+        ways = repairs(step, rig, damper, each.limit if len(found) > 1 else None)
+        told.append(each.words + (f"; lower {' or '.join(ways)}" if ways else ""))
+    return f"{test.where}: {'; it also '.join(told)}" if told else ""

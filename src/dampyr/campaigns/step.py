@@ -1,0 +1,102 @@
+"""What every kind of step has: its fields, its drive, its peaks, and how it is called."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Protocol, get_type_hints
+
+from dampyr.errors import InputError
+from dampyr.rig import Drive, RigSettings
+from dampyr.tables import split
+from dampyr.units import Quantity, for_people
+
+Length = Quantity("m", low=0.0, open_low=True)
+Place = Quantity("m")
+Speed = Quantity("m/s", low=0.0, open_low=True)
+Frequency = Quantity("Hz", low=0.005, high=20.0)
+Volts = Quantity("V", low=0.0)
+Seconds = Quantity("s", low=0.0)
+Time = Quantity("s", low=0.0, open_low=True)
+Rest = Quantity("s", low=0.0, high=60.0)
+Period = Quantity("s", low=0.001, high=0.05)
+
+POINTS = 8  # set points that a cycle needs
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """The farthest position from the middle [m] and the greatest speed [m/s] of a step."""
+
+    position: float
+    speed: float
+
+
+class Step(Protocol):
+    """One file of ``steps/``: a frozen dataclass called as its file, whose fields a campaign fills.
+
+    ``lowers`` : the fields that a refusal may propose to lower. ``named`` : the fields in a test's name and words.
+    ``fixed`` : whether the test keeps its place where the order is random.
+    """
+
+    lowers: ClassVar[tuple[str, ...]]
+    named: ClassVar[tuple[str, ...]]
+    fixed: ClassVar[bool]
+    period: float
+
+    def drive(self, rig: RigSettings) -> Drive:
+        """The set points of table and coil."""
+
+    def peaks(self, rig: RigSettings) -> Peaks:
+        """Its peaks in closed form where there is one."""
+
+
+def shown(step: Any, field: str, blank: str = " ") -> str:
+    """A field in the unit that people read, ``12.4 mm``; with its name where it has no unit, ``seed 3``; "" for None."""
+    value, quantity = getattr(step, field), split(get_type_hints(type(step), include_extras=True).get(field))[1]
+    if value is None or isinstance(value, str):
+        return value or ""
+    if quantity is None or not quantity.unit:
+        return f"{field}{blank}{value:.6g}"
+    unit, factor = (quantity.unit, 1.0) if quantity.unit == "s" else for_people(quantity.unit)
+    each = (", " if blank else "+").join(f"{v * factor:.6g}" for v in (value if isinstance(value, tuple) else (value,)))
+    return f"{each}{blank}{unit}"
+
+
+def words(kind: str, step: Any) -> str:
+    """A step in words, such as ``sine 20 mm at 2 Hz, 0.8712 V``."""
+    first, *others = [each for each in (shown(step, name) for name in step.named) if each]
+    return f"{kind.replace('_', ' ')} {first}" + (f" at {', '.join(others)}" if others else "")
+
+
+def quantity_of(step: Any, field: str) -> Quantity:
+    """What a field means."""
+    found = split(get_type_hints(type(step), include_extras=True)[field])[1]
+    assert found is not None, f"{field} has no unit"
+    return found
+
+
+def check_ranges(step: Any) -> None:
+    """Raise :class:`InputError` where a value leaves its range: for steps made in Python, not read from a file."""
+    hints = get_type_hints(type(step), include_extras=True)
+    for each in fields(step):
+        _, quantity = split(hints[each.name])
+        value = getattr(step, each.name)
+        if quantity is not None and value is not None:
+            for one in value if isinstance(value, tuple) else (value,):
+                quantity.check(each.name, one)
+
+
+def at_least(step: Any, field: str, least: int) -> None:
+    """Raise :class:`InputError` where a whole number is less than ``least``."""
+    value = getattr(step, field)
+    if value < least:
+        raise InputError(f"{field} = {value} is not allowed; it must be at least {least}")
+
+
+def enough_points(period: float, frequency: float) -> None:
+    """Raise :class:`InputError` where set points are too far apart to draw a cycle."""
+    if POINTS * period * frequency > 1 + 1e-9:
+        raise InputError(
+            f"period = {period * 1e3:g} ms gives fewer than {POINTS} set points per cycle at {frequency:g} Hz; "
+            f"give at most {1e3 / POINTS / frequency:.3g} ms, or a lower frequency"
+        )

@@ -1,0 +1,53 @@
+r"""Reversals: the motor at a constant duty that changes its sign after every half period; the original rig's excitation.
+
+.. math:: \dot x \approx \pm d\, v_0 \text{ for } T/2 \text{ each, with a pause between}
+
+No position is followed: the stroke follows from the force (it falls as the voltage rises) and the middle drifts. Its peaks here
+are those of an unloaded actuator, so that nothing is left to luck. Use it to repeat the original campaign; else use `sine`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from dampyr.campaigns.paths import AFTER
+from dampyr.campaigns.step import Peaks, Period, Rest, Volts, at_least, check_ranges
+from dampyr.rig import Drive, RigSettings
+from dampyr.rig import Reversals as Timed
+from dampyr.units import Quantity
+
+
+@dataclass(frozen=True)
+class Reversals:
+    """Timed reversals of the motor."""
+
+    half_period: Annotated[float, Quantity("s", low=0.02, high=60.0), "from reversal to reversal"]
+    duty: Annotated[float, Quantity("", low=0.0, high=1.0, open_low=True), "of the full voltage"] = 1.0
+    pause: Annotated[float, Quantity("s", low=0.0, high=5.0), "with the motor off, at each reversal"] = 0.05
+    count: Annotated[int, "half periods, an even number"] = 20
+    voltage: Annotated[float, Volts, "at the coil"] = 0.0
+    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "from set point to set point"] = 0.01
+
+    lowers: ClassVar[tuple[str, ...]] = ("half_period", "duty", "voltage")
+    named: ClassVar[tuple[str, ...]] = ("half_period", "duty", "voltage")
+    fixed: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        at_least(self, "count", 2)
+
+    def drive(self, rig: RigSettings) -> Drive:
+        """How long it takes, the voltage, and the reversals; its set points of the table are all 0."""
+        length = self.rest_before + self.count * (self.half_period + self.pause) + AFTER
+        n = round(length / self.period) + 1
+        timed = Timed(self.duty, self.half_period, self.pause, self.count)
+        return Drive(self.period, np.zeros(n), np.full(n, self.voltage), reversals=timed)
+
+    def peaks(self, rig: RigSettings) -> Peaks:
+        """The way of one half period from the middle at the free speed times the duty, and that speed."""
+        speed = self.duty * rig.actuator.free_speed
+        return Peaks(speed * self.half_period, speed)

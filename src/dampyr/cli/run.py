@@ -1,0 +1,91 @@
+"""Run: a campaign on a rig, checked before anything moves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.errors import InputError
+
+if TYPE_CHECKING:
+    from dampyr.campaigns import Plan, PlannedTest
+
+REFUSED = 2
+
+
+@click.command()
+@click.argument("campaign", type=click.Path(path_type=Path))
+@click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml.  [default: the original rig, simulated]")
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where the records go.")
+@click.option("--dry-run", is_flag=True, help="Print the plan and what the rig cannot do; move nothing.")
+@click.option("--seed", type=click.IntRange(0), help="Of the random order, instead of the campaign's.")
+@as_json_option
+def command(
+    campaign: Path, rig: Path | None, out: Path | None, dry_run: bool, seed: int | None, as_json: bool
+) -> int | None:
+    """Run CAMPAIGN, a TOML file, on a rig.
+
+    The whole campaign is checked first: what the rig cannot do is told with the largest value that it can, and nothing runs.
+    """
+    from dampyr import campaigns
+
+    found = campaigns.planned(campaign, rig, seed)
+    if dry_run:
+        _tell(found, as_json)
+    for refusal in found.refusals:
+        click.echo(f"dampyr: {refusal}", err=True)
+    if found.refusals:
+        return REFUSED
+    if not dry_run:
+        _perform(found, out)
+    return None
+
+
+def _perform(found: Plan, out: Path | None) -> None:
+    raise InputError("campaigns cannot be performed yet; give --dry-run to see the plan")
+
+
+def _tell(found: Plan, as_json: bool) -> None:
+    if as_json:
+        print_json(_told(found))
+        return
+    columns = ["test", "what", "duration", "peak speed", "position", "force", "coil"]
+    units = ["", "", "s", "mm/s", "mm", "N", "V"]
+    print_table(_title(found), columns, [_row(each) for each in found.tests], units, notes=_notes(found))
+
+
+def _row(each: PlannedTest) -> list[Any]:
+    return [each.name, each.words, each.duration, 1e3 * each.peak_speed, 1e3 * each.peak_position, each.peak_force,
+            each.peak_voltage]  # fmt: skip
+
+
+def _title(found: Plan) -> str:
+    minutes = f"{found.duration / 60:.1f} min" if found.duration >= 60 else f"{found.duration:.0f} s"
+    return f"{found.campaign.header.name}: {len(found.tests)} tests on {found.rig.name}, {minutes}"
+
+
+def _notes(found: Plan) -> list[str]:
+    own = dict.fromkeys(f"{each.name}: {note}" for each in found.tests for note in each.notes)
+    return [*found.notes, *own]
+
+
+def _told(found: Plan) -> dict[str, Any]:
+    return {
+        "campaign": found.campaign.header,
+        "rig": found.rig.name,
+        "duration_s": found.duration,
+        "tests": [
+            {
+                "name": each.name, "kind": each.kind, "step": each.step, "duration_s": each.duration,
+                "peak_speed_m_s": each.peak_speed, "peak_position_m": each.peak_position,
+                "peak_force_N": each.peak_force, "peak_voltage_V": each.peak_voltage,
+                "notes": each.notes, "refusal": each.refusal,
+            }
+            for each in found.tests
+        ],
+        "notes": found.notes,
+        "refusals": found.refusals,
+    }  # fmt: skip
