@@ -35,7 +35,6 @@ class Drive:
     voltage : (n,) V at the coil, held between set points.
     record_from, record_to : set points between which samples are kept; ``record_to`` None is the end.
     reversals : where given, the table is driven by timed reversals; ``displacement`` then only says how long it takes.
-    until_temperature, until_cycles : the drive ends early when this is reached; None: never.
     """
 
     period: float
@@ -45,7 +44,6 @@ class Drive:
     record_to: int | None = None
     reversals: Reversals | None = None
     until_temperature: float | None = None
-    until_cycles: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("displacement", "voltage"):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -60,6 +61,11 @@ class Rig:
             raise
         else:
             table.leave(None)
+
+    @cached_property
+    def identity(self) -> str:
+        """The board and the Uno's firmware."""
+        return f"{self.board.identity()}, Uno firmware {self.uno.hello().firmware}"
 
     def close(self) -> None:
         """Let go of the instruments."""
@@ -228,6 +234,14 @@ class Table:
         for samples in self._for(SETTLED):
             if samples.status.state is State.ARMED:
                 return
+
+    def quiet(self) -> None:
+        """Slow down and cut the coil, whatever fails; the way out follows."""
+        with self.loop.lock:
+            self.loop.player = None
+            for step in (self.rig.uno.stop, self.loop.cut):
+                with suppress(RigFault):
+                    step()
 
     def abort(self, why: str = "it was asked for") -> None:
         """Brake and cut the coil, now; from any thread. Whoever waits for blocks gets a :class:`RigFault`."""

@@ -1,0 +1,73 @@
+"""What a person may do while a campaign runs, from any thread: pause, go on, stop, abort; and what they see."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from dampyr.errors import DampyrError
+from dampyr.rig.interlock import Samples
+
+
+class Stopped(DampyrError):
+    """A campaign was stopped in order by its operator; it can be run on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Progress:
+    """How far a campaign is.
+
+    ``done`` of ``total`` tests are complete; ``fraction`` of the one under way; ``time_left`` s of rig time; ``force`` N,
+    ``stroke`` m (peak to peak of the last second), ``temperature`` degC; ``samples`` is the block itself.
+    """
+
+    done: int
+    total: int
+    name: str
+    phase: str
+    fraction: float = 0.0
+    time_left: float = 0.0
+    cycles: float = 0.0
+    planned_cycles: float = 0.0
+    force: float = 0.0
+    stroke: float = 0.0
+    temperature: float = 0.0
+    samples: Samples | None = None
+
+
+@dataclass
+class Control:
+    """The buttons. Pause acts after the test under way, stop and abort at once."""
+
+    abort_now: Callable[[str], None] | None = None
+    _paused: threading.Event = field(default_factory=threading.Event)
+    _stopped: threading.Event = field(default_factory=threading.Event)
+
+    def pause(self) -> None:
+        """Wait, armed and at rest, after the test under way."""
+        self._paused.set()
+
+    def resume(self) -> None:
+        """Go on."""
+        self._paused.clear()
+
+    def stop(self) -> None:
+        """End the test under way in order, and the campaign with it."""
+        self._stopped.set()
+
+    def abort(self, why: str = "by the operator") -> None:
+        """Brake and cut the coil, now."""
+        self._stopped.set()
+        if self.abort_now:
+            self.abort_now(why)
+
+    @property
+    def paused(self) -> bool:
+        """Whether the campaign is to wait."""
+        return self._paused.is_set()
+
+    def check(self) -> None:
+        """Raise :class:`Stopped` where it was asked for."""
+        if self._stopped.is_set():
+            raise Stopped("the campaign was stopped by its operator; run it again to go on")

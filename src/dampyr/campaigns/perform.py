@@ -1,0 +1,209 @@
+"""Performing a campaign: checked as a whole, then test by test, each in a file of its own, going on where it stopped."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from dampyr.campaigns.campaign import Campaign
+from dampyr.campaigns.campaign import load as load_campaign
+from dampyr.campaigns.control import Control, Progress
+from dampyr.campaigns.expected import specimen
+from dampyr.campaigns.journal import Journal
+from dampyr.campaigns.plan import Plan, PlannedTest, plan
+from dampyr.campaigns.preliminary import preliminary_check
+from dampyr.campaigns.taking import as_json, file_of, reason, take
+from dampyr.campaigns.watching import Watch, crossings, time_left
+from dampyr.errors import FileError
+from dampyr.records.formats.h5 import state
+from dampyr.rig.interlock import Samples
+from dampyr.rig.session import Rig, Table
+
+Watcher = Callable[[Progress], None]
+
+
+def perform(
+    campaign: Plan | Campaign | str | Path,
+    rig: Rig,
+    folder: str | Path,
+    progress: Watcher | None = None,
+    control: Control | None = None,
+) -> Path:
+    """Run a campaign on a connected rig; its folder holds a file per test and the journal.
+
+    Parameters
+    ----------
+    campaign
+        A plan, a campaign, or the path of its TOML file. Refused as a whole where the rig cannot do all of it.
+    folder
+        Where the records go. Tests that are complete there are not run again; one that was interrupted is run anew,
+        beside what it left.
+    progress
+        Called with a :class:`Progress` for every block of samples.
+    control
+        The buttons: pause, resume, stop, abort.
+
+    Raises :class:`~dampyr.errors.InputError` before anything moves, :class:`~dampyr.errors.RigFault` where a ring of safety
+    has acted, :class:`Stopped` where it was asked for, :class:`~dampyr.errors.FileError` where the disk is full. In every
+    case the table is at rest, the coil at 0 V, and the journal tells the story.
+    """
+    found = _planned(campaign, rig)
+    found.require()
+    folder = _made(Path(folder))
+    with closing(Journal(folder)) as journal:
+        journal.plan(digest(found.campaign), [test.name for test in found.tests], _told(found, rig))
+        _reconcile(journal, folder)
+        run = _Run(found, rig, folder, journal, progress or (lambda _: None), control or Control())
+        if run.left():
+            run.perform()
+    return folder
+
+
+def _planned(campaign: Plan | Campaign | str | Path, rig: Rig) -> Plan:
+    if isinstance(campaign, Plan):
+        return campaign
+    known = campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
+    return plan(known, rig.settings, specimen(rig.settings, None))
+
+
+def _made(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise FileError(folder, f"cannot be made ({problem.strerror}); choose another folder") from problem
+    return folder
+
+
+def digest(campaign: Campaign) -> str:
+    """A hash of what is run, in its order."""
+    told = [(test.name, test.kind, repr(test.step)) for test in campaign.tests]
+    return hashlib.sha256(repr(told).encode()).hexdigest()[:16]
+
+
+def _told(found: Plan, rig: Rig) -> dict[str, str]:
+    head = found.campaign.header
+    return {
+        "name": head.name,
+        "operator": head.operator,
+        "note": head.note,
+        "source": found.campaign.source,
+        "rig": as_json(rig.settings),
+    }
+
+
+def _reconcile(journal: Journal, folder: Path) -> None:
+    """Bring the journal to what the files say: the process that wrote it may have been killed."""
+    for entry in journal.tests():
+        if entry.state != "running":
+            continue
+        path = file_of(folder, entry.name, entry.attempt)
+        if path.is_file() and state(path).complete:
+            journal.end(entry.name, "complete", "found complete after an interruption")
+        else:
+            journal.end(entry.name, "failed", "interrupted: the host was killed or lost its power")
+
+
+@dataclass
+class _Run:
+    """One run over the tests that are left."""
+
+    plan: Plan
+    rig: Rig
+    folder: Path
+    journal: Journal
+    progress: Watcher
+    control: Control
+
+    def left(self) -> list[PlannedTest]:
+        """The tests that are not complete, in their order."""
+        done = {entry.name for entry in self.journal.tests() if entry.state == "complete"}
+        return [test for test in self.plan.tests if test.name not in done]
+
+    def perform(self) -> None:
+        left = self.left()
+        self.journal.note("armed", f"{len(left)} of {len(self.plan.tests)} tests to run; {self.rig.identity}")
+        try:
+            with self.rig.armed() as table:
+                self.control.abort_now = table.abort
+                self._prepare(table)
+                for k, test in enumerate(left):
+                    self._between(table, k, left)
+                    self._test(table, test, len(left) - k)
+        except BaseException as problem:
+            self.journal.note("ended early", reason(problem)["reason"])
+            raise
+        finally:
+            self.control.abort_now = None
+        self.journal.note("complete", f"{len(self.plan.tests)} tests")
+
+    def _prepare(self, table: Table) -> None:
+        if not table.homed:
+            self._say("homing")
+            table.home()
+            self.journal.note("homed")
+        if self.plan.preliminary is not None:
+            self._say("preliminary check")
+            table.go(float(self.plan.preliminary.displacement[0]))
+            self.journal.note("checked", preliminary_check(table, self.plan.preliminary))
+
+    def _between(self, table: Table, k: int, left: list[PlannedTest]) -> None:
+        """Rest between two tests, and while the campaign is paused."""
+        self.control.check()
+        if k:
+            self._say("rest", left[k].name, len(left) - k)
+            table.rest(self.plan.campaign.header.rest_between)
+        if self.control.paused:
+            self.journal.note("paused")
+            while self.control.paused:
+                self.control.check()
+                self._say("paused", left[k].name, len(left) - k)
+                table.rest(0.1)
+            self.journal.note("resumed")
+        self.control.check()
+
+    def _test(self, table: Table, test: PlannedTest, remaining: int) -> None:
+        attempt = self.journal.begin(test.name)
+        try:
+            watch = Watch(test, self.rig.settings.board.rate)
+            first: list[int] = []
+
+            def seen(samples: Samples) -> None:
+                self.control.check()
+                watch.take(samples)
+                first[:] = first or [samples.first]
+                gone = (samples.first + samples.n - first[0]) / self.rig.settings.board.rate
+                self._show(table, test, watch, samples, remaining, gone)
+
+            take(table, test, self.plan.campaign, file_of(self.folder, test.name, attempt), attempt, seen)
+        except BaseException as problem:
+            self.journal.end(test.name, "failed", reason(problem)["reason"])
+            raise
+        self.journal.end(test.name, "complete")
+
+    def _show(
+        self, table: Table, test: PlannedTest, watch: Watch, samples: Samples, remaining: int, gone: float
+    ) -> None:
+        self.progress(
+            Progress(
+                len(self.plan.tests) - remaining,
+                len(self.plan.tests),
+                test.name,
+                "testing",
+                min(1.0, gone / max(test.duration, 1e-9)),
+                max(0.0, time_left(self.plan, remaining, gone)),
+                watch.cycles,
+                crossings(test.drive.displacement),
+                float(samples.force[-1]),
+                watch.stroke,
+                table.temperature,
+                samples,
+            )
+        )
+
+    def _say(self, phase: str, name: str = "", remaining: int | None = None) -> None:
+        count = len(self.left()) if remaining is None else remaining
+        left = time_left(self.plan, count)
+        self.progress(Progress(len(self.plan.tests) - count, len(self.plan.tests), name, phase, time_left=left))

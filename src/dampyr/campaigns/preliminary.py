@@ -1,0 +1,34 @@
+"""The low stroke before the first test: do the encoder and the load cell see what they should?"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import RigFault
+from dampyr.rig.drive import Drive
+from dampyr.rig.session import Table
+
+Array = NDArray[np.float64]
+NEAR = 0.2  # by which the measured stroke may differ from the one asked for
+
+
+def preliminary_check(table: Table, drive: Drive) -> str:
+    """What was found, in words; :class:`RigFault` where a test should not begin."""
+    found = [(samples.displacement[kept], samples.force[kept]) for samples, kept in table.play(drive)]
+    x, force = (np.concatenate(rows) for rows in zip(*found, strict=True))
+    asked, had = float(np.ptp(drive.displacement)), float(np.ptp(x))
+    if abs(had / asked - 1.0) > NEAR:
+        raise RigFault(
+            f"the slow stroke before the first test was {had * 1e3:.2f} mm where {asked * 1e3:.2f} mm were asked for; "
+            "look at the encoder and the screw",
+            "check",
+        )
+    energy = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)))
+    if energy <= 0.0:
+        raise RigFault(
+            f"the slow stroke before the first test gave {-energy:.3g} J instead of taking some; is the force's sign inverted, "
+            "or the load cell not connected?",
+            "check",
+        )
+    return f"stroke {had * 1e3:.2f} mm, force {np.ptp(force):.0f} N peak to peak, {energy:.3g} J"

@@ -1,0 +1,165 @@
+"""Taking one test: its file is open before anything moves and tells how it ended, whatever happens."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import platform
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import dampyr
+from dampyr.campaigns.campaign import Campaign
+from dampyr.campaigns.control import Stopped
+from dampyr.campaigns.plan import PlannedTest
+from dampyr.errors import DampyrError, FileError, RigFault
+from dampyr.records.record import Label
+from dampyr.records.recording import Header, RawChannel, Recording
+from dampyr.rig.drive import Drive
+from dampyr.rig.interlock import Samples
+from dampyr.rig.session import Rig, Table
+
+SPARE = 2.0  # s of room beyond the plan
+
+
+def file_of(folder: Path, name: str, attempt: int) -> Path:
+    """The file of a try of a test."""
+    return folder / (f"{name}.h5" if attempt == 1 else f"{name}.try{attempt}.h5")
+
+
+def take(
+    table: Table,
+    planned: PlannedTest,
+    campaign: Campaign,
+    path: Path,
+    attempt: int,
+    seen: Callable[[Samples], None],
+) -> Path:
+    """Play a test and record it. The file says how it ended; what ended it early is raised again."""
+    table.go(float(planned.drive.displacement[0]))
+    recording = Recording(path, capacity(planned.drive, table.rig), header(table, planned, campaign, attempt))
+    started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
+    with ended(recording, table, started):
+        for samples, kept in table.play(planned.drive):
+            if kept.stop > kept.start:
+                recording.append(values(samples, kept, recording.header))
+            seen(samples)
+    return path
+
+
+@contextmanager
+def ended(recording: Recording, table: Table, started: dict[str, str]) -> Iterator[None]:
+    """Finish the file, after the table was brought to rest if something ended the test early."""
+    try:
+        yield
+    except BaseException as problem:
+        table.quiet()
+        told = started | {"ended": now(), **reason(problem)}
+        with suppress(
+            DampyrError
+        ):  # a full disk, or too few samples for a record: what was acknowledged is in the file
+            recording.close() if isinstance(problem, FileError) else recording.finish(told, complete=False)
+        raise
+    told = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
+    recording.finish(told | {"exit_status": "complete", "reason": ""})
+
+
+def reason(problem: BaseException) -> dict[str, str]:
+    """Exit status and reason of what ended a test early."""
+    if isinstance(problem, Stopped):
+        return {"exit_status": "stopped", "reason": "by the operator"}
+    if isinstance(problem, RigFault):
+        status = "aborted" if problem.ring == "operator" else "failed"
+        return {"exit_status": status, "reason": str(problem), "ring": problem.ring}
+    if isinstance(problem, KeyboardInterrupt | SystemExit):
+        return {"exit_status": "stopped", "reason": "interrupted"}
+    return {"exit_status": "failed", "reason": f"{type(problem).__name__}: {problem}"}
+
+
+def capacity(drive: Drive, rig: Rig) -> int:
+    """Samples that the file needs room for."""
+    last = drive.n - 1 if drive.record_to is None else drive.record_to
+    return round(((last - drive.record_from) * drive.period + SPARE) * rig.settings.board.rate) + 1
+
+
+def header(table: Table, planned: PlannedTest, campaign: Campaign, attempt: int) -> Header:
+    """What is known before a test begins."""
+    drive, known = planned.drive, table.loop.calibration
+    kept = drive.voltage[drive.record_from : drive.record_to]
+    constant = bool(np.ptp(kept) == 0.0)
+    channels = ["time", "displacement", "force", *(() if constant else ("voltage",))]
+    raw = {
+        "force": RawChannel("V", known.scale, -known.scale * known.zero, "N"),
+        "position": RawChannel("count", known.count, -known.count * known.middle, "m", "i8"),
+    }
+    if table.rig.settings.wires.temperature:
+        channels.append("temperature")
+        raw["temperature"] = RawChannel("V", known.slope, known.base, "degC")
+    return Header(
+        planned.name,
+        planned.name,
+        attempt,
+        tuple(channels),
+        raw,
+        {"voltage": float(kept[0])} if constant else {},
+        role=getattr(planned.step, "role", "fit"),
+        label=label(planned.step),
+        provenance=provenance(table.rig, planned, campaign),
+    )
+
+
+def label(step: Any) -> Label | None:
+    """Peak to peak and frequency of a sine."""
+    if not (hasattr(step, "amplitude") and isinstance(getattr(step, "frequency", None), float)):
+        return None
+    return Label(2.0 * step.amplitude, step.frequency)
+
+
+def provenance(rig: Rig, planned: PlannedTest, campaign: Campaign) -> dict[str, str]:
+    """Configuration, versions, calibration and the operator's note."""
+    return {
+        "campaign": campaign.header.name,
+        "operator": campaign.header.operator,
+        "note": campaign.header.note,
+        "kind": planned.kind,
+        "step": as_json(planned.step),
+        "rig": as_json(rig.settings),
+        "calibration": as_json(rig.calibration),
+        "board": rig.identity,
+        "dampyr": dampyr.__version__,
+        "python": platform.python_version(),
+        "numpy": version("numpy"),
+        "h5py": version("h5py"),
+    }
+
+
+def as_json(settings: Any) -> str:
+    """A dataclass as text, SI."""
+    return json.dumps(dataclasses.asdict(settings), default=str)
+
+
+def values(samples: Samples, kept: slice, known: Header) -> dict[str, Any]:
+    """The rows of a block for the file."""
+    found: dict[str, Any] = {
+        "calibrated/time": samples.time,
+        "calibrated/displacement": samples.displacement,
+        "calibrated/force": samples.force,
+        "calibrated/voltage": samples.voltage,
+        "calibrated/temperature": samples.temperature,
+        "raw/force": samples.volts[0],
+        "raw/position": samples.counts,
+        "raw/temperature": samples.volts[-1],
+    }
+    wanted = [*(f"calibrated/{name}" for name in known.channels), *(f"raw/{name}" for name in known.raw)]
+    return {name: found[name][kept] for name in wanted}
+
+
+def now() -> str:
+    """The time in UTC."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
