@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from dampyr.errors import DampyrWarning
 from dampyr.models import Damper
 from dampyr.rig import Drive, RigSettings
+from dampyr.rig.simulation.specimen import specimen_of
 
 Array = NDArray[np.float64]
 FACTOR = 1.2  # the fit's residual is 8 to 11 % rms
@@ -61,8 +62,13 @@ class Course:
 
 
 def specimen(rig: RigSettings, beside: Path | None = None) -> Damper | None:
-    """The damper whose card the rig names, looked for in the folder ``beside``; None where it names none."""
-    return Damper.load((beside or Path()) / rig.specimen.card) if rig.specimen.card else None
+    """The damper whose card the rig names, looked for in the folder ``beside``.
+
+    Where it names none: the simulated rig's own damper, and None where wires lead to a real one.
+    """
+    if rig.specimen.card or not rig.wires.serial:
+        return specimen_of(rig, beside)
+    return None
 
 
 def course(drive: Drive, rig: RigSettings, damper: Damper | None) -> Course:

@@ -53,6 +53,7 @@ class Tracks:
     def __init__(self, told: Callable[[float, str], None] | None = None) -> None:
         self.told = told
         self.chunks: list[Array] = []
+        self.count = 0
         self.at_rest_since = self.coil_dead_since = 0.0
         self.before = (0, int(State.FAULT), int(Fault.RESTARTED), 0)
 
@@ -66,8 +67,9 @@ class Tracks:
         if not rows.size:
             return
         self.chunks.append(rows)
-        while sum(map(len, self.chunks)) - len(self.chunks[0]) >= KEPT:
-            del self.chunks[0]
+        self.count += len(rows)
+        while self.count - len(self.chunks[0]) >= KEPT:
+            self.count -= len(self.chunks.pop(0))
         resting, dead = self.at_rest_since, self.coil_dead_since
         self.at_rest_since = _since(rows, np.abs(rows[:, V]) < RESTING, resting)
         alive = (rows[:, U] != 0.0) | (np.abs(rows[:, AMPERE]) >= DEAD)
