@@ -84,6 +84,8 @@ class Simulator:
         self.tracks = Tracks(told)
         self._task: Task | None = None
         self._begun: set[FaultSpec] = set()
+        self.beat = BEAT
+        self.wait: Callable[[float], None] = sleep
         self._kernel = bind(plant.run, (self.specimen.composition,))
         self._lay_out(position)
 
@@ -159,6 +161,13 @@ class Simulator:
         task.volts, task.counts = task.volts[:, n:], task.counts[n:]
         return volts, counts
 
+    def look(self) -> tuple[Array, int]:
+        """Volts (channels,) and the count of now, without a clock and without moving it; BoardError as for `read`."""
+        self._begin_faults()
+        self._hinder(Task(self.time, 1.0))
+        volts = self._volts(Task(self.time, 0.0), self.plant[[plant.Y_CELL]])
+        return volts[:, 0], int(self.numbers[plant.N_SHOWN] + self.numbers[plant.N_NI])
+
     def _hinder(self, task: Task) -> None:
         """What faults of the board do to a read."""
         if self._holding("board-timeout"):
@@ -167,7 +176,7 @@ class Simulator:
             raise BoardError(OVERRUN)
         late = self._holding("late-samples")
         if late is not None:
-            sleep(late.size)
+            self.wait(late.size)
 
     @property
     def waiting(self) -> int:
@@ -260,7 +269,7 @@ class Simulator:
     def _beaten(self) -> None:
         """A heartbeat moves the clock while nothing is sampled."""
         if self._task is None:
-            self.alone(BEAT)
+            self.alone(self.beat)
 
     # faults
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 KEPT = 1_800_000  # rows: half an hour
 RESTING = 1e-4  # m/s below which the table stands
+LASTING = 0.05  # s before rest is told: a turning point is none
 DEAD = 0.01  # A below which the coil is dead, with no voltage at it
 T, X, V, F, U, AMPERE, HEAT, ENABLE, STATE, FAULTS, DUTY, HELD = range(len(plant.TRUTH))
 
@@ -55,6 +56,7 @@ class Tracks:
         self.chunks: list[Array] = []
         self.count = 0
         self.at_rest_since = self.coil_dead_since = 0.0
+        self._says = {"rest": True, "dead": True}
         self.before = (0, int(State.FAULT), int(Fault.RESTARTED), 0)
 
     def tell(self, time: float, words: str) -> None:
@@ -70,14 +72,15 @@ class Tracks:
         self.count += len(rows)
         while self.count - len(self.chunks[0]) >= KEPT:
             self.count -= len(self.chunks.pop(0))
-        resting, dead = self.at_rest_since, self.coil_dead_since
-        self.at_rest_since = _since(rows, np.abs(rows[:, V]) < RESTING, resting)
+        self.at_rest_since = _since(rows, np.abs(rows[:, V]) < RESTING, self.at_rest_since)
         alive = (rows[:, U] != 0.0) | (np.abs(rows[:, AMPERE]) >= DEAD)
-        self.coil_dead_since = _since(rows, ~alive, dead)
+        self.coil_dead_since = _since(rows, ~alive, self.coil_dead_since)
         if self.told is not None:
             self._changes(rows)
-            self._ends(("at rest", "moving"), resting, self.at_rest_since, rows)
-            self._ends(("coil dead", "coil live"), dead, self.coil_dead_since, rows)
+            self._says["rest"] = self._ended("rest", ("at rest", "moving"), self.at_rest_since, float(rows[-1, T]))
+            self._says["dead"] = self._ended(
+                "dead", ("coil dead", "coil live"), self.coil_dead_since, float(rows[-1, T])
+            )
 
     def see(self, rig: Simulator) -> None:
         """What a request changed at once."""
@@ -102,13 +105,17 @@ class Tracks:
         if held and not was[3]:
             self.tell(time, "input outside the specimen's calibrated range; its laws hold the value at the end")
 
-    def _ends(self, words: tuple[str, str], old: float, new: float, rows: Array) -> None:
-        if np.isnan(old) and not np.isnan(new):
-            self.tell(new, words[0])
-        elif not np.isnan(old) and (np.isnan(new) or new > old):
-            self.tell(float(rows[0, T]), words[1])
-            if not np.isnan(new):
-                self.tell(new, words[0])
+    def _ended(self, name: str, words: tuple[str, str], since: float, now: float) -> bool:
+        """Tell when something holds for `LASTING`, and when it has ended."""
+        said = self._says[name]
+        if np.isnan(since) or now - since < LASTING:
+            if said and np.isnan(since):
+                self.tell(now, words[1])
+                return False
+            return said
+        if not said:
+            self.tell(since, words[0])
+        return True
 
     def truth(self) -> Truth:
         """The rows that are kept, as arrays."""

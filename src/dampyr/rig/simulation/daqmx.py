@@ -1,0 +1,382 @@
+"""The NI-DAQmx gRPC service of the simulated board: the calls that the drivers make, and a clear refusal of all others.
+
+The tasks of one board: analogue inputs and a linear encoder on one sample clock, and an analogue output written point by
+point. The messages are those of `nidaqmx[grpc]`; errors travel as its client expects them, with NI-DAQmx's own numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import grpc
+import numpy as np
+from nidaqmx._stubs import nidaqmx_pb2 as pb
+from nidaqmx._stubs import nidaqmx_pb2_grpc as service
+from numpy.typing import NDArray
+
+from dampyr.rig.simulation.board import TIMEOUT, WORDS, BoardError
+from dampyr.rig.simulation.keeper import Keeper
+
+PRODUCT, SERIAL = "PCI-6221", 0x01A2B3C4
+X4, METERS, TICKS = 10092, 10219, 10304
+CHANNEL_SAYS = {
+    pb.CHANNEL_ATTRIBUTE_CHAN_TYPE: {"ai": 10100, "ao": 10102, "ci": 10131},
+    pb.CHANNEL_ATTRIBUTE_AI_MEAS_TYPE: {"ai": 10322},
+    pb.CHANNEL_ATTRIBUTE_CI_MEAS_TYPE: {"ci": 10361},
+    pb.CHANNEL_ATTRIBUTE_AO_OUTPUT_TYPE: {"ao": 10322},
+}  # NI-DAQmx's numbers for analogue input and output, counter input, voltage and linear encoder
+ALL = -1  # samples: all that there are
+NO_CHANNEL, NO_TASK, UNSUPPORTED, NO_DEVICE = -200170, -200088, -200077, -200220
+MORE_WORDS = WORDS | {
+    NO_CHANNEL: "physical channel specified does not exist on this device",
+    NO_TASK: "task specified is invalid or does not exist",
+    NO_DEVICE: "device identifier is invalid",
+}
+
+
+@dataclass
+class TaskHere:
+    """A task: its kind ("ai", "ci" or "ao"), its channels, its clock, and what it was asked for."""
+
+    kind: str = ""
+    channels: list[str] = field(default_factory=list)
+    rate: float = 0.0
+    running: bool = False
+    pulse: float = 1.0
+    initial: float = 0.0
+    most: float = 10.0
+    rows: list[NDArray[Any]] = field(default_factory=list)
+
+    def take(self, n: int) -> NDArray[Any]:
+        """The next ``n`` samples (channels, n) of those that are here."""
+        whole = np.concatenate(self.rows, axis=1)
+        self.rows = [whole[:, n:]]
+        return whole[:, :n]
+
+    @property
+    def waiting(self) -> int:
+        """How many samples are here."""
+        return sum(rows.shape[1] for rows in self.rows)
+
+
+class Board(service.NiDAQmxServicer):
+    """The simulated PCI-6221 of a :class:`~dampyr.rig.simulation.keeper.Keeper`."""
+
+    def __init__(self, keeper: Keeper) -> None:
+        self.keeper, self.settings = keeper, keeper.rig.settings
+        self.tasks: dict[str, TaskHere] = {}
+        self.made = 0
+
+    @contextmanager
+    def told(
+        self, context: grpc.ServicerContext, name: str = "", counted: Sequence[tuple[str, str]] = ()
+    ) -> Iterator[TaskHere]:
+        """Hold the rig for one call; an error of the board becomes the status that the client knows."""
+        code, words = 0, ""
+        try:
+            with self.keeper.holding():
+                if name and name not in self.tasks:
+                    raise KeyError(NO_TASK)
+                yield self.tasks.get(name, TaskHere())
+        except BoardError as problem:
+            code = problem.code
+        except KeyError as problem:
+            code = int(problem.args[0])
+        except NotImplementedError as problem:
+            words = str(problem)
+        if words:
+            context.abort(grpc.StatusCode.UNIMPLEMENTED, words)
+        if code:
+            self.keeper.tell(f"board error {code}")
+            context.set_trailing_metadata((("ni-error", str(code)), *counted))
+            context.abort(grpc.StatusCode.UNKNOWN, MORE_WORDS[code])
+
+    # tasks
+
+    def CreateTask(self, request: Any, context: Any) -> Any:
+        with self.told(context):
+            self.made += 1
+            name = request.session_name or f"_unnamedTask<{self.made}>"
+            self.tasks[name] = TaskHere()
+        return pb.CreateTaskResponse(task=_session(name), new_session_initialized=True)
+
+    def CreateAIVoltageChan(self, request: Any, context: Any) -> Any:
+        known = [self.settings.wires.force, self.settings.wires.temperature]
+        self._add(request.task, "ai", request.physical_channel, known, context)
+        return pb.CreateAIVoltageChanResponse()
+
+    def CreateAOVoltageChan(self, request: Any, context: Any) -> Any:
+        self._add(request.task, "ao", request.physical_channel, [self.settings.wires.command], context)
+        self.tasks[request.task.name].most = min(request.max_val, self.settings.board.range)
+        return pb.CreateAOVoltageChanResponse()
+
+    def CreateCILinEncoderChan(self, request: Any, context: Any) -> Any:
+        self._add(request.task, "ci", request.counter, [self.settings.wires.position], context)
+        with self.told(context, request.task.name) as task:
+            if request.decoding_type_raw != X4 or request.units_raw not in (METERS, TICKS) or request.zidx_enable:
+                raise NotImplementedError(
+                    "the simulated counter decodes X4, in metres or ticks, without the index; ask for these"
+                )
+            task.pulse = 0.25 * request.dist_per_pulse if request.units_raw == METERS else 1.0
+            task.initial = request.initial_pos
+        return pb.CreateCILinEncoderChanResponse()
+
+    def _add(self, session: Any, kind: str, channel: str, known: list[str], context: Any) -> None:
+        with self.told(context, session.name) as task:
+            board = self.settings.wires.board
+            for name in channel.replace(" ", "").split(","):
+                if name.lower() not in [f"{board}/{each}".lower() for each in known if each]:
+                    raise KeyError(NO_CHANNEL)
+                if task.kind not in ("", kind):
+                    raise NotImplementedError(f"a task of {task.kind} channels takes no {kind} channel; make another")
+                task.kind = kind
+                task.channels.append(name)
+
+    def CfgSampClkTiming(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name) as task:
+            task.rate = request.rate
+        return pb.CfgSampClkTimingResponse()
+
+    def StartTask(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name) as task:
+            self._start(task)
+        return pb.StartTaskResponse()
+
+    def _start(self, task: TaskHere) -> None:
+        task.running = True
+        if task.kind == "ai" and not self.keeper.rig.sampling:
+            self.keeper.rig.start(task.rate or self.settings.board.rate)
+            self.keeper.tell("sampling")
+
+    def StopTask(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name) as task:
+            self._stop(task)
+        return pb.StopTaskResponse()
+
+    def _stop(self, task: TaskHere) -> None:
+        task.running = False
+        task.rows.clear()
+        if task.kind == "ai" and self.keeper.rig.sampling:
+            self.keeper.rig.stop()
+            self.keeper.tell("sampling ended")
+
+    def ClearTask(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name) as task:
+            if task.running:
+                self._stop(task)
+            del self.tasks[request.task.name]
+        return pb.ClearTaskResponse()
+
+    def TaskControl(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name) as task:
+            if request.action_raw == pb.TASK_CONTROL_ACTION_TASK_ABORT and task.running:
+                self._stop(task)
+        return pb.TaskControlResponse()
+
+    def IsTaskDone(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name) as task:
+            done = not task.running
+        return pb.IsTaskDoneResponse(is_task_done=done)
+
+    # samples
+
+    def ReadAnalogF64(self, request: Any, context: Any) -> Any:
+        rows = self._read(request, context, "ai")
+        ordered = rows if request.fill_mode_raw == pb.GROUP_BY_GROUP_BY_CHANNEL else rows.T
+        return pb.ReadAnalogF64Response(samps_per_chan_read=rows.shape[1], read_array=ordered.ravel().tolist())
+
+    def ReadCounterF64(self, request: Any, context: Any) -> Any:
+        rows = self._read(request, context, "ci")
+        return pb.ReadCounterF64Response(samps_per_chan_read=rows.shape[1], read_array=rows.ravel().tolist())
+
+    def ReadCounterF64Ex(self, request: Any, context: Any) -> Any:
+        rows = self._read(request, context, "ci")
+        return pb.ReadCounterF64ExResponse(samps_per_chan_read=rows.shape[1], read_array=rows.ravel().tolist())
+
+    def ReadAnalogScalarF64(self, request: Any, context: Any) -> Any:
+        rows = self._read(_Single(request.task, request.timeout), context, "ai")
+        return pb.ReadAnalogScalarF64Response(value=rows[0, 0])
+
+    def ReadCounterScalarF64(self, request: Any, context: Any) -> Any:
+        rows = self._read(_Single(request.task, request.timeout), context, "ci")
+        return pb.ReadCounterScalarF64Response(value=rows[0, 0])
+
+    def ReadCounterU32(self, request: Any, context: Any) -> Any:
+        rows = self._read(request, context, "ci").astype(np.int64) & 0xFFFFFFFF
+        return pb.ReadCounterU32Response(samps_per_chan_read=rows.shape[1], read_array=rows.ravel().tolist())
+
+    def _read(self, request: Any, context: Any, kind: str) -> NDArray[Any]:
+        found = np.empty((0, 0))
+        with self.told(context, request.task.name, [("ni-samps-per-chan-read", "0")]) as task:
+            if task.kind != kind:
+                raise NotImplementedError(f"a task of {task.kind or 'no'} channels is not read so")
+            found = self._clocked(task, request) if task.rate else self._looked(task, request.num_samps_per_chan)
+            if kind == "ci":
+                found = task.initial + task.pulse * found
+        self.keeper.pay()
+        return found
+
+    def _clocked(self, task: TaskHere, request: Any) -> NDArray[Any]:
+        """Samples of the clock."""
+        if not task.running and task.kind == "ai":
+            self._start(task)
+        if not (task.running and self.keeper.rig.sampling):
+            raise BoardError(TIMEOUT)
+        wanted = request.num_samps_per_chan
+        missing = self.keeper.rig.waiting if wanted == ALL else wanted - task.waiting
+        if missing > 0:
+            self._gather(self.keeper.read(missing, request.timeout))
+        return task.take(task.waiting if wanted == ALL else wanted) if task.rows else np.empty((1, 0))
+
+    def _looked(self, task: TaskHere, wanted: int) -> NDArray[Any]:
+        """Samples on demand, of a task without a clock: all of now."""
+        looks = [self.keeper.rig.look() for _ in range(max(1, wanted))]
+        if task.kind == "ci":
+            return np.array([[counts for _, counts in looks]])
+        return np.stack([volts[self._places(task)] for volts, _ in looks], axis=1)
+
+    def _places(self, task: TaskHere) -> list[int]:
+        """Which of the rig's analogue inputs are a task's channels."""
+        inputs = [each for each in (self.settings.wires.force, self.settings.wires.temperature) if each]
+        return [inputs.index(channel.rpartition("/")[2]) for channel in task.channels]
+
+    def _gather(self, samples: tuple[NDArray[np.float64], NDArray[np.int64]]) -> None:
+        """Give samples to every task that runs: inputs and counter are on one clock."""
+        volts, counts = samples
+        for task in self.tasks.values():
+            if task.running and task.kind == "ai":
+                task.rows.append(volts[self._places(task)])
+            if task.running and task.kind == "ci":
+                task.rows.append(counts[None])
+
+    def WriteAnalogScalarF64(self, request: Any, context: Any) -> Any:
+        self._write(request, request.value, context)
+        return pb.WriteAnalogScalarF64Response()
+
+    def WriteAnalogF64(self, request: Any, context: Any) -> Any:
+        self._write(request, list(request.write_array)[-1], context)
+        return pb.WriteAnalogF64Response(samps_per_chan_written=request.num_samps_per_chan)
+
+    def _write(self, request: Any, volts: float, context: Any) -> None:
+        with self.told(context, request.task.name) as task:
+            if task.kind != "ao":
+                raise NotImplementedError(f"a task of {task.kind or 'no'} channels is not written")
+            if abs(volts) > task.most:
+                raise BoardError(UNSUPPORTED)
+            self.keeper.rig.write(volts)
+
+    # what it is
+
+    def GetDeviceAttributeString(self, request: Any, context: Any) -> Any:
+        with self.told(context):
+            self._check_device(request.device_name)
+            if request.attribute_raw != pb.DEVICE_ATTRIBUTE_PRODUCT_TYPE:
+                raise NotImplementedError("the simulated board says its product type and serial number only")
+        return pb.GetDeviceAttributeStringResponse(value=PRODUCT)
+
+    def GetDeviceAttributeUInt32(self, request: Any, context: Any) -> Any:
+        with self.told(context):
+            self._check_device(request.device_name)
+            if request.attribute_raw != pb.DEVICE_ATTRIBUTE_SERIAL_NUM:
+                raise NotImplementedError("the simulated board says its product type and serial number only")
+        return pb.GetDeviceAttributeUInt32Response(value=SERIAL)
+
+    def GetDeviceAttributeBool(self, request: Any, context: Any) -> Any:
+        with self.told(context):
+            self._check_device(request.device_name)
+            if request.attribute_raw != pb.DEVICE_ATTRIBUTE_IS_SIMULATED:
+                raise NotImplementedError("the simulated board says only that it is simulated")
+        return pb.GetDeviceAttributeBoolResponse(value=True)
+
+    def _check_device(self, name: str) -> None:
+        if name.lower() != self.settings.wires.board.lower():
+            raise KeyError(NO_DEVICE)
+
+    def GetSystemInfoAttributeString(self, request: Any, context: Any) -> Any:
+        with self.told(context):
+            if request.attribute_raw != pb.SYSTEM_ATTRIBUTE_DEV_NAMES:
+                raise NotImplementedError("the simulated system says its devices' names and its version only")
+        return pb.GetSystemInfoAttributeStringResponse(value=self.settings.wires.board)
+
+    def GetSystemInfoAttributeUInt32(self, request: Any, context: Any) -> Any:
+        versions = {
+            pb.SYSTEM_ATTRIBUTE_NIDAQ_MAJOR_VERSION: 24,
+            pb.SYSTEM_ATTRIBUTE_NIDAQ_MINOR_VERSION: 0,
+            pb.SYSTEM_ATTRIBUTE_NIDAQ_UPDATE_VERSION: 0,
+        }
+        with self.told(context):
+            if request.attribute_raw not in versions:
+                raise NotImplementedError("the simulated system says its devices' names and its version only")
+        return pb.GetSystemInfoAttributeUInt32Response(value=versions[request.attribute_raw])
+
+    def GetTaskAttributeString(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name) as task:
+            said = {
+                pb.TASK_ATTRIBUTE_NAME: request.task.name,
+                pb.TASK_ATTRIBUTE_CHANNELS: ", ".join(task.channels),
+                pb.TASK_ATTRIBUTE_DEVICES: self.settings.wires.board,
+            }
+            if request.attribute_raw not in said:
+                raise NotImplementedError("the simulated board says its tasks' names, channels and devices only")
+        return pb.GetTaskAttributeStringResponse(value=said[request.attribute_raw])
+
+    def GetTaskAttributeUInt32(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name) as task:
+            if request.attribute_raw != pb.TASK_ATTRIBUTE_NUM_CHANS:
+                raise NotImplementedError("the simulated board says the number of its tasks' channels only")
+        return pb.GetTaskAttributeUInt32Response(value=len(task.channels))
+
+    def GetChanAttributeInt32(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name) as task:
+            if request.attribute_raw not in CHANNEL_SAYS:
+                raise NotImplementedError("the simulated board says only what kind of channel one is")
+            value = CHANNEL_SAYS[request.attribute_raw][task.kind]
+        return pb.GetChanAttributeInt32Response(value_raw=value)
+
+    def GetErrorString(self, request: Any, context: Any) -> Any:
+        return pb.GetErrorStringResponse(error_string=MORE_WORDS.get(request.error_code, ""))
+
+    def GetExtendedErrorInfo(self, request: Any, context: Any) -> Any:
+        return pb.GetExtendedErrorInfoResponse(error_string="")
+
+
+def _session(name: str) -> Any:
+    from session_pb2 import Session
+
+    return Session(name=name)
+
+
+class _Single(NamedTuple):
+    """A request of one sample."""
+
+    task: Any
+    timeout: float
+    num_samps_per_chan: int = 1
+
+
+class Refusing(grpc.ServerInterceptor):
+    """Refuse the calls that `Board` does not answer with a sentence."""
+
+    def intercept_service(self, continuation: Callable[..., Any], details: Any) -> Any:
+        name = details.method.rpartition("/")[2]
+        if name in vars(Board):
+            return continuation(details)
+
+        def refuse(request: Any, context: grpc.ServicerContext) -> None:
+            context.abort(grpc.StatusCode.UNIMPLEMENTED, f"the simulated board does not answer {name}")
+
+        return grpc.unary_unary_rpc_method_handler(refuse)
+
+
+def serve(keeper: Keeper) -> tuple[grpc.Server, int]:
+    """Serve the board on the loopback: the running server and its port."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    server = grpc.server(ThreadPoolExecutor(2), interceptors=(Refusing(),))
+    service.add_NiDAQmxServicer_to_server(Board(keeper), server)
+    port = server.add_insecure_port("127.0.0.1:0")
+    server.start()
+    return server, port

@@ -1,0 +1,108 @@
+"""The simulated rig as a process of its own: ``python -m dampyr.rig.simulation.server --rig rig.toml --seed 0``.
+
+It prints one line of JSON when it is ready, ``{"serial": "socket://127.0.0.1:PORT", "grpc": "127.0.0.1:PORT"}``: the Uno's
+serial wire for pyserial, and NI-DAQmx's gRPC device server for nidaqmx. Both listen on the loopback only. Needs the extra
+``rig``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import socket
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from threading import Thread
+
+from dampyr.errors import DampyrError
+from dampyr.rig.settings import RigSettings, load_settings
+from dampyr.rig.simulation.faults import FaultSpec
+from dampyr.rig.simulation.keeper import BlackBox, Keeper
+from dampyr.rig.simulation.simulator import Simulator
+from dampyr.rig.simulation.specimen import specimen_of
+
+
+class Serial:
+    """The Uno's serial wire as a TCP port for one client at a time; others are turned away."""
+
+    def __init__(self, keeper: Keeper) -> None:
+        self.keeper, self.busy = keeper, False
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port: int = self.listener.getsockname()[1]
+        Thread(target=self._accept, name="serial", daemon=True).start()
+
+    def _accept(self) -> None:
+        while True:
+            client, _ = self.listener.accept()
+            if self.busy:
+                client.close()
+                continue
+            self.busy = True
+            self.keeper.joined()
+            Thread(target=self._serve, args=(client,), name="client", daemon=True).start()
+
+    def _serve(self, client: socket.socket) -> None:
+        client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        try:
+            while data := client.recv(4096):
+                with self.keeper.holding() as rig:
+                    said = rig.serial(data)
+                client.sendall(said)
+        except OSError:
+            pass  # a killed client resets the connection: it has left, as below
+        finally:
+            self.busy = False
+            self.keeper.left()
+            client.close()
+
+
+def options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser(
+        prog="python -m dampyr.rig.simulation.server", description=(__doc__ or "").split("\n")[0]
+    )
+    parser.add_argument("--rig", metavar="FILE", help="the rig's settings; without it, the original rig's")
+    parser.add_argument("--seed", type=int, default=0, help="of noise and lost bytes")
+    parser.add_argument("--real-time", action="store_true", help="the wall's clock moves the rig, not its host")
+    parser.add_argument("--fault", action="append", default=[], metavar="KIND@TIME [for TIME]", help="may be repeated")
+    parser.add_argument("--black-box", metavar="FILE", help="a line of JSON for each thing that happens")
+    parser.add_argument("--once", action="store_true", help="end when the last client has left and the table rests")
+    return parser.parse_args(arguments)
+
+
+def built(told: argparse.Namespace) -> Keeper:
+    """The rig that the command line asks for."""
+    settings = load_settings(told.rig) if told.rig else RigSettings()
+    faults = [FaultSpec.parse(text) for text in told.fault]
+    specimen = specimen_of(settings, Path(told.rig).parent if told.rig else None)
+    box = BlackBox(told.black_box)
+    rig = Simulator(settings, told.seed, faults, specimen, told=box)
+    rig.advance_to(0.001)  # compiles the plant before anyone waits
+    return Keeper(rig, box, told.real_time, told.once)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Serve until interrupted, or as ``--once`` says; 2 with a sentence where the command line is wrong."""
+    told = options(arguments)
+    try:
+        keeper = built(told)
+    except DampyrError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    from dampyr.rig.simulation.daqmx import serve
+
+    server, port = serve(keeper)
+    serial = Serial(keeper)
+    keeper.begin()
+    print(json.dumps({"serial": f"socket://127.0.0.1:{serial.port}", "grpc": f"127.0.0.1:{port}"}), flush=True)
+    try:
+        keeper.finished.wait()
+    except KeyboardInterrupt:
+        keeper.tell("interrupted")
+    server.stop(0.2).wait()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
