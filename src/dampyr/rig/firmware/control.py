@@ -183,16 +183,18 @@ def towards(r, target, speed):  # type: ignore[no-untyped-def]
 
 
 def reverse(r):  # type: ignore[no-untyped-def]
-    """Constant duty for half a period, then brake for the pause, then the other way."""
+    """Duty that rises evenly in half of the half period, pauses at its top, and falls again; then the other way."""
     r[R_PHASE] += 1
-    if r[R_PHASE] > r[R_HALF] + r[R_PAUSE]:
+    whole = r[R_HALF] + r[R_PAUSE]
+    if r[R_PHASE] > whole:
         r[R_PHASE] = 1
         r[R_SIGN] = -r[R_SIGN]
         r[R_STROKES] -= 1
     if r[R_STROKES] == 0:
         rest(r)
     else:
-        r[R_DUTY] = r[R_SIGN] * r[R_RATE] if r[R_PHASE] <= r[R_HALF] else 0
+        near = min(2 * r[R_PHASE], 2 * (whole - r[R_PHASE]), r[R_HALF])
+        r[R_DUTY] = r[R_SIGN] * (r[R_RATE] * near // r[R_HALF])
 
 
 def glide(r):  # type: ignore[no-untyped-def]

@@ -24,13 +24,14 @@ from dampyr.rig.firmware import control
 
 R_DUTY, R_STATE, R_FAULTS = control.R_DUTY, control.R_STATE, control.R_FAULTS
 BRAKING = 0.4  # lag of the shorted motor over that of the driven one: no supply and leads in its circuit
+STATIC_SHARE = 0.3  # of the static force that slows the motor: in the records the two directions differ by so little
 COPPER = 0.0039  # 1/K
 COPPER_AT = 20.0  # degC at which the coil has its resistance
 
 # the state of the plant
 (
     Y_SCREW, Y_MOTOR, Y_X, Y_V, Y_FORCE, Y_CURRENT, Y_COIL, Y_TEMPERATURE, Y_CELL, Y_COMMAND, Y_INPUT,
-    Y_WORK, Y_RUBBED, Y_TAKEN, Y_HEATED, Y_COOLED, Y_RAW,
+    Y_REST, Y_WORK, Y_RUBBED, Y_TAKEN, Y_HEATED, Y_COOLED,
 ) = range(17)  # fmt: skip
 PLANT = 17
 # whole numbers: steps made; what the Uno and the board count less what the encoder shows; the last count; the index; samples
@@ -108,7 +109,7 @@ def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, 
 
 def drive(m, y, z, r):  # type: ignore[no-untyped-def]
     """The motor's speed after a step, and the screw's place."""
-    duty, load, v = r[R_DUTY] / 255.0, y[Y_FORCE] if y[Y_V] != 0.0 or r[R_DUTY] != 0 else 0.0, y[Y_MOTOR]
+    duty, v, load = r[R_DUTY] / 255.0, y[Y_MOTOR], y[Y_FORCE] - (1.0 - STATIC_SHARE) * y[Y_REST]
     if y[Y_V] != 0.0:
         load += m.friction if y[Y_V] > 0.0 else -m.friction
     size = max(0.0, abs(duty) - m.dead_band) / (1.0 - m.dead_band)
@@ -159,6 +160,7 @@ def move(m, y, n, s, p, table, static, past):  # type: ignore[no-untyped-def]
     f1 = force(0, s, x1, v1, (v1 - v0) / m.dt, p)
     f1 = rest + (f1 - rest) * max(0.0, 1.0 - m.softening * (y[Y_TEMPERATURE] - m.room))
     y[Y_X], y[Y_V], y[Y_FORCE] = x1, v1, held_back(m, n, p, past, f1)
+    y[Y_REST] = rest
     settle(m, y, x1 - x0, f0, rest)
     return x0
 
