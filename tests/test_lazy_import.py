@@ -12,7 +12,18 @@ import pytest
 import dampyr
 
 HEAVY = {"numpy", "scipy", "xarray", "matplotlib", "pint", "numba", "h5py", "pandas", "pooch", "jinja2"}
-ROOMS = ["records", "models", "identification", "ground_motions", "structures", "report", "export", "studies"]
+ROOMS = [
+    "records",
+    "models",
+    "identification",
+    "ground_motions",
+    "structures",
+    "report",
+    "export",
+    "studies",
+    "rig",
+    "campaigns",
+]
 
 
 def loaded_by(statement: str) -> set[str]:

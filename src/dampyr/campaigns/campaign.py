@@ -24,6 +24,7 @@ from dampyr.tables import fill, load_toml, value_of
 from dampyr.units import Quantity, round_trip
 
 ORDERS = ("as written", "random")
+MOST = 2000
 OWN = ("kind", "repeats", "zip", "rows")
 """What a ``[[step]]`` may say beside the fields of its kind."""
 
@@ -113,6 +114,8 @@ def read(told: Mapping[str, Any], beside: str | Path = ".", seed: int | None = N
         raise InputError("there is no step; give at least one table [[step]] with its kind")
     written = [each for k, table in enumerate(steps) for each in _steps(table, k + 1, Path(beside))]
     count = len(written)
+    if (total := sum(repeats for *_, repeats in written)) > MOST:
+        raise InputError(f"the campaign has {total} tests; split it into several of at most {MOST}")
     tests = [test for k, each in enumerate(written) for test in _tests(k + 1, count, *each)]
     return Campaign(header, tuple(_ordered(tests, header)))
 

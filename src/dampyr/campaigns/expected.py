@@ -56,6 +56,11 @@ class Course:
         return np.maximum(np.append(pieces, 0.0), np.insert(pieces, 0, 0.0))
 
     @property
+    def energy(self) -> float:
+        """J that the force takes up, the integral of F dx."""
+        return float(np.sum(0.5 * (self.force[1:] + self.force[:-1]) * np.diff(self.x)))
+
+    @property
     def against(self) -> Array:
         """N, at least 0."""
         return np.maximum(self.force * np.sign(self.v), 0.0)

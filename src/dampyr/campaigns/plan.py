@@ -21,9 +21,9 @@ from dampyr.rig import Drive, RigSettings, load_settings
 class PlannedTest:
     """A test as it would run.
 
-    ``duration`` s, ``peak_speed`` m/s, ``peak_position`` m from the middle, ``peak_force`` N as expected (None where its
-    voltage is refused), ``peak_voltage`` V. ``step`` may differ from ``test.step`` where the plan says so in ``notes``.
-    ``refusal`` is the sentence of what is in the way, "" where the rig can do it.
+    ``duration`` s, ``peak_speed`` m/s, ``peak_position`` m from the middle, ``peak_voltage`` V, ``peak_force`` N as expected
+    and ``energy`` J that this force takes up (both None where the voltage is refused). ``step`` may differ from ``test.step``
+    where the plan says so in ``notes``. ``refusal`` is the sentence of what is in the way, "" where the rig can do it.
     """
 
     test: Test
@@ -34,6 +34,7 @@ class PlannedTest:
     peak_position: float
     peak_force: float | None
     peak_voltage: float
+    energy: float | None
     notes: tuple[str, ...] = ()
     refusal: str = ""
 
@@ -104,14 +105,25 @@ def planned(campaign: str | Path, rig: str | Path | None = None, seed: int | Non
 
 def _planned(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest:
     step, found, notes = _fitted(test.step, findings(test.step, rig, damper), rig, damper)
-    drive, peaks, force = step.drive(rig), step.peaks(rig), None
+    drive, peaks, force, energy = step.drive(rig), step.peaks(rig), None, None
     if not any(each.limit == "voltage" for each in found):
         asked = course(drive, rig, damper)
-        force, notes = float(np.abs(asked.force).max()), (*notes, *asked.notes)
+        force, energy = float(np.abs(asked.force).max()), asked.energy
+        notes = (*notes, *asked.notes, *_warming(energy, rig))
     return PlannedTest(
         test, step, drive, drive.duration, peaks.speed, peaks.position, force, float(drive.voltage.max()),
-        notes, _refusal(test, step, found, rig, damper),
+        energy, notes, _refusal(test, step, found, rig, damper),
     )  # fmt: skip
+
+
+def _warming(energy: float, rig: RigSettings) -> tuple[str, ...]:
+    """A note where a test alone may warm the damper from the room's temperature to the limit."""
+    rise, room = energy / rig.specimen.heat_capacity, rig.specimen.room
+    if room + rise < rig.limits.temperature:
+        return ()
+    return (
+        f"puts {1e-3 * energy:.3g} kJ into the damper, up to {rise:.0f} K; the limit is {rig.limits.temperature:g} degC",
+    )
 
 
 Findings = tuple[Finding, ...]
@@ -124,7 +136,8 @@ def _fitted(
     scale = largest(step, "scale", rig, damper) if found and getattr(step, "fit_limits", False) else None
     if scale is None:
         return step, found, ()
-    note = f"scaled to {scale:g} instead of {step.scale:g}: at {step.scale:g} it {found[-1].words}"
+    why = " and it ".join(each.words for each in found)
+    note = f"scaled to {scale:g} instead of {step.scale:g}: at {step.scale:g} it {why}"
     return replace(step, scale=scale), (), (note,)
 
 

@@ -82,6 +82,7 @@ def _told(found: Plan) -> dict[str, Any]:
                 "name": each.name, "kind": each.kind, "step": each.step, "duration_s": each.duration,
                 "peak_speed_m_s": each.peak_speed, "peak_position_m": each.peak_position,
                 "peak_force_N": each.peak_force, "peak_voltage_V": each.peak_voltage,
+                "energy_J": each.energy,
                 "notes": each.notes, "refusal": each.refusal,
             }
             for each in found.tests

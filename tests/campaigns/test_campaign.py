@@ -1,0 +1,160 @@
+"""Reading campaigns: grids, rows, names, order, and mistakes told with their place."""
+
+from pathlib import Path
+
+import pytest
+
+from dampyr import campaigns
+from dampyr.errors import FileError, InputError, MissingData
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+SINE = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz"}
+
+
+def read(*steps, **header):
+    return campaigns.read({"step": list(steps), **header})
+
+
+def names(campaign):
+    return [test.name for test in campaign.tests]
+
+
+def test_quantities_become_si():
+    [test] = read(SINE | {"voltage": "871.2 mV", "centre": -0.003, "rest_before": "1500 ms"}).tests
+    assert (test.step.amplitude, test.step.voltage, test.step.centre) == (0.008, 0.8712, -0.003)
+    assert test.step.rest_before == 1.5
+
+
+def test_lists_make_a_grid_whose_first_list_changes_slowest():
+    found = read(SINE | {"amplitude": ["5 mm", "8 mm"], "voltage": ["0 V", "1.98 V"]})
+    assert [(t.step.amplitude, t.step.voltage) for t in found.tests] == [
+        (0.005, 0.0), (0.005, 1.98), (0.008, 0.0), (0.008, 1.98),
+    ]  # fmt: skip
+    assert names(found)[3] == "04-sine-8mm-1Hz-1.98V"
+
+
+def test_zipped_lists_are_taken_row_by_row():
+    found = read(SINE | {"amplitude": ["5 mm", "8 mm"], "frequency": ["2 Hz", "1 Hz"], "zip": True})
+    assert [(t.step.amplitude, t.step.frequency) for t in found.tests] == [(0.005, 2.0), (0.008, 1.0)]
+
+
+def test_a_list_of_levels_is_one_test_and_a_list_of_lists_is_several():
+    base = {"kind": "voltage_steps", "amplitude": "5 mm", "frequency": "1 Hz"}
+    [one] = read(base | {"voltages": ["0 V", "1.98 V"]}).tests
+    assert one.step.voltages == (0.0, 1.98)
+    assert len(read(base | {"voltages": [["0 V"], ["1.98 V", "1 V"]]}).tests) == 2
+
+
+def test_peak_to_peak_is_twice_the_amplitude():
+    told = {"kind": "sine", "peak_to_peak": ["24.75 mm", "10 mm"], "frequency": "1 Hz"}
+    assert [t.step.amplitude for t in read(told).tests] == [0.012375, 0.005]
+
+
+def test_repeats_keep_the_number_and_the_drive():
+    found = read(SINE, SINE | {"voltage": "1.98 V", "repeats": 2})
+    assert names(found) == ["01-sine-8mm-1Hz-0V", "02-sine-8mm-1Hz-1.98V-r1", "02-sine-8mm-1Hz-1.98V-r2"]
+    planned = campaigns.plan(found).tests
+    assert planned[1].drive is planned[2].drive
+
+
+def test_rows_come_from_a_table_beside(tmp_path):
+    (tmp_path / "rows.csv").write_text("peak_to_peak [mm],frequency,cycles\n24.75,0.84 Hz,5\n\n10,1.2,6\n")
+    (tmp_path / "c.toml").write_text('[[step]]\nkind = "sine"\nrows = "rows.csv"\nvoltage = [0, 1]\n')
+    found = campaigns.load(tmp_path / "c.toml")
+    told = [(t.step.amplitude, t.step.frequency, t.step.cycles, t.step.voltage) for t in found.tests]
+    assert told == [(0.012375, 0.84, 5, 0.0), (0.012375, 0.84, 5, 1.0), (0.005, 1.2, 6, 0.0), (0.005, 1.2, 6, 1.0)]
+    assert found.header.name == "c"
+
+
+def test_the_order_is_drawn_by_the_seed_and_the_names_are_not():
+    steps = [{"kind": "warm_up"} | {k: v for k, v in SINE.items() if k != "kind"}, SINE | {"voltage": [0, 1, 2, 3]}]
+    steps += [{"kind": "rest", "duration": 5}, SINE | {"voltage": [0.5, 1.5, 2.5], "repeats": 2}]
+    written = names(read(*steps))
+    one, again, other = (names(read(*steps, order="random", seed=k)) for k in (1, 1, 2))
+    assert one == again != other
+    assert sorted(one) == sorted(written) != one
+    assert one[0] == written[0]
+    assert one[5] == written[5]  # the rest keeps its place, and what stands on either side of it stays there
+    assert sorted(one[1:5]) == sorted(written[1:5])
+
+
+def test_a_seed_may_be_given_in_place_of_the_files():
+    path = EXAMPLES / "every_kind.toml"
+    assert names(campaigns.load(path)) == names(campaigns.load(path, seed=3)) != names(campaigns.load(path, seed=4))
+
+
+def test_names_are_unique_and_fit_for_files():
+    for path in EXAMPLES.glob("*.toml"):
+        found = names(campaigns.load(path))
+        assert len(set(found)) == len(found)
+        assert not [
+            name
+            for name in found
+            if set(name) - set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+.")
+        ]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('name = "a"', r"there is no step; give at least one table \[\[step\]\]"),
+        ("[[step]]\namplitude = 1", "step 1.kind is missing"),
+        ('[[step]]\nkind = "sinus"', "step 1.kind: 'sinus' is not among the kinds of step; did you mean 'sine'"),
+        ('[[step]]\nkind = "sine"\namplitude = "8 mm"', "step 1.frequency is missing"),
+        ('[[step]]\nkind = "rest"\nduration = 5\n[[step]]\nkind = "rest"\nlength = 5', "step 2.length is not known"),
+        ('[[step]]\nkind = "sine"\namplitude = "8 V"\nfrequency = 1', "step 1.amplitude = '8 V': the unit 'V'"),
+        ('[[step]]\nkind = "sine"\namplitude = "-8 mm"\nfrequency = 1', "step 1.amplitude = -0.008 m is not allowed"),
+        ('[[step]]\nkind = "sine"\namplitude = 1\nfrequency = 1\ncycles = 1.5', "step 1.cycles = 1.5 must be a whole"),
+        ('[[step]]\nkind = "sine"\namplitude = 1\nfrequency = 1\ncycles = 0', "step 1.cycles = 0 is not allowed"),
+        ('[[step]]\nkind = "sine"\namplitude = 1\npeak_to_peak = 1\nfrequency = 1', "give one of the two"),
+        ('[[step]]\nkind = "sine"\namplitude = []\nfrequency = 1', "step 1.amplitude = .* is empty"),
+        (
+            '[[step]]\nkind = "sine"\namplitude = [1, 2]\nfrequency = [1]\nzip = true',
+            "amplitude has 2, frequency has 1",
+        ),
+        ('[[step]]\nkind = "sine"\namplitude = 1\nfrequency = 1\nzip = true', "there is no list"),
+        ('[[step]]\nkind = "rest"\nduration = 1\nrepeats = 0', "step 1.repeats = 0"),
+        ('[[step]]\nkind = "rest"\nduration = 1\nrepeats = 9000', "9000 tests; split it"),
+        ('order = "shuffled"\n[[step]]\nkind = "rest"\nduration = 1', "order = 'shuffled' is not known"),
+        ('seed = -1\n[[step]]\nkind = "rest"\nduration = 1', "seed = -1"),
+        (
+            'rest_betwen = "5 s"\n[[step]]\nkind = "rest"\nduration = 1',
+            "rest_betwen is not known; did you mean 'rest_between'",
+        ),
+        ("[[step]\n", "is no TOML"),
+    ],
+)
+def test_a_mistake_is_one_sentence_with_its_place(tmp_path, text, words):
+    path = tmp_path / "bad.toml"
+    path.write_text(text)
+    with pytest.raises(FileError, match=words) as raised:
+        campaigns.load(path)
+    assert str(raised.value).startswith(f"{path}: ")
+    assert "\n" not in str(raised.value)
+
+
+def test_files_that_are_not_there_are_named(tmp_path):
+    with pytest.raises(MissingData, match=r"nowhere\.toml"):
+        campaigns.load(tmp_path / "nowhere.toml")
+    (tmp_path / "c.toml").write_text('[[step]]\nkind = "sine"\nrows = "rows.csv"\n')
+    with pytest.raises(MissingData, match=r"rows\.csv"):
+        campaigns.load(tmp_path / "c.toml")
+    (tmp_path / "rows.csv").write_text("amplitude [mm],frequency\n8\n")
+    with pytest.raises(FileError, match="line 2 has 1 cells, the header 2"):
+        campaigns.load(tmp_path / "c.toml")
+    (tmp_path / "rows.csv").write_text("amplitude [mm]\n")
+    with pytest.raises(FileError, match="has no rows"):
+        campaigns.load(tmp_path / "c.toml")
+
+
+def test_a_field_stands_in_one_place(tmp_path):
+    (tmp_path / "rows.csv").write_text("amplitude [mm],frequency\n8,1\n")
+    with pytest.raises(InputError, match=r"step 1.amplitude stands in the step and in its table of rows"):
+        campaigns.read({"step": [SINE | {"rows": "rows.csv"}]}, tmp_path)
+
+
+def test_an_earthquake_is_looked_for_beside_the_campaign(tmp_path):
+    told = {"kind": "earthquake", "motion": "quake.csv"}
+    [test] = campaigns.read({"step": [told]}, tmp_path).tests
+    assert test.step.motion == str(tmp_path / "quake.csv")
+    assert test.name == "01-earthquake-quake-scale1-0V"

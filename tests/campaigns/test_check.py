@@ -1,0 +1,180 @@
+"""The check before motion: each limit, what it says, and that the value it proposes is the largest that passes."""
+
+import re
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from dampyr import campaigns
+from dampyr.campaigns import findings, kind, largest
+from dampyr.campaigns.check import ROOM, repairs
+from dampyr.campaigns.expected import FIT, course, envelope
+from dampyr.models import Damper
+from dampyr.models.laws import Constant
+from dampyr.rig import RigSettings
+from dampyr.studies import raminelli_2020
+from dampyr.units import parse
+
+RIG = RigSettings()
+TANH = {"hyperbolic_tangent.ft": 0.0, "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0}
+DASHPOT = Damper("hyperbolic_tangent", TANH | {"hyperbolic_tangent.c": Constant(3000.0, 0.0, 3.0)})
+SINE, REST, SWEEP = kind("sine"), kind("rest"), kind("sweep")
+
+
+def rig(**parts):
+    """The original rig with other values: ``rig(actuator={"lag": 1e-9})``."""
+    return replace(RIG, **{part: replace(getattr(RIG, part), **values) for part, values in parts.items()})
+
+
+def limits(step, settings=RIG, damper=None):
+    return [each.limit for each in findings(step, settings, damper)]
+
+
+def test_a_sine_that_the_rig_can_do_passes():
+    assert findings(SINE(0.008, 1.0, 1.98), RIG) == ()
+
+
+def test_the_speed_at_which_a_dashpot_stops_it_is_the_closed_form():
+    """2 pi f A against free - droop*(c v + friction): v_max = (free - droop*friction)/(1 + droop*c), without lag."""
+    settings = rig(actuator={"lag": 1e-9})
+    most = (0.078 - 2e-5 * 15.0) / (1 + 2e-5 * 3000.0)
+    found = largest(SINE(0.030, 1.0), "amplitude", settings, DASHPOT)
+    assert 2 * pi * found == pytest.approx(most, rel=0.01)
+    assert 2 * pi * found <= most
+    assert limits(SINE(1.001 * most / (2 * pi), 1.0), settings, DASHPOT) == ["speed"]
+
+
+def test_the_lag_of_the_motor_takes_its_share():
+    """A first-order lag needs sqrt(1 + (2 pi f tau)^2) times the speed of a sine, without load; a short taper needs more."""
+    settings = rig(actuator={"lag": 0.05, "droop": 0.0})
+    share = np.hypot(1.0, 2 * pi * 2.0 * 0.05)
+    found = largest(SINE(0.010, 2.0, taper=6, period=0.002), "amplitude", settings)
+    assert 2 * pi * 2.0 * found == pytest.approx(0.078 / share, rel=0.01)
+    assert largest(SINE(0.010, 2.0, taper=1, period=0.002), "amplitude", settings) < found
+    [finding] = findings(SINE(0.98 * 0.078 / (4 * pi), 2.0), settings)
+    assert "with what its lag takes" in finding.words
+
+
+def test_a_refusal_says_what_is_needed_what_there_is_and_what_would_do():
+    plan = campaigns.plan(campaigns.read({"step": [{"kind": "sine", "amplitude": "20 mm", "frequency": "2 Hz"}]}))
+    [text] = plan.refusals
+    assert text.startswith("step 1, sine 20 mm at 2 Hz, 0 V: needs 251.3 mm/s, the actuator gives ")
+    gives, load = re.search(r"gives ([\d.]+) mm/s at (\d+) N", text).groups()
+    assert float(gives) == pytest.approx(78 - 0.02 * float(load), abs=0.02)
+    amplitude, frequency = re.search(
+        r"lower the amplitude to ([\d.]+ mm) or the frequency to ([\d.]+ Hz)$", text
+    ).groups()
+    for step in (SINE(parse(amplitude, "m"), 2.0), SINE(0.020, parse(frequency, "Hz"))):
+        assert findings(step, RIG) == ()
+
+
+@pytest.mark.parametrize("damper", [None, raminelli_2020.damper()], ids=["envelope", "card"])
+@pytest.mark.parametrize(
+    ("step", "field"),
+    [
+        (SINE(0.020, 2.0), "amplitude"),
+        (SINE(0.020, 2.0, 3.2), "frequency"),
+        (SINE(0.010, 0.1, 6.0), "voltage"),
+        (SINE(0.045, 0.05), "amplitude"),
+        (SWEEP(0.02, 0.1, 5.0), "stop"),
+        (kind("random")(0.03, high=3.0), "amplitude"),
+        (kind("earthquake")(), "scale"),
+        (kind("quasi_static")(0.02, speed=0.2), "speed"),
+        (kind("voltage_steps")(0.02, 2.0, voltages=(0.0, 3.0)), "frequency"),
+        (kind("random_voltage")(0.01, 0.2, high=9.0), "high"),
+        (kind("reversals")(0.8), "half_period"),
+        (REST(9000.0), "duration"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else type(value).__name__,
+)
+def test_the_value_that_is_proposed_passes_and_one_per_cent_more_does_not(step, field, damper):
+    assert findings(step, RIG, damper)
+    value = largest(step, field, RIG, damper)
+    assert findings(replace(step, **{field: value}), RIG, damper) == ()
+    assert findings(replace(step, **{field: 1.01 * value}), RIG, damper)
+
+
+def test_nothing_is_proposed_where_lowering_it_does_not_help():
+    assert largest(SINE(0.020, 2.0, 1.0), "voltage", RIG) is None
+    assert largest(SINE(0.020, 2.0, 0.0), "voltage", RIG) is None
+    assert not [way for way in repairs(SINE(0.020, 2.0, 1.0), RIG) if "voltage" in way]
+
+
+def test_the_stroke_counts_the_centre_and_some_room():
+    most = RIG.limits.stroke / 2 - ROOM
+    assert limits(SINE(most - 0.010, 0.1, centre=0.010)) == []
+    assert limits(SINE(most - 0.0099, 0.1, centre=-0.010)) == ["stroke"]
+
+
+def test_several_limits_are_told_together_each_with_its_repair():
+    step = {"kind": "sine", "amplitude": "40 mm", "frequency": "0.1 Hz", "voltage": "5 V"}
+    [text] = campaigns.plan(campaigns.read({"step": [step]})).refusals
+    assert "needs 5 V at the coil, the limit is 4.4 V; lower the voltage to 4.4 V; it also goes 40 mm" in text
+    assert text.endswith("lower the amplitude to 36.5 mm")
+
+
+def test_the_voltage_stays_in_the_range_of_the_card():
+    damper = raminelli_2020.damper()
+    assert limits(SINE(0.005, 1.0, 3.212), RIG, damper) == []
+    assert limits(SINE(0.005, 1.0, 3.3), RIG, damper) == ["voltage"]
+    assert limits(SINE(0.005, 1.0, 3.3), RIG) == []
+    assert largest(SINE(0.005, 1.0, 4.0), "voltage", RIG, damper) == 3.21
+
+
+def test_a_damper_over_the_current_is_asked_through_the_coils_resistance():
+    damper = Damper("hyperbolic_tangent", TANH | {"hyperbolic_tangent.c": Constant(900.0, 0.0, 0.5)}, input="A")
+    assert limits(SINE(0.005, 1.0, 0.5 * 4.4), RIG, damper) == []
+    assert limits(SINE(0.005, 1.0, 0.51 * 4.4), RIG, damper) == ["voltage"]
+
+
+def test_a_warm_up_to_a_temperature_needs_a_thermocouple_and_a_limit_above_it():
+    warm = kind("warm_up")(0.005, 1.0, temperature=40.0)
+    wired = rig(wires={"temperature": "ai1"})
+    assert limits(warm) == ["temperature"]
+    assert limits(warm, wired) == []
+    assert limits(replace(warm, temperature=71.0), wired) == ["temperature"]
+
+
+def test_force_and_speed_have_limits_of_their_own():
+    assert limits(SINE(0.008, 1.0, 1.98), rig(limits={"force": 300.0})) == ["force"]
+    fast = rig(limits={"speed": 0.04})
+    [finding] = findings(SINE(0.008, 1.0), fast)
+    assert finding.words == "reaches 50.27 mm/s, the limit is 40 mm/s"
+    assert limits(kind("reversals")(0.2, duty=1.0), fast) == ["speed"]
+    assert "may meet, by a conservative envelope," in findings(SINE(0.008, 1.0), rig(limits={"force": 200.0}))[0].words
+
+
+def test_long_tests_are_refused():
+    assert limits(SINE(0.005, 0.01, cycles=100)) == ["duration"]
+
+
+def test_a_force_that_pushes_the_table_on_does_not_slow_it():
+    """A gas spring helps one way: only the part against the motion counts."""
+    push = Damper("offset", {"offset.f0": Constant(1000.0, 0.0, 3.0)})
+    asked = course(SINE(0.005, 1.0).drive(RIG), RIG, push)
+    assert np.all(asked.against[asked.v < 0] == 0.0)
+    assert np.all(asked.against[asked.v > 0] == 1000.0)
+
+
+def test_the_envelope_lies_above_its_fit_and_is_straight_between_voltages():
+    F0, k, c, Fy = FIT[2, 1:]
+    assert envelope(np.array(-0.01), np.array(0.05), np.array(1.98)) == pytest.approx(
+        1.2 * (F0 + k * 0.01 + c * 0.05 + Fy)
+    )
+    u = np.linspace(0.0, 0.8712, 5)
+    np.testing.assert_allclose(np.diff(envelope(0 * u, 0 * u, u), 2), 0.0, atol=1e-9)
+    assert envelope(np.array(0.0), np.array(0.0), np.array(4.4)) > envelope(np.array(0.0), np.array(0.0), np.array(3.2))
+
+
+def test_the_envelope_lies_above_the_measured_records(campaign_folder):
+    """Of all records of the original rig: above nearly every sample, and above each record's highest force less 5 %."""
+    from dampyr.records import read_campaign
+
+    for record in read_campaign(campaign_folder):
+        x = record.displacement - 0.5 * (record.displacement.max() + record.displacement.min())
+        v = np.gradient(record.displacement, record.time)
+        most = envelope(np.abs(x), np.abs(v), np.full(x.size, record.voltage))
+        assert np.abs(record.force).max() < 1.05 * most.max(), record.name
+        assert np.mean(np.abs(record.force) > most) < 0.05, record.name

@@ -1,0 +1,138 @@
+"""The plan: what it tells of each test, earthquakes scaled to the rig, and the examples that come with dampyr."""
+
+from csv import DictReader
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dampyr import campaigns
+from dampyr.campaigns import kind, kinds, plan, planned
+from dampyr.errors import FileError, InputError, MissingData
+from dampyr.rig import RigSettings
+from dampyr.studies import raminelli_2020
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+SINE = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "voltage": "1.98 V"}
+
+
+def read(*steps, **header):
+    return campaigns.read({"step": list(steps), **header})
+
+
+def test_a_planned_sine_in_numbers():
+    damper = raminelli_2020.damper()
+    [test] = plan(read(SINE), RigSettings(), damper).tests
+    assert test.duration == pytest.approx(2.0 + 22.0 + 0.5)
+    assert test.peak_speed == pytest.approx(2 * np.pi * 0.008)
+    assert (test.peak_position, test.peak_voltage) == (0.008, 1.98)
+    drive = test.drive
+    t = np.arange(drive.n) * drive.period
+    force = damper.force(t, drive.displacement, voltage=1.98, velocity=np.gradient(drive.displacement, 0.01))
+    assert test.peak_force == pytest.approx(np.abs(force).max())
+    kx, kw, rho = damper.values(1.98)
+    cycle = np.pi * kx * 2 * np.pi * 0.008**2 + 4 * kw * (0.008 - np.tanh(rho * 0.008) / rho)
+    assert 20 * cycle < test.energy < 22 * cycle
+
+
+def test_the_duration_counts_rests_and_the_stroke_before():
+    found = plan(read(SINE, SINE, rest_between="7 s", check_amplitude="2 mm"))
+    assert found.preliminary is not None
+    assert np.abs(found.preliminary.displacement).max() == pytest.approx(0.002)
+    assert found.duration == pytest.approx(2 * 24.5 + 7.0 + found.preliminary.duration)
+    without = plan(read(SINE, check_amplitude=0))
+    assert without.preliminary is None
+    assert without.duration == pytest.approx(24.5)
+
+
+def test_without_a_card_the_plan_says_that_the_force_is_not_known():
+    assert "force is not known" in plan(read(SINE)).notes[0]
+    assert plan(read(SINE), damper=raminelli_2020.damper()).notes == ()
+
+
+def test_all_refusals_come_together():
+    found = plan(read(SINE, SINE | {"amplitude": "30 mm"}, SINE | {"voltage": ["0 V", "9 V"]}, check_amplitude="40 mm"))
+    assert len(found.refusals) == 3
+    assert found.refusals[0].startswith("the stroke before the first test: goes 40 mm")
+    assert found.refusals[1].startswith("step 2, ")
+    assert found.refusals[2].startswith("step 3, sine 8 mm at 1 Hz, 9 V: needs 9 V")
+    assert [test.peak_force is None for test in found.tests] == [False, False, False, True]
+    with pytest.raises(InputError, match=r"step 2, .*; step 3, "):
+        found.require()
+
+
+def test_a_repeated_test_is_refused_once():
+    assert len(plan(read(SINE | {"amplitude": "30 mm", "repeats": 3})).refusals) == 1
+
+
+def test_an_earthquake_is_scaled_to_what_the_rig_can_do_and_says_so():
+    [test] = plan(read({"kind": "earthquake"})).tests
+    assert test.refusal == ""
+    assert 0.1 < test.step.scale < 0.3
+    assert test.test.step.scale == 1.0
+    assert test.notes[0].startswith(
+        f"scaled to {test.step.scale:g} instead of 1: at 1 it goes 144.7 mm from the middle"
+    )
+    assert "and it needs 322 mm/s, the actuator gives" in test.notes[0]
+    assert test.name == "01-earthquake-el_centro-scale1-0V"
+    shape, told = kind("earthquake")().drive(RigSettings()).displacement, test.drive.displacement
+    np.testing.assert_allclose(told, test.step.scale * shape, atol=1e-12)
+
+
+def test_an_earthquake_that_must_not_be_scaled_is_refused():
+    [text] = plan(read({"kind": "earthquake", "fit_limits": False})).refusals
+    assert "lower the scale to 0.2" in text
+    [small] = plan(read({"kind": "earthquake", "scale": 0.05})).tests
+    assert small.notes == ()
+    assert small.step.scale == 0.05
+
+
+def test_what_leaves_the_range_of_the_card_is_a_note():
+    fit = raminelli_2020.damper()
+    narrow = type(fit)(fit.parts, fit.laws, ranges={"displacement": (0.0, 0.005)})
+    [test] = plan(read(SINE), damper=narrow).tests
+    assert "displacement reaches 0.008 m" in test.notes[0]
+
+
+def test_a_test_that_may_warm_the_damper_to_its_limit_says_so():
+    [test] = plan(read(SINE | {"cycles": 3000})).tests
+    assert "kJ into the damper" in test.notes[0]
+
+
+def test_the_forty_sines_of_the_dissertation_pass_with_the_default_rig():
+    found = planned(EXAMPLES / "campaign.toml")
+    assert found.refusals == ()
+    text = (files("dampyr.records") / "labcontrol_campaign.csv").read_text(encoding="utf-8")
+    rows = [row for row in DictReader(text.splitlines()) if row["table"].startswith("4.")]
+    assert len(rows) == len(found.tests) == 40
+    for row, test in zip(rows, found.tests, strict=True):
+        assert 2e3 * test.step.amplitude == pytest.approx(float(row["peak_to_peak_mm"]), rel=1e-12)
+        assert test.step.frequency == float(row["frequency_Hz"])
+        assert test.step.voltage == float(row["voltage_V"])
+        assert 18.0 < test.duration < 33.0
+
+
+def test_the_quick_campaign_is_quick():
+    found = planned(EXAMPLES / "quick_campaign.toml")
+    assert found.refusals == ()
+    assert len(found.tests) == 3
+    assert found.duration < 20.0
+
+
+def test_an_example_shows_every_kind_and_passes():
+    found = planned(EXAMPLES / "every_kind.toml")
+    assert found.refusals == ()
+    assert {test.kind for test in found.tests} == set(kinds())
+
+
+def test_the_card_of_a_rig_lies_beside_it(tmp_path):
+    raminelli_2020.damper().save(tmp_path / "card.toml")
+    (tmp_path / "rig.toml").write_text('name = "mine"\n[specimen]\ncard = "card.toml"\n')
+    found = planned(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml", seed=9)
+    assert found.damper is not None
+    assert found.rig.name == "mine"
+    assert found.campaign.header.seed == 9
+    (tmp_path / "card.toml").unlink()
+    with pytest.raises((MissingData, FileError), match=r"card\.toml"):
+        planned(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml")
