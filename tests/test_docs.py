@@ -31,7 +31,14 @@ DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.rglob("*.md"))]
 HOW_TO = [
     DOCS / "how-to" / f"{name}.md"
-    for name in ("read-your-own-files", "another-laboratory", "ground-motions", "your-own-structure", "ensembles")
+    for name in (
+        "read-your-own-files",
+        "another-laboratory",
+        "ground-motions",
+        "your-own-structure",
+        "ensembles",
+        "campaigns",
+    )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -161,6 +168,8 @@ def test_what_a_page_has_its_reader_do_works(
             write_own_file(tmp_path, block)
         elif kind == "text" and "Displacement" in block:
             write_laboratory(tmp_path / "tests", block)
+        elif kind == "toml" and (named := re.match(r"# (\S+\.toml)\n", block)):
+            (tmp_path / named[1]).write_text(block, encoding="utf-8")
         elif kind == "toml":
             (tmp_path / "tests" / "reading.toml").write_text(block, encoding="utf-8")
         elif kind == "python":
@@ -272,6 +281,22 @@ def test_the_reference_of_the_models_is_what_the_parts_say() -> None:
         assert not re.search(r":math:|\.\. math|``", section)
         for key, quantity in part(each).parameters.items():
             assert f"| `{key}` | {quantity.unit or '1'} | {quantity.range_in_words()} |" in section
+
+
+def test_the_reference_of_the_campaign_file_is_what_the_kinds_say() -> None:
+    told = (DOCS / "reference" / "campaign-file.md").read_text(encoding="utf-8")
+    made = runpy.run_path(str(DOCS / "reference" / "make_campaigns.py"))["page"]()
+    assert told == made, "run python docs/reference/make_campaigns.py"
+    assert not re.search(r":math:|\.\. math|``", told)
+
+
+def test_the_refusal_of_the_how_to_is_what_is_said() -> None:
+    from dampyr.campaigns import plan, read
+
+    page = DOCS / "how-to" / "campaigns.md"
+    [text] = blocks(page, "text")
+    [refusal] = plan(read(tomllib.loads(blocks(page, "toml")[1]))).refusals
+    assert " ".join(text.split()) == f"dampyr: {refusal}"
 
 
 def test_the_reference_names_every_channel_of_a_file() -> None:
