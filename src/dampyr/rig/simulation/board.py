@@ -10,8 +10,9 @@ from dampyr.rig.settings import RigSettings
 
 Array = NDArray[np.float64]
 DEGREES_PER_VOLT = 100.0  # the thermocouple's amplifier gives 10 mV/degC
-TIMEOUT, OVERRUN, RANGE = -200284, -200279, -200077
+TIMEOUT, OVERRUN, RANGE, UNDERFLOW = -200284, -200279, -200077, -200290
 WORDS = {
+    UNDERFLOW: "the generation has stopped to prevent the regeneration of old samples: the host wrote too late",
     TIMEOUT: "some or all of the samples requested have not yet been acquired",
     OVERRUN: "the application is not able to keep up with the hardware acquisition",
     RANGE: "the requested value is not supported for this property: the output voltage leaves its range",

@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 
 from dampyr.rig.simulation.board import TIMEOUT, WORDS, BoardError
 from dampyr.rig.simulation.keeper import Keeper
+from dampyr.rig.simulation.timed_command import TimedCommand
 
 PRODUCT, SERIAL = "PCI-6221", 0x01A2B3C4
+DO_NOT_REGENERATE = 10158
 X4, METERS, TICKS = 10092, 10219, 10304
 CHANNEL_SAYS = {
     pb.CHANNEL_ATTRIBUTE_CHAN_TYPE: {"ai": 10100, "ao": 10102, "ci": 10131},
@@ -150,6 +152,8 @@ class Board(service.NiDAQmxServicer):
         if task.kind == "ai" and not self.keeper.rig.sampling:
             self.keeper.rig.start(task.rate or self.settings.board.rate)
             self.keeper.tell("sampling")
+        if task.kind == "ao" and task.rate:
+            self.keeper.rig.timed = TimedCommand(self.keeper.rig.time, task.rate, np.concatenate([[], *task.rows]))
 
     def StopTask(self, request: Any, context: Any) -> Any:
         with self.told(context, request.task.name) as task:
@@ -162,6 +166,8 @@ class Board(service.NiDAQmxServicer):
         if task.kind == "ai" and self.keeper.rig.sampling:
             self.keeper.rig.stop()
             self.keeper.tell("sampling ended")
+        if task.kind == "ao" and task.rate:
+            self.keeper.rig.timed = None
 
     def ClearTask(self, request: Any, context: Any) -> Any:
         with self.told(context, request.task.name) as task:
@@ -253,20 +259,39 @@ class Board(service.NiDAQmxServicer):
                 task.rows.append(counts[None])
 
     def WriteAnalogScalarF64(self, request: Any, context: Any) -> Any:
-        self._write(request, request.value, context)
+        self._write(request, context, [request.value])
         return pb.WriteAnalogScalarF64Response()
 
     def WriteAnalogF64(self, request: Any, context: Any) -> Any:
-        self._write(request, list(request.write_array)[-1], context)
+        clocked = request.task.name in self.tasks and self.tasks[request.task.name].rate
+        (self._queue if clocked else self._write)(request, context)
         return pb.WriteAnalogF64Response(samps_per_chan_written=request.num_samps_per_chan)
 
-    def _write(self, request: Any, volts: float, context: Any) -> None:
+    def SetWriteAttributeInt32(self, request: Any, context: Any) -> Any:
+        with self.told(context, request.task.name):
+            asked = (request.attribute_raw, request.value_raw)
+            if asked != (pb.WRITE_ATTRIBUTE_REGEN_MODE, DO_NOT_REGENERATE):
+                raise NotImplementedError("the simulated output does not regenerate its samples; ask for that")
+        return pb.SetWriteAttributeInt32Response()
+
+    def _queue(self, request: Any, context: Any) -> None:
+        """Samples for a clocked output: kept until it starts, then appended to what it puts out."""
         with self.told(context, request.task.name) as task:
-            if task.kind != "ao":
-                raise NotImplementedError(f"a task of {task.kind or 'no'} channels is not written")
-            if abs(volts) > task.most:
-                raise BoardError(UNSUPPORTED)
-            self.keeper.rig.write(volts)
+            volts = self._checked(task, request.write_array)
+            self.keeper.rig.queue(volts) if task.running else task.rows.append(volts)
+
+    def _write(self, request: Any, context: Any, values: Any = None) -> None:
+        with self.told(context, request.task.name) as task:
+            self.keeper.rig.write(float(self._checked(task, request.write_array if values is None else values)[-1]))
+
+    @staticmethod
+    def _checked(task: TaskHere, values: Any) -> NDArray[np.float64]:
+        if task.kind != "ao":
+            raise NotImplementedError(f"a task of {task.kind or 'no'} channels is not written")
+        volts = np.array(list(values), float)
+        if np.abs(volts).max(initial=0.0) > task.most:
+            raise BoardError(UNSUPPORTED)
+        return volts
 
     # what it is
 

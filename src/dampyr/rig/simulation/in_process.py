@@ -21,34 +21,30 @@ class InProcessBoard:
     """A `dampyr.rig.instruments.board.Board` of a simulator in this process."""
 
     def __init__(self, simulator: Simulator) -> None:
-        self.simulator, self.command = simulator, TimedCommand(simulator)
+        self.simulator = simulator
 
     def start(self, rate: float, ahead: Array) -> None:
         """Start sampling, and the command with ``ahead``."""
         self.stop()
         self.simulator.start(rate)
-        self.command.begin(rate, ahead)
+        self.simulator.timed = TimedCommand(self.simulator.time, rate, ahead)
 
     def read(self, n: int) -> tuple[Array, NDArray[np.int64]]:
         """The next n samples."""
-        return _told(lambda: self._read(n))
-
-    def _read(self, n: int) -> tuple[Array, NDArray[np.int64]]:
-        self.command.play(n)
-        return self.simulator.read(n)
+        return _told(lambda: self.simulator.read(n))
 
     def queue(self, volts: Array) -> None:
         """Append to the command."""
-        _told(lambda: self.command.queue(volts))
+        _told(lambda: self.simulator.queue(volts))
 
     def write(self, volts: float) -> None:
         """Set the command now."""
-        self.command.end()
+        self.simulator.timed = None
         _told(lambda: self.simulator.write(volts))
 
     def stop(self) -> None:
         """Stop sampling."""
-        self.command.end()
+        self.simulator.timed = None
         self.simulator.stop()
 
     def close(self) -> None:

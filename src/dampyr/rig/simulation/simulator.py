@@ -19,6 +19,7 @@ from dampyr.rig.simulation.board import (
     DEGREES_PER_VOLT,
     OVERRUN,
     TIMEOUT,
+    UNDERFLOW,
     BoardError,
     command_of,
     converted,
@@ -27,6 +28,7 @@ from dampyr.rig.simulation.board import (
 from dampyr.rig.simulation.constants import DELAYED, constants_of
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.specimen import force_at_rest, specimen_of, table_of, with_play
+from dampyr.rig.simulation.timed_command import TimedCommand
 from dampyr.rig.simulation.truth import Tracks, Truth
 
 Array = NDArray[np.float64]
@@ -83,6 +85,8 @@ class Simulator:
         self.twin = Twin(self._beaten)
         self.tracks = Tracks(told)
         self._task: Task | None = None
+        self.timed: TimedCommand | None = None
+        self._asked = 0.0
         self._begun: set[FaultSpec] = set()
         self.beat = BEAT
         self.wait: Callable[[float], None] = sleep
@@ -183,8 +187,15 @@ class Simulator:
         """How many samples exist that were not read."""
         return 0 if self._task is None or self._task.counts is None else self._task.counts.size
 
+    def queue(self, volts: Array) -> None:
+        """Append to the timed command; BoardError where there is none, or it ran out."""
+        if self.timed is None or self.timed.empty(self.time):
+            raise BoardError(UNDERFLOW)
+        self.timed.queue(volts)
+
     def write(self, volts: float) -> None:
         """The command voltage, now; BoardError beyond the board's range."""
+        self._asked = volts
         self.plant[plant.Y_COMMAND] = command_of(self.settings, volts)
 
     @property
@@ -221,7 +232,14 @@ class Simulator:
         while self.numbers[plant.N_STEP] < last:
             self._begin_faults()
             self._advance(min(last, self._next_change(), int(self.numbers[plant.N_STEP]) + 100000))
+            self._put_out()
         self._begin_faults()
+
+    def _put_out(self) -> None:
+        """The value of the timed command that is due."""
+        value = None if self.timed is None else self.timed.due(self.time)
+        if value is not None and value != self._asked:
+            self.write(value)
 
     def _advance(self, until: int) -> None:
         """Steps between which no fault begins or ends."""
@@ -280,7 +298,10 @@ class Simulator:
 
     def _next_change(self) -> int:
         """The step at which the next fault begins or ends."""
-        changes = [time for fault in self.faults for time in (fault.at, fault.until) if time > self.time + 1e-9]
+        command = np.inf if self.timed is None else self.timed.next_change(self.time, self._asked)
+        changes = [command] + [
+            time for fault in self.faults for time in (fault.at, fault.until) if time > self.time + 1e-9
+        ]
         finite = [time for time in changes if np.isfinite(time)]
         return int(np.ceil(min(finite) / self.constants.dt - 1e-6)) if finite else np.iinfo(np.int64).max
 

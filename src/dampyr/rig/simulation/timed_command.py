@@ -2,49 +2,45 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.rig.simulation.board import BoardError
-from dampyr.rig.simulation.simulator import Simulator
-
 Array = NDArray[np.float64]
-UNDERFLOW = -200290  # DAQmx: the generation ran out of samples
 
 
 class TimedCommand:
-    """A buffer of volts that a simulated rig puts out while it is read."""
+    """A buffer of volts; value k is put out at ``start`` + (k + 1)*``period`` [s] and held."""
 
-    def __init__(self, simulator: Simulator) -> None:
-        self.simulator = simulator
-        self.values: Array | None = None
-        self.played, self.start, self.period = 0, 0.0, 1.0
-
-    def begin(self, rate: float, ahead: Array) -> None:
-        """Put out ``ahead`` and what is queued after it, from the first sample of the task on."""
-        self.values, self.played = np.array(ahead, float), 0
-        self.start, self.period = self.simulator.time, 1.0 / rate
+    def __init__(self, start: float, rate: float, ahead: Array) -> None:
+        self.start, self.period = start, 1.0 / rate
+        self.values: Array = np.array(ahead, float)
+        self.gone = 0  # values that were put out and dropped
 
     def queue(self, volts: Array) -> None:
         """Append."""
-        if self.values is None:
-            raise BoardError(UNDERFLOW)
         self.values = np.concatenate([self.values, volts])
 
-    def end(self) -> None:
-        """Put out nothing more; the last value stays."""
-        self.values = None
+    def _count(self, time: float) -> int:
+        """How many values of the buffer are out by ``time``."""
+        return max(0, math.floor((time - self.start) / self.period + 1e-6) - self.gone)
 
-    def play(self, n: int) -> None:
-        """Move the clock on by n samples, and put out each value in its time; runs of one value in one go."""
-        if self.values is None:
-            return
-        if n > self.values.size:
-            raise BoardError(UNDERFLOW)
-        now, self.values = self.values[:n], self.values[n:]
-        changes = np.flatnonzero(np.diff(now, prepend=np.nan))
-        for k in changes:
-            if now[k] != self.simulator.command:
-                self.simulator.advance_to(self.start + (self.played + int(k) + 1) * self.period)
-                self.simulator.write(float(now[k]))
-        self.played += n
+    def empty(self, time: float) -> bool:
+        """Whether the generation ran out of values."""
+        return self._count(time) > self.values.size
+
+    def due(self, time: float) -> float | None:
+        """The value that is put out at ``time``; None before the first."""
+        count = min(self._count(time), self.values.size)
+        if count == 0:
+            return None
+        value = float(self.values[count - 1])
+        self.values, self.gone = self.values[count - 1 :], self.gone + count - 1
+        return value
+
+    def next_change(self, time: float, held: float) -> float:
+        """When the next value that differs from ``held`` is put out; infinity where there is none."""
+        count = self._count(time)
+        differing = np.flatnonzero(self.values[count:] != held)
+        return self.start + (self.gone + count + int(differing[0]) + 1) * self.period if differing.size else math.inf
