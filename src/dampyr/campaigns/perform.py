@@ -66,7 +66,7 @@ def _planned(campaign: Plan | Campaign | str | Path, rig: Rig) -> Plan:
     if isinstance(campaign, Plan):
         return campaign
     known = campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
-    return plan(known, rig.settings, specimen(rig.settings, None))
+    return plan(known, rig.settings, specimen(rig.settings, rig.folder))
 
 
 def _made(folder: Path) -> Path:

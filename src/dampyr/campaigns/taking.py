@@ -19,11 +19,13 @@ from dampyr.campaigns.campaign import Campaign
 from dampyr.campaigns.control import Stopped
 from dampyr.campaigns.plan import PlannedTest
 from dampyr.errors import DampyrError, FileError, RigFault
-from dampyr.records.record import Label
+from dampyr.models.derivative import differentiate
+from dampyr.records.record import Array, Label
 from dampyr.records.recording import Header, RawChannel, Recording
 from dampyr.rig.drive import Drive
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Rig, Table
+from dampyr.rig.settings import RigSettings
 
 SPARE = 2.0  # s of room beyond the plan
 
@@ -67,7 +69,32 @@ def ended(recording: Recording, table: Table, started: dict[str, str]) -> Iterat
             recording.close() if isinstance(problem, FileError) else recording.finish(told, complete=False)
         raise
     told = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
-    recording.finish(told | {"exit_status": "complete", "reason": ""})
+    rig = table.rig.settings
+    recording.finish(
+        told | {"exit_status": "complete", "reason": ""}, history(rig), refine=lambda values: refined(values, rig)
+    )
+
+
+def refined(values: dict[str, Array], rig: RigSettings) -> dict[str, Array]:
+    """The displacement on the force's clock, and its derivative."""
+    time = values["time"]
+    x = np.interp(time - rig.force_delay, time, values["displacement"])
+    return values | {"displacement": x, "velocity": differentiate(time, x, rig.board.velocity_bandwidth)}
+
+
+def history(rig: RigSettings) -> tuple[str, ...]:
+    """What `refined` did, in words."""
+    cell, board = rig.load_cell, rig.board
+    return (
+        f"displacement read {rig.force_delay * 1e3:.3g} ms earlier: so much the load cell's filter of {cell.bandwidth:g} Hz "
+        "delays the force",
+        f"velocity derived from it, 3 dB down at {board.velocity_bandwidth:g} Hz",
+        *(
+            ("the voltage is that of a coil at 20 degC: the command rose with its warmth",)
+            if rig.supply.compensated
+            else ()
+        ),
+    )
 
 
 def reason(problem: BaseException) -> dict[str, str]:
@@ -96,7 +123,9 @@ def header(table: Table, planned: PlannedTest, campaign: Campaign, attempt: int)
     channels = ["time", "displacement", "force", *(() if constant else ("voltage",))]
     raw = {
         "force": RawChannel("V", known.scale, -known.scale * known.zero, "N"),
-        "position": RawChannel("count", known.count, -known.count * known.middle, "m", "i8"),
+        "position": RawChannel(
+            "count", known.count, -known.count * known.middle, "m", "i8", table.rig.settings.force_delay
+        ),
     }
     if table.rig.settings.wires.temperature:
         channels.append("temperature")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,18 +23,19 @@ from dampyr.records.formats.h5 import FORMAT, SCHEMA, Raw, write
 from dampyr.records.record import CHANNELS, Array, Label, Record, Role
 
 SYNC_EVERY = 1.0  # s
-CLOSED = "the recording is closed"
+Refine = Callable[[dict[str, Any]], dict[str, Any]]
 
 
 @dataclass(frozen=True)
 class RawChannel:
-    """A raw reading and what makes SI of it: gain*raw + offset."""
+    """A raw reading and what makes SI of it: gain*raw + offset, in the finished file read ``delay`` s earlier."""
 
     unit: str
     gain: float
     offset: float
     calibrated_unit: str
     kind: str = "f8"
+    delay: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -95,8 +96,17 @@ class Recording:
                 os.fsync(self._fd)
                 self._file.close()
 
-    def finish(self, provenance: Mapping[str, str], history: tuple[str, ...] = (), complete: bool = True) -> Path:
-        """Close the file and write it anew with what became known, whole or not at all."""
+    def finish(
+        self,
+        provenance: Mapping[str, str],
+        history: tuple[str, ...] = (),
+        complete: bool = True,
+        refine: Refine | None = None,
+    ) -> Path:
+        """Close the file and write it anew with what became known, whole or not at all.
+
+        ``refine`` gives the channels that the finished file holds, from those that were recorded.
+        """
         values = {name: data[: self.rows] for name, data in self._data.items()}
         self.close()
         told = (
@@ -105,6 +115,7 @@ class Recording:
             | {"test": self.header.test, "try": str(self.header.attempt)}
         )
         channels: dict[str, Any] = {name: values[f"calibrated/{name}"] for name in self.header.channels}
+        channels = refine(channels) if refine else channels
         record = Record(
             **(channels | dict(self.header.constants)),
             name=self.header.name,
@@ -127,7 +138,7 @@ class Recording:
 
 
 def _raw(values: Array, channel: RawChannel) -> Raw:
-    return Raw(values, channel.unit, channel.gain, channel.offset, channel.calibrated_unit)
+    return Raw(values, channel.unit, channel.gain, channel.offset, channel.calibrated_unit, channel.delay)
 
 
 def _names(header: Header) -> list[str]:
@@ -148,7 +159,7 @@ def _made(path: Path, capacity: int, header: Header) -> Any:
         for name, value in header.constants.items():
             file.create_dataset(f"calibrated/{name}", data=value).attrs["unit"] = CHANNELS[name]
         for name, channel in header.raw.items():
-            told = {key: value for key, value in vars(channel).items() if key != "kind"}
+            told = {key: value for key, value in vars(channel).items() if key not in ("kind", "delay")}
             _room(file, f"raw/{name}", capacity, channel.kind).attrs.update(told)
         if header.label is not None:
             known = {key: value for key, value in vars(header.label).items() if value is not None}

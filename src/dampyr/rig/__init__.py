@@ -1,6 +1,16 @@
-"""The machine: what it is made of, how it is driven and read, what keeps it safe, and its simulated twin."""
+"""The machine: what it is made of, how it is driven and read, what keeps it safe, and its simulated twin.
 
+::
+
+    with dp.rig.simulated() as rig, rig.armed() as table:     # or dp.rig.load("rig.toml")
+        table.home()
+        table.go(0.005)
+"""
+
+from dampyr.rig.connecting import connect, simulated
+from dampyr.rig.connecting import connect as load
 from dampyr.rig.drive import Drive, Reversals
+from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings, load_settings
 
-__all__ = ["Drive", "Reversals", "RigSettings", "load_settings"]
+__all__ = ["Drive", "Reversals", "Rig", "RigSettings", "Table", "connect", "load", "load_settings", "simulated"]

@@ -163,8 +163,20 @@ class Acquisition:
             n = self.rig.block_samples * AHEAD - len(self._command)
             volts = self.player.voltage(self.queued, n) if self.player else np.zeros(n)
             if n > 0:
-                self.board.queue(volts / self.rig.supply.gain)
+                self.board.queue(self._compensated(volts) / self.rig.supply.gain)
                 self._command = np.concatenate([self._command, volts])
+
+    def _compensated(self, volts: Array) -> Array:
+        """The coil's voltage that drives the current which ``volts`` would drive through a cold coil."""
+        supply = self.rig.supply
+        needed = volts * self.warmth.resistance if supply.compensated else volts
+        if needed.max(initial=0.0) > supply.max_voltage * (1 + 1e-9):
+            raise RigFault(
+                f"the coil at {self.warmth.temperature:.0f} degC needs {needed.max():.3g} V, the supply gives "
+                f"{supply.max_voltage:.3g} V; let the damper cool, or lower the test's voltage",
+                "interlock",
+            )
+        return needed
 
     def halt(self, why: RigFault) -> None:
         """Brake the table and take the coil to 0 V, now; every step is tried whatever fails."""

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from dampyr.errors import InputError
-from dampyr.models import Damper
 from dampyr.rig.instruments.board import NiBoard
 from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.instruments.wire import InProcess, open_wire
 from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.faults import FaultSpec
+from dampyr.rig.simulation.in_process import InProcessBoard
+from dampyr.rig.simulation.process import Process
+from dampyr.rig.simulation.simulator import Simulator
+from dampyr.rig.simulation.specimen import specimen_of
 
 
 def connect(settings: RigSettings | str | Path) -> Rig:
@@ -20,25 +24,65 @@ def connect(settings: RigSettings | str | Path) -> Rig:
 
     Raises :class:`~dampyr.errors.InputError` where no wires are named, :class:`~dampyr.errors.RigFault` where nothing answers.
     """
-    rig = settings if isinstance(settings, RigSettings) else load_settings(settings)
+    rig, folder = _settings(settings)
     if not rig.wires.serial:
         raise InputError(
             "wires.serial is empty, so there is nothing to connect to; name the Uno's port, or simulate the rig"
         )
     uno = Uno(open_wire(rig.wires.serial, rig.wires.baud))
     try:
-        return Rig(rig, uno, NiBoard(rig))
+        return Rig(rig, uno, NiBoard(rig), folder=folder)
     except BaseException:
         uno.close()
         raise
 
 
-def in_process(
-    settings: RigSettings, seed: int = 0, faults: Sequence[FaultSpec] = (), specimen: Damper | None = None
+def simulated(
+    settings: RigSettings | str | Path | None = None,
+    seed: int = 0,
+    faults: Sequence[FaultSpec | str] = (),
+    in_process: bool = False,
+    real_time: bool = False,
+    black_box: str | Path | None = None,
 ) -> Rig:
-    """A simulated rig in this process, without wires: the same calls with the same seed give the same bits."""
-    from dampyr.rig.simulation.in_process import InProcessBoard
-    from dampyr.rig.simulation.simulator import Simulator
+    """A simulated rig: a process of its own that speaks the real wires, or, ``in_process``, the plant without them.
 
-    simulator = Simulator(settings, seed, faults, specimen)
-    return Rig(settings, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False)
+    Parameters
+    ----------
+    settings
+        A rig or its ``rig.toml``; the original rig where nothing is given. Its wires are not used.
+    seed
+        Of noise and lost bytes: in lockstep the same calls give the same bits.
+    faults
+        What goes wrong and when, such as "stuck-encoder@12.5s for 3s" (`dampyr.rig.simulation.faults`).
+    real_time
+        The wall's clock moves the rig; without it its host does, and thirty seconds take one.
+    black_box
+        A file for a line of JSON per event, as it happens; only of a process.
+
+    Raises :class:`~dampyr.errors.InputError` for a wrong argument, :class:`~dampyr.errors.RigFault` where the process does
+    not start.
+    """
+    rig, folder = _settings(settings)
+    told = tuple(FaultSpec.parse(each) if isinstance(each, str) else each for each in faults)
+    specimen = specimen_of(rig, folder)
+    if in_process:
+        if real_time or black_box is not None:
+            raise InputError("a rig in this process has no clock and no black box of its own; leave in_process out")
+        simulator = Simulator(rig, seed, told, specimen)
+        return Rig(rig, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False, folder=folder)
+    process = Process(rig, specimen, seed, told, real_time, black_box)
+    try:
+        wired = replace(rig, wires=replace(rig.wires, serial=process.serial, grpc=process.grpc))
+        uno = Uno(open_wire(wired.wires.serial, wired.wires.baud))
+        return Rig(rig, uno, NiBoard(wired), threaded=real_time, folder=folder, on_close=[process.close])
+    except BaseException:
+        process.close()
+        raise
+
+
+def _settings(given: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:
+    """The settings, and the folder beside which their card lies."""
+    if given is None or isinstance(given, RigSettings):
+        return given or RigSettings(), None
+    return load_settings(given), Path(given).parent

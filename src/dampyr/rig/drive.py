@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 class Reversals:
     """The original rig's excitation: a duty that rises and falls evenly, one way and the other; no position is followed.
 
-    ``duty`` at the top, 0 to 1; ``half_period`` s of rise and fall together; ``pause`` s for which it stays at the top; ``count``
+    ``duty`` at the top, 0 to 1; ``half_period`` s of rise and fall together; ``pause`` s at the top; ``count``
     strokes, one way each. The original ran tops of 165 to 248 of 255, 2.2 or 4.2 ms for each step of the duty, pause 0.05 s.
     """
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
@@ -37,6 +38,7 @@ class Rig:
     threaded: bool = True
     calibration: Calibration | None = None
     interlocked: bool = True
+    folder: Path | None = None
     on_close: list[Callable[[], None]] = field(default_factory=list)
     warmth: Warmth = field(init=False)
 
@@ -100,14 +102,14 @@ class Table:
 
     def leave(self, problem: BaseException | None) -> None:
         """Stop, coil to 0 V, rest, disarm; each is tried, and what fails is told with ``problem`` or raised."""
-        failed: list[RigFault] = []
+        failed: list[Exception] = []
         loop, uno = self.loop, self.rig.uno
         loop.player = None
         for step in (uno.stop, loop.cut, loop.end, self._settle, uno.disarm, self.rig.board.stop):
             try:
                 with loop.lock if step in (uno.stop, uno.disarm) else _nothing():
                     step()
-            except RigFault as trouble:
+            except Exception as trouble:  # whatever it is, the next step is tried
                 failed.append(trouble)
         if failed and problem is None:
             raise failed[0]

@@ -7,6 +7,7 @@ Each default says where it comes from: a table of the dissertation's Appendix A,
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import pi
 from pathlib import Path
 from typing import Annotated
 
@@ -76,7 +77,7 @@ class LoadCell:
     bridge: Annotated[float, Quantity("ohm", low=0.0, open_low=True), "assumed: the usual full bridge"] = 350.0
     scale: Annotated[float, Quantity("N/V", low=0.0, open_low=True), "measured: steps of 0.187 N of 16 bit"] = 613.0
     zero: Annotated[float, Quantity("V", low=-10.0, high=10.0), "to be measured: `dampyr calibrate`"] = 0.0
-    bandwidth: Annotated[float, Quantity("Hz", low=0.0, open_low=True), "assumed: the amplifier's filter"] = 200.0
+    bandwidth: Annotated[float, Quantity("Hz", low=0.0, open_low=True), "assumed: the amplifier's filter"] = 1000.0
     noise: Annotated[float, Quantity("N", low=0.0), "simulated: rms"] = 0.4
 
 
@@ -90,6 +91,9 @@ class Supply:
     resistance: Annotated[float, Quantity("ohm", low=0.0, open_low=True), "measured: 0.495 A at 2.178 V"] = 4.4
     inductance: Annotated[float, Quantity("H", low=0.0), "assumed: 10 ms with the resistance"] = 0.044
     max_voltage: Annotated[float, Quantity("V", low=0.0, open_low=True), "1 A of Table A.1 through the coil"] = 4.4
+    compensated: Annotated[
+        bool, "whether the command rises with the coil's warmth, so that the current is that of a coil at 20 degC"
+    ] = True
     enable_line: Annotated[
         bool, "whether the Uno's enable line cuts the coil; without it a dead host leaves it live"
     ] = True
@@ -115,6 +119,9 @@ class Board:
 
     rate: Annotated[float, Quantity("Hz", low=10.0, high=250000.0), "assumed; the original took 100 samples/s"] = 1000.0
     block: Annotated[float, Quantity("s", low=0.005, high=0.2), "what is read at once: the interlock's reaction"] = 0.04
+    velocity_bandwidth: Annotated[
+        float, Quantity("Hz", low=1.0), "of the velocity in a record: above, 5 um of the encoder are noise"
+    ] = 100.0
     bits: Annotated[int, "PCI-6221"] = 16
     range: Annotated[float, Quantity("V", low=0.1, high=10.0), "PCI-6221: +-10 V"] = 10.0
 
@@ -148,6 +155,11 @@ class RigSettings:
 
     def __post_init__(self) -> None:
         check(self)
+
+    @property
+    def force_delay(self) -> float:
+        """s by which the load cell's filter delays the force: 1/(2 pi f) of its bandwidth f."""
+        return 1.0 / (2.0 * pi * self.load_cell.bandwidth)
 
     @property
     def block_samples(self) -> int:
@@ -184,6 +196,12 @@ def check(rig: RigSettings) -> None:
     if limits.voltage > rig.supply.max_voltage:
         raise InputError(
             f"limits.voltage = {limits.voltage:g} V is more than supply.max_voltage = {rig.supply.max_voltage:g} V; lower it"
+        )
+    if rig.board.velocity_bandwidth > rig.board.rate / 4:
+        most = rig.board.rate / 4
+        raise InputError(
+            f"board.velocity_bandwidth = {rig.board.velocity_bandwidth:g} Hz is too much for "
+            f"board.rate = {rig.board.rate:g} Hz; give at most {most:g} Hz"
         )
     if limits.heartbeat < 2 * rig.board.block:
         raise InputError(

@@ -10,6 +10,8 @@ import numpy as np
 from dampyr.rig.interlock import Samples
 from dampyr.rig.settings import RigSettings
 
+COPPER, COLD = 0.0039, 20.0  # 1/K, degC: the coil's resistance is that of the settings when cold
+
 
 @dataclass
 class Warmth:
@@ -23,6 +25,11 @@ class Warmth:
     rig: RigSettings
     temperature: float
     _last: float = math.nan
+
+    @property
+    def resistance(self) -> float:
+        """Of the coil, over that of the cold one."""
+        return 1.0 + COPPER * (self.temperature - COLD)
 
     def take(self, samples: Samples) -> float:
         """The temperature after a block."""

@@ -6,7 +6,8 @@ Layout (schema 2)::
     /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
                  voltage or current as a number when it is constant
     /raw         one dataset per raw reading with the attributes unit, gain, offset, calibrated_unit:
-                 calibrated = gain*raw + offset; empty for a test that was read from another format
+                 calibrated = gain*raw + offset; empty for a test that was read from another format.
+                 With an attribute delay [s] above 0, the calibrated value is that of so much earlier.
     /label       peak_to_peak_m, frequency_hz, table, row (as attributes), where there is a label
     /provenance  one attribute per entry
     /history     one string per step
@@ -40,13 +41,14 @@ KNOWN = (1, 2)  # schema 1 had no /rows
 
 @dataclass(frozen=True)
 class Raw:
-    """A raw reading, ``(n,)`` volts or counts; gain*values + offset is the calibrated channel."""
+    """A raw reading, ``(n,)`` volts or counts; gain*values + offset is the calibrated channel, ``delay`` s later."""
 
     values: Array
     unit: str
     gain: float
     offset: float
     calibrated_unit: str
+    delay: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,7 @@ def read_raw(path: str | Path) -> dict[str, Raw]:
                 float(data.attrs["gain"]),
                 float(data.attrs["offset"]),
                 str(data.attrs["calibrated_unit"]),
+                float(data.attrs.get("delay", 0.0)),
             )
             for name, data in file["raw"].items()
         }

@@ -69,6 +69,7 @@ class NiBoard:
         self._asked(counter.timing.cfg_samp_clk_timing, rate, **shared)
         self._time_output(output, rate, shared, ahead)
         self._analog, self._counter = AnalogMultiChannelReader(inputs.in_stream), CounterReader(counter.in_stream)
+        self._analog.verify_array_shape = self._counter.verify_array_shape = False
         for task in (counter, output, inputs):  # whose clock it is comes last
             self._asked(task.start)
 
@@ -79,6 +80,7 @@ class NiBoard:
         self._asked(output.timing.cfg_samp_clk_timing, rate, **shared)
         output.out_stream.regen_mode = RegenerationMode.DONT_ALLOW_REGENERATION
         self._writer = AnalogSingleChannelWriter(output.out_stream, auto_start=False)
+        self._writer.verify_array_shape = False  # a question to the server per call
         self._asked(self._writer.write_many_sample, np.ascontiguousarray(ahead))
 
     def _wire_up(self, inputs: Any, counter: Any, output: Any) -> None:

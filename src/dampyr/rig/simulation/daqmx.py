@@ -214,6 +214,10 @@ class Board(service.NiDAQmxServicer):
         rows = self._read(request, context, "ci").astype(np.int64) & 0xFFFFFFFF
         return pb.ReadCounterU32Response(samps_per_chan_read=rows.shape[1], read_array=rows.ravel().tolist())
 
+    def ReadCounterU32Ex(self, request: Any, context: Any) -> Any:
+        rows = self._read(request, context, "ci").astype(np.int64) & 0xFFFFFFFF
+        return pb.ReadCounterU32ExResponse(samps_per_chan_read=rows.shape[1], read_array=rows.ravel().tolist())
+
     def _read(self, request: Any, context: Any, kind: str) -> NDArray[Any]:
         found = np.empty((0, 0))
         with self.told(context, request.task.name, [("ni-samps-per-chan-read", "0")]) as task:

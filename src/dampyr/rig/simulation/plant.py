@@ -92,10 +92,11 @@ def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, 
     """
     rows = 0
     while n[N_STEP] < until:
+        before = y[Y_MOTOR]
         drive(m, y, z, r)
         coil(m, y, r)
         cell = y[Y_CELL]
-        x = move(m, y, n, s, p, table, static, past)
+        x = move(m, y, n, s, p, table, static, past, before)
         n[N_STEP] += 1
         encode(m, y, n, z, x)
         sample(m, y, n, x, cell, start, period, forces, counts)
@@ -145,15 +146,15 @@ def control_enabled(state):  # type: ignore[no-untyped-def]
     return 1 <= state <= 6
 
 
-def move(m, y, n, s, p, table, static, past):  # type: ignore[no-untyped-def]
-    """Screw, table and specimen over a step; return where the table was."""
+def move(m, y, n, s, p, table, static, past, before):  # type: ignore[no-untyped-def]
+    """Screw, table and specimen over a step, the motor's speed ``before`` it given; return where the table was."""
     x0, v0, f0 = y[Y_X], y[Y_V], y[Y_FORCE]
-    y[Y_SCREW] += y[Y_MOTOR] * m.dt
+    y[Y_SCREW] += 0.5 * (before + y[Y_MOTOR]) * m.dt
     if abs(y[Y_SCREW]) > m.stroke:
         y[Y_SCREW] = m.stroke if y[Y_SCREW] > 0.0 else -m.stroke
         y[Y_MOTOR] = 0.0
     x1 = min(max(x0, y[Y_SCREW] - m.play), y[Y_SCREW] + m.play)
-    v1 = (x1 - x0) / m.dt
+    v1 = y[Y_MOTOR] if x1 != x0 else 0.0
     n[N_HELD] = 1 if y[Y_INPUT] < m.low - 1e-9 or y[Y_INPUT] > m.high + 1e-9 else 0
     rest = look_up(min(max(y[Y_INPUT], m.low), m.high), m.low, m.high, p, table, static)
     advance(0, s, x0, x1, v0, v1, m.dt, p)

@@ -1,0 +1,70 @@
+"""Starting the simulated rig as a process, and seeing it off."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import tomli_w
+
+from dampyr.errors import RigFault
+from dampyr.models import Damper
+from dampyr.rig.settings import RigSettings
+from dampyr.rig.simulation.faults import FaultSpec
+
+PATIENCE = 5.0  # s for a rig without a host to come to rest
+
+
+class Process:
+    """A running ``python -m dampyr.rig.simulation.server``; it outlives a host that is killed, until the table rests."""
+
+    def __init__(
+        self,
+        rig: RigSettings,
+        specimen: Damper,
+        seed: int,
+        faults: Sequence[FaultSpec],
+        real_time: bool,
+        black_box: str | Path | None,
+    ) -> None:
+        with tempfile.TemporaryDirectory(prefix="dampyr-rig-") as folder:
+            specimen.save(Path(folder) / "card.toml")
+            known = replace(rig, specimen=replace(rig.specimen, card="card.toml"))
+            path = Path(folder) / "rig.toml"
+            path.write_text(tomli_w.dumps(asdict(known)), "utf-8")
+            command = [sys.executable, "-m", "dampyr.rig.simulation.server", "--once", "--seed", str(seed)]
+            command += ["--rig", str(path), *(word for fault in faults for word in ("--fault", str(fault)))]
+            command += ["--real-time"] if real_time else []
+            command += ["--black-box", str(black_box)] if black_box is not None else []
+            self._process = subprocess.Popen(
+                command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+            )
+            assert self._process.stdout is not None
+            said = self._process.stdout.readline()
+        if not said:
+            assert self._process.stderr is not None
+            told = self._process.stderr.read().strip().splitlines()
+            raise RigFault(f"the simulated rig did not start: {told[-1] if told else 'it said nothing'}")
+        wires = json.loads(said)
+        self.serial, self.grpc = str(wires["serial"]), str(wires["grpc"])
+
+    @property
+    def pid(self) -> int:
+        """Of the process."""
+        return self._process.pid
+
+    def close(self) -> None:
+        """Wait until the rig has come to rest and its process has ended."""
+        try:
+            self._process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._process.terminate()
+            self._process.wait()
+        for stream in (self._process.stdout, self._process.stderr):
+            if stream is not None:
+                stream.close()
