@@ -124,7 +124,7 @@ def header(table: Table, planned: PlannedTest, campaign: Campaign, attempt: int)
     raw = {
         "force": RawChannel("V", known.scale, -known.scale * known.zero, "N"),
         "position": RawChannel(
-            "count", known.count, -known.count * known.middle, "m", "i8", table.rig.settings.force_delay
+            "count", known.count, known.count * (0.5 - known.middle), "m", "i8", table.rig.settings.force_delay
         ),
     }
     if table.rig.settings.wires.temperature:

@@ -20,7 +20,7 @@ SPREAD = 0.02  # by which a measured scale may differ from the one before withou
 
 @dataclass(frozen=True)
 class Calibration:
-    """force = scale*(volts - zero) [N], displacement = count*(counts - middle) [m], temperature = slope*volts + base [degC]."""
+    """force = scale*(volts - zero) [N], displacement = count*(counts + 1/2 - middle) [m], temperature = slope*volts + base."""
 
     scale: float
     zero: float
@@ -35,8 +35,8 @@ class Calibration:
         return self.scale * (volts - self.zero)
 
     def displacement(self, counts: NDArray[np.int64]) -> Array:
-        """m from the middle of the stroke."""
-        return self.count * (counts.astype(np.float64) - self.middle)
+        """m from the middle of the stroke: the middle of each count."""
+        return self.count * (counts.astype(np.float64) + 0.5 - self.middle)
 
     def temperature(self, volts: Array) -> Array:
         """degC."""

@@ -47,7 +47,7 @@ class Actuator:
     stroke: Annotated[float, Length, "Table A.2"] = 0.457
     lag: Annotated[float, Time, "assumed: the motor's time constant with the screw's inertia"] = 0.025
     dead_band: Annotated[float, Quantity("", low=0.0, high=0.9), "assumed: duty that only overcomes friction"] = 0.06
-    backlash: Annotated[float, Metre, "assumed: a rolled ball screw"] = 2.0e-5
+    backlash: Annotated[float, Metre, "assumed: no more than the encoder sees"] = 5.0e-6
 
 
 @dataclass(frozen=True)
@@ -79,6 +79,9 @@ class LoadCell:
     zero: Annotated[float, Quantity("V", low=-10.0, high=10.0), "to be measured: `dampyr calibrate`"] = 0.0
     bandwidth: Annotated[float, Quantity("Hz", low=0.0, open_low=True), "assumed: the amplifier's filter"] = 1000.0
     noise: Annotated[float, Quantity("N", low=0.0), "simulated: rms"] = 0.4
+    wander: Annotated[
+        float, Quantity("N", low=0.0), "simulated: rms of slow errors; Table A.4: linearity and hysteresis, 1 N at most each"
+    ] = 0.8
 
 
 @dataclass(frozen=True)
@@ -121,7 +124,7 @@ class Board:
     block: Annotated[float, Quantity("s", low=0.005, high=0.2), "what is read at once: the interlock's reaction"] = 0.04
     velocity_bandwidth: Annotated[
         float, Quantity("Hz", low=1.0), "of the velocity in a record: above, 5 um of the encoder are noise"
-    ] = 100.0
+    ] = 70.0
     bits: Annotated[int, "PCI-6221"] = 16
     range: Annotated[float, Quantity("V", low=0.1, high=10.0), "PCI-6221: +-10 V"] = 10.0
 

@@ -8,6 +8,7 @@ from time import sleep
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from dampyr.errors import InputError
 from dampyr.models import Damper
@@ -35,6 +36,7 @@ Array = NDArray[np.float64]
 Told = Callable[[float, str], None]
 STEP = 1e-4  # s of the plant
 BEAT = 0.02  # s that a heartbeat moves the clock by while no task samples
+WANDERS = 0.5  # s of memory of the load cell's slow errors
 BUFFER = 10.0  # s of samples that the board holds
 
 
@@ -87,6 +89,7 @@ class Simulator:
         self._task: Task | None = None
         self.timed: TimedCommand | None = None
         self._asked = 0.0
+        self._wander = settings.load_cell.wander * float(self.noise.standard_normal())
         self._begun: set[FaultSpec] = set()
         self.beat = BEAT
         self.wait: Callable[[float], None] = sleep
@@ -272,6 +275,7 @@ class Simulator:
     def _volts(self, task: Task, forces: Array) -> Array:
         """The analogue inputs (channels, n) of samples with the filtered forces given."""
         noisy = forces + self.settings.load_cell.noise * self.noise.standard_normal(forces.size)
+        noisy += self._wandering(forces.size, task.period)
         drifting, broken = self._holding("drifting-cell"), self._holding("broken-cell")
         if drifting is not None:
             time = task.start + (task.taken + 1 + np.arange(forces.size)) * task.period
@@ -283,6 +287,14 @@ class Simulator:
         if self.settings.wires.temperature:
             rows.append(np.full_like(volts, self.plant[plant.Y_TEMPERATURE] / DEGREES_PER_VOLT))
         return converted(self.settings, np.stack(rows))
+
+    def _wandering(self, n: int, period: float) -> Array:
+        """Slow errors of the load cell: an Ornstein-Uhlenbeck process, stationary from the start."""
+        kept = np.exp(-period / WANDERS)
+        pushes = self.settings.load_cell.wander * np.sqrt(1.0 - kept**2) * self.noise.standard_normal(n)
+        rows, _ = lfilter([1.0], [1.0, -kept], pushes, zi=[kept * self._wander])
+        self._wander = float(rows[-1]) if n else self._wander
+        return np.asarray(rows)
 
     def _beaten(self) -> None:
         """A heartbeat moves the clock while nothing is sampled."""
