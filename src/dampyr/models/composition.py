@@ -186,11 +186,12 @@ def _tangents(p: Part) -> dict[str, str]:
             for inner, f in read(function, name).intrinsics().items():
                 texts.setdefault(inner, read(f, inner).source)
             texts[name] = read(function, name).source
-        ends = ("x1", "v1") if formula is p.advance else formula.arguments
-        for unit in (None, *(a for a in formula.arguments if a in ends and a not in p.states)):
-            name = f"{formula.name}_by_{unit or 'states'}"
-            texts[name] = tangent(formula, name, states, unit)
+        if formula is p.force:
+            for unit in (None, *(a for a in formula.arguments if a not in p.states)):
+                name = f"{formula.name}_by_{unit or 'states'}"
+                texts[name] = tangent(formula, name, states, unit)
     if p.advance is not None:
+        texts[f"{p.advance.name}_and_slopes"] = _at_end(p)
         texts[f"{p.advance.name}_and_tangents"] = _all_ways(p)
     return texts
 
@@ -223,10 +224,10 @@ def _slopes(composition: Composition, site: int) -> str:
             continue
         ends = {name: f"e{k}" for name, k in zip(p.states, states, strict=True)}
         if p.advance:
-            lines.append(f"{', '.join(ends.values())} = {_call(p.advance, place)}")
+            lines.append(_ends(p, place, states))
         at_end = lambda name, ends=ends, place=place: ends.get(name) or place(name)  # noqa: E731
         for axis, total in (("x", "fx"), ("v", "fv")):
-            tangents = _end_tangents(p, place, states, axis, lines)
+            tangents = _end_tangents(p, axis, states) if axis in _axes(p) else ""
             if axis in p.force.arguments or tangents:
                 suffix = f"_by_{axis}" if axis in p.force.arguments else "_by_states"
                 lines.append(f"{total} += {_call(p.force, at_end, tangents or _zeros(p), suffix)}")
@@ -239,14 +240,23 @@ def _zeros(p: Part) -> str:
     return ", 0.0" * sum(s in p.force.arguments for s in p.states)
 
 
-def _end_tangents(p: Part, place: Argument, states: list[int], axis: str, lines: list[str]) -> str:
-    """Write how a part's states change with x1 or v1; return the tangents that its force takes ("" if none)."""
-    if p.advance is None or p.force is None or f"{axis}1" not in p.advance.arguments:
-        return ""
-    seeds = ", 0.0" * sum(s in p.advance.arguments for s in p.states)
-    names = {s: f"d{axis}{k}" for s, k in zip(p.states, states, strict=True)}
-    lines.append(f"{', '.join(names.values())} = {_call(p.advance, place, seeds, f'_by_{axis}1')}")
-    return "".join(f", {names[s]}" for s in p.states if s in p.force.arguments)
+def _axes(p: Part) -> list[str]:
+    """What the states at the end of a piece change with: x1, v1 or both."""
+    return [axis for axis in "xv" if p.advance is not None and f"{axis}1" in p.advance.arguments]
+
+
+def _ends(p: Part, place: Argument, states: list[int]) -> str:
+    """The line with a part's states at the end and how they change with x1 and v1, in one call."""
+    assert p.advance is not None
+    seeds = ", 0.0" * (len(_axes(p)) * sum(s in p.advance.arguments for s in p.states))
+    targets = [f"e{k}" for k in states] + [f"d{axis}{k}" for axis in _axes(p) for k in states]
+    return f"{', '.join(targets)} = {_call(p.advance, place, seeds, '_and_slopes')}"
+
+
+def _end_tangents(p: Part, axis: str, states: list[int]) -> str:
+    """The tangents by the end of an axis that the force of a part takes."""
+    assert p.force is not None
+    return "".join(f", d{axis}{k}" for s, k in zip(p.states, states, strict=True) if s in p.force.arguments)
 
 
 def _columns(composition: Composition, site: int) -> str:
@@ -283,6 +293,13 @@ def _spread(composition: Composition, site: int) -> str:
         targets = [f"s[{k}]" for k in states] + [f"D[{k}, {column}]" for column in columns for k in states]
         lines.append(f"{', '.join(targets)} = {_call(p.advance, place, seeds, '_and_tangents')}")
     return _define("spread", site, "s, D, x0, x1, v0, v1, dt, p", [*lines, "return"])
+
+
+def _at_end(p: Part) -> str:
+    """The advance of a part with its derivatives by the displacement and the velocity at the end."""
+    assert p.advance is not None
+    used = [s for s in p.states if s in p.advance.arguments]
+    return tangents(p.advance, f"{p.advance.name}_and_slopes", used, [f"{axis}1" for axis in _axes(p)])
 
 
 def _all_ways(p: Part) -> str:

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.structures.building import Building
 from dampyr.structures.cases import STEPS, Cases
+from dampyr.structures.lanes import flow
 from dampyr.structures.lanes.arithmetic import LANES
 from dampyr.structures.lanes.engine import Engine, engine, takes
 from dampyr.structures.lanes.gpu import engine as gpu_engine
@@ -88,7 +89,8 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         m = max(1, math.ceil(dt / step * (1 - 1e-9)))
         compositions = tuple(site.composition for site in sites)
         rows = tuple(map(tuple, connections(cases.buildings[b], sites).tolist()))
-        key = (b, rows, compositions, dt, m if takes(compositions) else None)
+        together = cases.device == "cpu" and flow.together((site.composition, site.values) for site in sites)
+        key = (b, rows, compositions, dt, together, m if takes(compositions) else None)
         found.setdefault(key, []).append(Member(row, b, sites, k, m))
     return found
 
@@ -151,14 +153,14 @@ MOST_ENGINES, _LOCK = 64, Lock()
 
 def _made(cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int) -> Engine:
     """The engine of a kind of cases with m steps per sample; this process keeps the latest ones."""
-    building, compositions, dt = cases.buildings[kind[0]], kind[2], kind[3]
+    building, compositions, dt, together = cases.buildings[kind[0]], kind[2], kind[3], kind[4]
     matrices = tuple(a.tobytes() for a in (building.M, building.C, building.K, building.influence))
-    key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device)
+    key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device, together)
     with _LOCK:
         if key not in _ENGINES:
             make = gpu_engine if cases.device == "gpu" else engine
             rows = connections(building, sites)
-            _ENGINES[key] = make(building, rows, compositions, dt, m, cases.quantities, cases.precision)
+            _ENGINES[key] = make(building, rows, compositions, dt, m, cases.quantities, cases.precision, together)
             while len(_ENGINES) > MOST_ENGINES:
                 _ENGINES.popitem(last=False)
         return _ENGINES[key]

@@ -13,7 +13,7 @@ import numpy as np
 
 from dampyr.models.composition import Composition, namespace_of
 from dampyr.models.kernels import jit
-from dampyr.structures.lanes import arithmetic
+from dampyr.structures.lanes import arithmetic, flow
 
 FAST = {"contract", "nsz", "arcp", "nnan", "ninf"}
 MATH = ("sqrt", "log", "log1p", "expm1", "sin", "cos", "tan", "atan")
@@ -21,9 +21,10 @@ CONSTANTS = {"zero": 0.0, "one": 1.0, "two": 2.0, "four": 4.0, "half": 0.5, "qua
 
 
 @lru_cache(maxsize=64)
-def compiled(source: str, compositions: tuple[Composition, ...], precision: int) -> Any:
-    """The kernel of a text, kept on disk."""
+def compiled(source: str, compositions: tuple[Composition, ...], precision: int, together: bool = False) -> Any:
+    """The kernel of a text, kept on disk; ``together`` takes the branch-free Bouc-Wen state."""
     text = namespace_of(compositions)[0] if compositions else ""
+    text += "\n\n" + flow.source() if together else ""
     names = _parts(text, precision)
     exec(compile(source, "<lanes>", "exec"), names)
     key = hashlib.sha256(f"{source}{text}{precision}".encode()).hexdigest()[:16]
@@ -48,7 +49,7 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
     exec(compile(ast.fix_missing_locations(tree), "<parts>", "exec"), names)
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):
-            names[name] = njit(inline="always" if _straight(tree, name) else "never", error_model="numpy")(value)
+            names[name] = njit(forceinline=_straight(tree, name), fastmath=FAST, error_model="numpy")(value)
     return (
         names
         | {name: kind(value) for name, value in CONSTANTS.items()}

@@ -31,6 +31,7 @@ class Engine:
     compositions: tuple[Composition, ...]
     precision: int
     m: int
+    together: bool = False
     most: ClassVar[int] = LANES
 
     def run(
@@ -61,7 +62,7 @@ class Engine:
 
     def _launch(self, ends: Integers, ag: Array, t: Array, c: Array, block: Array, ring: Array) -> Array:
         """The block as each history left it at its end (rows, count)."""
-        kernel = compiled(self.text.source, self.compositions, self.precision)
+        kernel = compiled(self.text.source, self.compositions, self.precision, self.together)
         found, first, mask = np.empty((block.shape[0], len(ends))), 0, ring.shape[1] // LANES - 1
         for last in np.unique(ends):
             kernel(first, int(last) - 1, self.m, LANES, ag, t, c, block.reshape(-1), ring, mask)
@@ -144,11 +145,15 @@ def engine(
     m: int,
     quantities: tuple[str, ...],
     precision: int = 64,
+    together: bool = False,
 ) -> Engine:
-    """The engine of ``building`` with sites at ``connections`` (N, n), m steps to a sample of ``dt`` seconds."""
+    """The engine of ``building`` with sites at ``connections`` (N, n), m steps to a sample of ``dt`` seconds.
+
+    ``together`` is for dampers whose Bouc-Wen states the lanes can walk together (`dampyr.structures.lanes.flow.holds`).
+    """
     one = step(building, connections, dt / m, basis_of(building))
-    made = Engine(Text(one, compositions, quantities), compositions, precision, m)
-    compiled(made.text.source, compositions, precision)  # by one thread, before several ask for it
+    made = Engine(Text(one, compositions, quantities), compositions, precision, m, together)
+    compiled(made.text.source, compositions, precision, together)  # by one thread, before several ask for it
     return made
 
 

@@ -68,8 +68,9 @@ def engine(
     m: int,
     quantities: tuple[str, ...],
     precision: int = 64,
+    together: bool = False,
 ) -> GpuEngine:
-    """As `dampyr.structures.lanes.engine.engine`, for the card."""
+    """As `dampyr.structures.lanes.engine.engine`, for the card, whose threads take the exact Bouc-Wen state."""
     if 2 * building.n > WRITTEN_OUT_UP_TO:
         raise InputError(
             f"{building.name} has {building.n} floors; a graphics card takes up to {WRITTEN_OUT_UP_TO // 2}: use device='cpu'"
