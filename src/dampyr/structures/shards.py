@@ -1,4 +1,4 @@
-r"""One shard of an ensemble: its cases sorted into blocks of 64 that march together.
+r"""One shard of an ensemble: its cases sorted into blocks of 64 that march together, some blocks handed over at a time.
 
 The step is that of the rule: no longer than 5 ms, :math:`\omega_s h \le 1` and :math:`\lambda h \le 2` with
 :math:`\omega_s^2` and :math:`\lambda` the largest slopes of the dampers at rest by stroke and by rate, over the mass that they
@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from threading import Lock
 from typing import Any
@@ -32,6 +31,7 @@ from dampyr.structures.marching import connections, runner
 from dampyr.structures.placement import Site
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 LONGEST_STEP = 0.005
 JUDGED = ("displacement", "drift")
 
@@ -135,16 +135,44 @@ def rest_slopes(site: Site) -> tuple[float, float]:
 
 
 def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done: Shard) -> None:
-    m = kind[-1]
+    m, scales = kind[-1], len(cases.scales)
     made = _made(cases, kind, members[0].sites, m)
-    members = sorted(members, key=lambda member: cases.motions[member.motion].n)
-    rest = {id(member.sites): _rest(member.sites) for member in members}
-    for number, block in enumerate(_blocks(members, len(cases.scales), made.most)):
-        found = _march(cases, made, block, rest)
-        _store(cases, block, found, done)
-        if number == 0:
-            few, finer = block[:LANES], _made(cases, kind, members[0].sites, 2 * m)
-            _judge({q: v[: len(few)] for q, v in found.items()}, _march(cases, finer, few, rest), done)
+    lot = Lot.of(cases, sorted(members, key=lambda member: cases.motions[member.motion].n))
+    for first in range(0, len(members) * scales, made.most):
+        who, scale = np.divmod(np.arange(first, min(first + made.most, len(members) * scales)), scales)
+        found = lot.march(made, who, cases.scales[scale])
+        _store(lot.rows[who], scale, found, done)
+        if first == 0:
+            few, finer = slice(LANES), _made(cases, kind, members[0].sites, 2 * m)
+            _judge({q: v[few] for q, v in found.items()}, lot.march(finer, who[few], cases.scales[scale[few]]), done)
+
+
+@dataclass(frozen=True, eq=False)
+class Lot:
+    """Members of one kind: what an engine asks of each, a row for a member."""
+
+    rows: Integers
+    motions: list[Array]
+    values: list[Array]
+    rest: Array
+    delays: Array
+
+    @classmethod
+    def of(cls, cases: Cases, members: list[Member]) -> Lot:
+        """Members in their order."""
+        count, known = len(members[0].sites), {id(member.sites): _rest(member.sites) for member in members}
+        return cls(
+            np.array([member.row for member in members]),
+            [cases.motions[member.motion].acceleration for member in members],
+            [np.array([member.sites[d].values for member in members]) for d in range(count)],
+            np.array([known[id(member.sites)] for member in members]),
+            np.array([[site.delay for site in member.sites] for member in members]),
+        )
+
+    def march(self, made: Engine, who: Integers, scales: Array) -> dict[str, Array]:
+        """The peaks of members ``who``, each under its motion times its scale."""
+        motions = [self.motions[k] for k in who]
+        return made.run(motions, [v[who] for v in self.values], self.rest[who], self.delays[who], scales)
 
 
 _ENGINES: OrderedDict[tuple[Any, ...], Engine] = OrderedDict()
@@ -166,28 +194,6 @@ def _made(cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int) 
         return _ENGINES[key]
 
 
-def _blocks(members: list[Member], scales: int, most: int) -> Iterator[list[tuple[Member, int]]]:
-    """Up to ``most`` cases at a time."""
-    block: list[tuple[Member, int]] = []
-    for member in members:
-        for s in range(scales):
-            block.append((member, s))
-            if len(block) == most:
-                yield block
-                block = []
-    if block:
-        yield block
-
-
-def _march(cases: Cases, made: Engine, block: list[tuple[Member, int]], rest: dict[int, Array]) -> dict[str, Array]:
-    members = [member for member, _ in block]
-    motions = [cases.motions[member.motion].acceleration for member in members]
-    scales = cases.scales[[s for _, s in block]]
-    values = [np.array([member.sites[d].values for member in members]) for d in range(len(made.compositions))]
-    delays = np.array([[site.delay for site in member.sites] for member in members])
-    return made.run(motions, values, np.array([rest[id(member.sites)] for member in members]), delays, scales)
-
-
 def _rest(sites: tuple[Site, ...]) -> Array:
     """The forces of the dampers at rest."""
     from dampyr.models.march import along
@@ -196,8 +202,7 @@ def _rest(sites: tuple[Site, ...]) -> Array:
     return np.array([along(site.composition, t, still, still, site.values)[0] for site in sites])
 
 
-def _store(cases: Cases, block: list[tuple[Member, int]], found: dict[str, Array], done: Shard) -> None:
-    rows, scales = np.array([member.row for member, _ in block]), np.array([s for _, s in block])
+def _store(rows: Integers, scales: Integers, found: dict[str, Array], done: Shard) -> None:
     good = np.all([np.isfinite(values).all(axis=1) for values in found.values()], axis=0)
     done.unbounded += int(np.sum(~good))
     for quantity, values in found.items():
@@ -220,13 +225,12 @@ def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
         building = cases.buildings[member.building]
         for s, scale in enumerate(cases.scales):
             run = runner(building, cases.motions[member.motion].scaled(float(scale)), member.sites)
-            block = [(member, s)]
             try:
                 found = _peaks(run(member.m).out, member.sites, building)
             except InputError:
                 done.unbounded += 1
                 continue
-            _store(cases, block, {q: found[q] for q in cases.quantities if q in found}, done)
+            _store(np.array([member.row]), np.array([s]), {q: found[q] for q in cases.quantities if q in found}, done)
             done.general += 1
             if number == 0 and s == 0:
                 _judge(found, _peaks(run(2 * member.m).out, member.sites, building), done)

@@ -32,7 +32,7 @@ class Engine:
     precision: int
     m: int
     together: bool = False
-    most: ClassVar[int] = LANES
+    most: ClassVar[int] = 16 * LANES
 
     def run(
         self,
@@ -49,42 +49,49 @@ class Engine:
         """
         kind = np.float64 if self.precision == 64 else np.float32
         steps = np.zeros_like(rest) if delays is None else delays / self.text.step.h
-        wide, h = self.wide(len(motions)), self.text.step.h
-        block, ends = self._block(values, rest, steps, wide, kind), np.array([len(motion) for motion in motions])
+        h = self.text.step.h
+        block, ends = self._block(values, rest, steps, kind), np.array([len(motion) for motion in motions])
         t: Array = np.array([h / 2, h / 6, 1 / self.m, h / 8, 1.5 / h], kind)
         c: Array = np.array(self.text.coefficients, kind)
-        ag = _ground(motions, np.ones(len(motions)) if scales is None else scales, wide, kind)
-        return self._read(self._launch(ends, ag, t, c, block, self._ring(block, steps)))
+        return self._read(
+            self._launch(motions, np.ones(len(motions)) if scales is None else scales, ends, t, c, block, steps)
+        )
 
-    def wide(self, count: int) -> int:
-        """How many columns a block for ``count`` histories has."""
-        return LANES
-
-    def _launch(self, ends: Integers, ag: Array, t: Array, c: Array, block: Array, ring: Array) -> Array:
-        """The block as each history left it at its end (rows, count)."""
-        kernel = compiled(self.text.source, self.compositions, self.precision, self.together)
-        found, first, mask = np.empty((block.shape[0], len(ends))), 0, ring.shape[1] // LANES - 1
-        for last in np.unique(ends):
-            kernel(first, int(last) - 1, self.m, LANES, ag, t, c, block.reshape(-1), ring, mask)
-            ended = np.flatnonzero(ends == last)
-            found[:, ended] = block[:, ended]
-            first = int(last) - 1
+    def _launch(
+        self, motions: Sequence[Array], scales: Array, ends: Integers, t: Array, c: Array, block: Array, steps: Array
+    ) -> Array:
+        """The block as each history left it at its end (rows, count), 64 histories at a time."""
+        found, here = np.empty((block.shape[0], len(ends))), _aligned(block.shape[0] * LANES, block.dtype.type)
+        lanes = here.reshape(-1, LANES)
+        for first in range(0, len(ends), LANES):
+            some = slice(first, first + LANES)
+            count = len(ends[some])
+            lanes[:, :count], lanes[:, count:] = block[:, some], block[:, :1]
+            ag, ring = _ground(motions[some], scales[some], LANES, block.dtype.type), self._ring(lanes, steps)
+            self._march(ends[some], ag, t, c, lanes, ring, found[:, some])
         return found
 
-    def _block(self, values: Sequence[Array], rest: Array, steps: Array, wide: int, kind: type) -> Array:
+    def _march(self, ends: Integers, ag: Array, t: Array, c: Array, lanes: Array, ring: Array, found: Array) -> None:
+        """The histories of one block, each to its end."""
+        kernel = compiled(self.text.source, self.compositions, self.precision, self.together)
+        first, mask = 0, ring.shape[1] // LANES - 1
+        for last in np.unique(ends):
+            kernel(first, int(last) - 1, self.m, LANES, ag, t, c, lanes.reshape(-1), ring, mask)
+            ended = np.flatnonzero(ends == last)
+            found[:, ended] = lanes[:, ended]
+            first = int(last) - 1
+
+    def _block(self, values: Sequence[Array], rest: Array, steps: Array, kind: type) -> Array:
+        """What the histories begin with, a column each."""
         rows = self.text.rows
-        block = _aligned(len(rows.names) * wide, kind).reshape(-1, wide)
-        block[:] = 0.0
+        block: Array = np.zeros((len(rows.names), len(rest)), kind)
         for d, parameters in enumerate(values):
-            count = len(parameters)
             for k in range(parameters.shape[1]):
-                block[rows[f"p{d}_{k}"]] = parameters[0, k]
-                block[rows[f"p{d}_{k}"], :count] = parameters[:, k]
+                block[rows[f"p{d}_{k}"]] = parameters[:, k]
             for name in (f"f{d}", f"m{d}", *((f"u{d}", f"R{d}") if self.text.late(d) else ())):
-                block[rows[name], :count] = rest[:, d]
+                block[rows[name]] = rest[:, d]
             if self.text.late(d):
-                block[rows[f"D{d}"]] = steps[0, d]
-                block[rows[f"D{d}"], :count] = steps[:, d]
+                block[rows[f"D{d}"]] = steps[:, d]
         return block
 
     def _ring(self, block: Array, steps: Array) -> Array:
@@ -130,8 +137,9 @@ def _ground(motions: Sequence[Array], scales: Array, wide: int, kind: type) -> A
     ag: Array = _held.ground[:size].reshape(-1, wide)
     for _, group in groupby(range(len(motions)), key=lambda lane: id(motions[lane])):
         lanes = list(group)
-        motion, some = motions[lanes[0]], slice(lanes[0], lanes[-1] + 1)
-        np.multiply(motion[:, None], scales[some], out=ag[: len(motion), some], casting="same_kind")
+        motion: Array = motions[lanes[0]].astype(kind)
+        some = slice(lanes[0], lanes[-1] + 1)
+        np.multiply(motion[:, None], scales[some].astype(kind), out=ag[: len(motion), some])
         ag[len(motion) :, some] = 0.0
     ag[:, len(motions) :] = 0.0
     return ag

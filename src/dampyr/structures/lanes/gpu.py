@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 from types import FunctionType
 from typing import Any, ClassVar
@@ -21,7 +22,7 @@ from dampyr.structures.building import Building
 from dampyr.structures.lanes.arithmetic import constants
 from dampyr.structures.lanes.block import CONSTANTS, MATH, Numbers
 from dampyr.structures.lanes.coordinates import step
-from dampyr.structures.lanes.engine import Engine, Integers
+from dampyr.structures.lanes.engine import Engine, Integers, _ground
 from dampyr.structures.lanes.frames import Small
 from dampyr.structures.lanes.text import WRITTEN_OUT_UP_TO, Text
 
@@ -44,14 +45,13 @@ class GpuEngine(Engine):
 
     most: ClassVar[int] = MOST
 
-    def wide(self, count: int) -> int:
-        """As many columns as histories."""
-        return count
-
-    def _launch(self, ends: Integers, ag: Array, t: Array, c: Array, block: Array, ring: Array) -> Array:
+    def _launch(
+        self, motions: Sequence[Array], scales: Array, ends: Integers, t: Array, c: Array, block: Array, steps: Array
+    ) -> Array:
         from numba import cuda
 
         kernel = _compiled(_source(self.text), self.compositions, self.precision)
+        ag, ring = _ground(motions, scales, len(ends), block.dtype.type), self._ring(block, steps)
         mask = ring.shape[1] // block.shape[1] - 1
         on_card = cuda.to_device(block)
         ends_, ag_, t_, c_, ring_ = (cuda.to_device(a) for a in (ends, ag, t, c, ring))
