@@ -18,6 +18,7 @@ from benchmarks._timing import race
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import el_centro
 from dampyr.structures import respond, shear_building
+from dampyr.structures.lanes.arithmetic import LANES
 from dampyr.studies import raminelli_2020
 
 STOREYS, MASS, STIFFNESS, VOLTAGE = 20, 2e4, 4e7, 1.0  # kg, N/m, V
@@ -26,20 +27,24 @@ TITLE = f"A shear building of {STOREYS} storeys with one damper: time of one ste
 
 
 def run(data: Path | None) -> list[Line]:
-    """Peaks of displacement and drift; the single response keeps its histories too."""
+    """Peaks of displacement and drift, then of the damper's stroke alone, which leaves the step itself; the single response
+    keeps its histories too."""
     motion = el_centro()
     building = shear_building([MASS] * STOREYS, [STIFFNESS] * STOREYS, damping_ratio=0.03)
     damper = raminelli_2020.damper()
-    modal = block(building, motion, damper, VOLTAGE, M)
+    kept = (("displacement", "drift"), ("stroke",))
+    modal, step = (block(building, motion, damper, VOLTAGE, M, each) for each in kept)
     with patch("dampyr.structures.lanes.engine.basis_of", lambda _: None):
-        dense = block(building, motion, damper, VOLTAGE, M)
+        dense, dense_step = (block(building, motion, damper, VOLTAGE, M, each) for each in kept)
     single = partial(respond, building, motion, {1: damper}, VOLTAGE, step=motion.dt / M)
     contenders: dict[str, Callable[[], Any]] = {
         "64 lanes, modal": modal.run,
         "64 lanes, dense": dense.run,
+        "64 lanes, modal, stroke only": step.run,
+        "64 lanes, dense, stroke only": dense_step.run,
         "respond, one history": single,
     }
-    steps = dict(zip(contenders, (modal.steps, dense.steps, modal.steps / 64)))
+    steps = dict.fromkeys(contenders, modal.steps) | {"respond, one history": modal.steps / LANES}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # the published damper was calibrated on smaller motions
         errors = _apart(modal.run(), dense.run())
