@@ -83,7 +83,7 @@ def default(field: Field[Any], hint: Any) -> str:
     if isinstance(field.default, bool):
         return str(field.default).lower()
     if quantity is None or not quantity.unit:
-        return f"{field.default}" or "none"
+        return f"{field.default}".removesuffix(".0") or "none"
     return typed(field.default, quantity)
 
 

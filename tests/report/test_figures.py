@@ -32,6 +32,7 @@ FRAGILE = {
     "0 V": report.Fragile(GRID, GRID / 9.0, (GRID / 10.0, GRID / 8.0), ([1.0, 5.0], [0.2, 0.5])),
     "no curve": report.Fragile(GRID, None, None, ([1.0, 5.0], [0.0, 0.0])),
 }
+PLANNED = {"sine": ([0.5, 1.0], [0.01, 0.008]), "random": ([0.3], [0.02])}
 SWEEPS = (
     np.array([[1.0, 2.0, 3.0]] * 3),
     np.array([[0.01, 0.03, 0.02], [0.01, 0.02, 0.03], [0.02, 0.05, np.nan]]),
@@ -51,6 +52,9 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "spectrum": lambda: report.response_spectrum(T[4:], {"2 %": X[4:] + 0.02, "5 %": 0.5 * X[4:] + 0.02}),
     "fragility": lambda: report.fragility_curves(FRAGILE),
     "incremental": lambda: report.incremental_curves(*SWEEPS, {"50 %": SWEEPS[1][1], "84 %": [1.0, np.inf, np.inf]}),
+    "envelope": lambda: report.envelope(GRID, {"0 N": 0.01 / GRID, "500 N": 0.008 / GRID}, PLANNED, ([5.0], [0.01])),
+    "envelope_of_one_kind": lambda: report.envelope(GRID, {"0 N": 0.01 / GRID}, {"sine": ([1.0], [0.008])}),
+    "planned_drive": lambda: report.planned_drive(T, X, 1.0 * (T > 2.0)),
     "theta": lambda: report.theta(X, F, {"x*": (0.0, 0.0)}, (X, F)),
     "phase": lambda: report.phase_portrait(Axis("x", "1"), Axis("z", "1"), {"z": (X, V)}, {"bound": 0.5}),
     "memory": lambda: report.memory([(T, np.exp(-T)), (T[:200], np.cos(9 * T[:200]))], 0.31),
@@ -215,3 +219,19 @@ def test_an_incremental_curve_is_intensity_over_peak_as_it_is() -> None:
     np.testing.assert_array_equal(lines(fig)["50 %"][0], [10.0, 20.0, np.nan])
     np.testing.assert_allclose(lines(fig)["limit"][0], 20.0)
     assert axes.get_xlim() == pytest.approx((0.0, 40.0))
+
+
+def test_an_envelope_is_in_mm_over_hz_and_crosses_out_what_is_refused() -> None:
+    fig = report.envelope(GRID, {"0 N": 0.01 / GRID}, PLANNED, ([5.0], [0.012]))
+    [axes] = fig.axes
+    lines = axes.get_lines()
+    np.testing.assert_allclose(lines[0].get_ydata(), 10.0 / GRID)
+    np.testing.assert_allclose(lines[1].get_xydata(), [[0.5, 10.0], [1.0, 8.0]])
+    assert (lines[-1].get_marker(), lines[-1].get_ydata()[0]) == ("x", 12.0)
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+
+
+def test_a_planned_drive_shows_the_speed_between_its_set_points() -> None:
+    fig = report.planned_drive(T, X, np.ones_like(T))
+    speed = fig.axes[1].get_lines()[0].get_ydata()
+    assert np.abs(speed).max() == pytest.approx(12.0 * np.pi, rel=1e-3)

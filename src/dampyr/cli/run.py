@@ -11,7 +11,7 @@ from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.campaigns import Plan, PlannedTest
+    from dampyr.campaigns import Plan
 
 REFUSED = 2
 
@@ -22,9 +22,16 @@ REFUSED = 2
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where the records go.")
 @click.option("--dry-run", is_flag=True, help="Print the plan and what the rig cannot do; move nothing.")
 @click.option("--seed", type=click.IntRange(0), help="Of the random order, instead of the campaign's.")
+@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page of the plan.")
 @as_json_option
 def command(
-    campaign: Path, rig: Path | None, out: Path | None, dry_run: bool, seed: int | None, as_json: bool
+    campaign: Path,
+    rig: Path | None,
+    out: Path | None,
+    dry_run: bool,
+    seed: int | None,
+    report: Path | None,
+    as_json: bool,
 ) -> int | None:
     """Run CAMPAIGN, a TOML file, on a rig.
 
@@ -33,6 +40,10 @@ def command(
     from dampyr import campaigns
 
     found = campaigns.planned(campaign, rig, seed)
+    if report:
+        from dampyr.report.plan_page import write_plan_page
+
+        write_plan_page(found, report)
     if dry_run:
         _tell(found, as_json)
     for refusal in found.refusals:
@@ -52,24 +63,14 @@ def _tell(found: Plan, as_json: bool) -> None:
     if as_json:
         print_json(_told(found))
         return
-    columns = ["test", "what", "duration", "peak speed", "position", "force", "coil"]
-    units = ["", "", "s", "mm/s", "mm", "N", "V"]
-    print_table(_title(found), columns, [_row(each) for each in found.tests], units, notes=_notes(found))
+    from dampyr.report.plan_page import COLUMNS, UNITS, plan_notes, plan_rows
 
-
-def _row(each: PlannedTest) -> list[Any]:
-    return [each.name, each.words, each.duration, 1e3 * each.peak_speed, 1e3 * each.peak_position, each.peak_force,
-            each.peak_voltage]  # fmt: skip
+    print_table(_title(found), COLUMNS, plan_rows(found), UNITS, notes=plan_notes(found))
 
 
 def _title(found: Plan) -> str:
     minutes = f"{found.duration / 60:.1f} min" if found.duration >= 60 else f"{found.duration:.0f} s"
     return f"{found.campaign.header.name}: {len(found.tests)} tests on {found.rig.name}, {minutes}"
-
-
-def _notes(found: Plan) -> list[str]:
-    own = dict.fromkeys(f"{each.name}: {note}" for each in found.tests for note in each.notes)
-    return [*found.notes, *own]
 
 
 def _told(found: Plan) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text,
 from dampyr.report.figures.building import building_response
 from dampyr.report.figures.calibrated import calibrated
 from dampyr.report.figures.correlation import correlation, strong_pairs
+from dampyr.report.figures.envelope import envelope
 from dampyr.report.figures.fragility import Fragile, fragility_curves
 from dampyr.report.figures.ground_histories import ground_histories
 from dampyr.report.figures.ground_motion import ground_motion
@@ -23,6 +24,7 @@ from dampyr.report.figures.laws import Law, parameters_against_input
 from dampyr.report.figures.loops import loops
 from dampyr.report.figures.memory import memory
 from dampyr.report.figures.phase_portrait import phase_portrait
+from dampyr.report.figures.planned_drive import planned_drive
 from dampyr.report.figures.residual_sizes import residual_sizes
 from dampyr.report.figures.residual_velocity import residual_velocity
 from dampyr.report.figures.response_spectrum import response_spectrum
@@ -53,6 +55,8 @@ __all__ = [
     "Fragile",
     "fragility_curves",
     "incremental_curves",
+    "envelope",
+    "planned_drive",
     "theta",
     "phase_portrait",
     "scores",

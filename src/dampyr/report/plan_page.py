@@ -1,0 +1,107 @@
+"""The page of a plan: what would run, where it lies in what the rig can do, the paths, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+import dampyr
+from dampyr.campaigns import Plan, PlannedTest
+from dampyr.campaigns.check import ROOM
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
+from dampyr.report.figures.envelope import envelope
+from dampyr.report.figures.planned_drive import planned_drive
+from dampyr.report.page import page, write_page
+from dampyr.rig import RigSettings
+
+FORCES = (0.0, 500.0, 1000.0, 1500.0)
+COLUMNS = ("test", "what", "duration", "peak speed", "position", "force", "coil")
+UNITS = ("", "", "s", "mm/s", "mm", "N", "V")
+
+
+def write_plan_page(plan: Plan, path: Path) -> Path:
+    """Write the page."""
+    sections = [Section("What would run", [plan_table(plan), *_notes(plan)])]
+    if plan.refusals:
+        refused: list[Block] = [Verdict("differs", sentence(each)) for each in plan.refusals]
+        sections.insert(0, Section("What the rig cannot do", refused))
+    if moving := [each for each in plan.tests if each.peak_speed > 0]:
+        sections.append(Section("Within what the rig can do", [_envelope(plan.rig, moving)]))
+    sections.append(Section("One test of each kind", [_drive(each) for each in _firsts(plan)]))
+    header = plan.campaign.header
+    told = {"operator": header.operator, "note": header.note, "dampyr": dampyr.__version__}
+    subtitle = f"{len(plan.tests)} tests on {plan.rig.name}, {plan.duration / 60:.1f} min"
+    html = page(header.name, sections, subtitle=subtitle, provenance={k: v for k, v in told.items() if v})
+    return write_page(path, html)
+
+
+def plan_rows(plan: Plan) -> list[list[Cell]]:
+    """The tests in the order in which they run, as people read them; the columns are ``COLUMNS`` in ``UNITS``."""
+    return [
+        [each.name, each.words, each.duration, 1e3 * each.peak_speed, 1e3 * each.peak_position, each.peak_force,
+         each.peak_voltage]
+        for each in plan.tests
+    ]  # fmt: skip
+
+
+def plan_table(plan: Plan) -> Table:
+    """Every test with what it asks of the rig."""
+    return Table(COLUMNS, plan_rows(plan), UNITS, caption="In the order in which they run.", digits=4)
+
+
+def plan_notes(plan: Plan) -> list[str]:
+    """What the expected force rests on, and what the plan says of single tests."""
+    return [*plan.notes, *dict.fromkeys(f"{each.name}: {note}" for each in plan.tests for note in each.notes)]
+
+
+def _notes(plan: Plan) -> list[Block]:
+    notes = plan_notes(plan)
+    return [Text("\n\n".join(map(sentence, notes)))] if notes else []
+
+
+def _envelope(rig: RigSettings, tests: list[PlannedTest]) -> FigureBlock:
+    places = [(each.peak_speed / (2 * np.pi * each.peak_position), each.peak_position) for each in tests]
+    low, high = min(f for f, _ in places), max(f for f, _ in places)
+    frequency = np.geomspace(0.6 * low, 1.6 * high, 200)
+    limits = {f"{force:g} N": largest_amplitude(rig, frequency, force) for force in FORCES}
+    groups: dict[str, list[tuple[float, float]]] = {}
+    of_one_kind = len({each.kind for each in tests}) == 1
+    for each, place in zip(tests, places, strict=True):
+        name = f"{each.peak_voltage:g} V" if of_one_kind else each.kind.replace("_", " ")
+        if not each.refusal:
+            groups.setdefault(name, []).append(place)
+    refused = [place for each, place in zip(tests, places, strict=True) if each.refusal]
+    figure = envelope(frequency, limits, {name: _columns(group) for name, group in groups.items()}, _columns(refused))
+    caption = (
+        "Each test by its farthest position and the frequency at which a sine of that amplitude has its peak speed. The lines "
+        "are the largest sines at a braking force, with the table's friction, the motor's lag and the stroke."
+    )
+    return FigureBlock(figure, caption, alt="Amplitude over frequency: the rig's limits and the tests.")
+
+
+def largest_amplitude(rig: RigSettings, frequency: np.ndarray, force: float) -> np.ndarray:
+    """The amplitude [m] of the largest sine at each frequency [Hz] against a constant braking force [N]."""
+    omega = 2 * np.pi * frequency
+    speed = rig.actuator.free_speed - rig.actuator.droop * (force + rig.table.friction)
+    lagging = np.hypot(1.0, omega * rig.actuator.lag)
+    most = np.minimum(np.maximum(speed, 0.0) / lagging, rig.limits.speed) / omega
+    return np.asarray(np.minimum(most, 0.5 * rig.limits.stroke - ROOM))
+
+
+def _columns(places: list[tuple[float, float]]) -> tuple[list[float], list[float]]:
+    return [f for f, _ in places], [a for _, a in places]
+
+
+def _firsts(plan: Plan) -> list[PlannedTest]:
+    found: dict[str, PlannedTest] = {}
+    for each in plan.tests:
+        if each.drive.reversals is None and each.peak_speed > 0:
+            found.setdefault(each.kind, each)
+    return list(found.values())
+
+
+def _drive(each: PlannedTest) -> FigureBlock:
+    drive = each.drive
+    time = np.arange(drive.n) * drive.period
+    return FigureBlock(planned_drive(time, drive.displacement, drive.voltage), sentence(f"{each.name}: {each.words}"))
