@@ -121,6 +121,7 @@ def test_names_are_unique_and_fit_for_files():
             'rest_betwen = "5 s"\n[[step]]\nkind = "rest"\nduration = 1',
             "rest_betwen is not known; did you mean 'rest_between'",
         ),
+        ('[[steps]]\nkind = "rest"\nduration = 1', "steps is not known; did you mean 'step'"),
         ("[[step]\n", "is no TOML"),
     ],
 )

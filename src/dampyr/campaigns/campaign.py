@@ -20,7 +20,7 @@ from dampyr.campaigns.rows import Row, expanded, read_rows
 from dampyr.campaigns.step import Length, shown, words
 from dampyr.campaigns.steps.quasi_static import QuasiStatic
 from dampyr.errors import DampyrError, FileError, InputError, MissingData
-from dampyr.tables import fill, load_toml, value_of
+from dampyr.tables import fill, load_toml, unknown, value_of
 from dampyr.units import Quantity, round_trip
 
 ORDERS = ("as written", "random")
@@ -107,6 +107,10 @@ def load(path: str | Path, seed: int | None = None) -> Campaign:
 
 def read(told: Mapping[str, Any], beside: str | Path = ".", seed: int | None = None) -> Campaign:
     """The campaign in a table as TOML gives it; files that it names are looked for in the folder ``beside``."""
+    known = [*(field.name for field in fields(Header)), "step"]
+    for name in told:
+        if name not in known:
+            raise InputError(unknown(name, name, known))
     head = {name: value for name, value in told.items() if name != "step"}
     header = fill(Header, head | ({} if seed is None else {"seed": seed}))
     steps = told.get("step")
