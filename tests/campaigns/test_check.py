@@ -84,7 +84,7 @@ def test_a_refusal_says_what_is_needed_what_there_is_and_what_would_do():
         (kind("quasi_static")(0.02, speed=0.2), "speed"),
         (kind("voltage_steps")(0.02, 2.0, voltages=(0.0, 3.0)), "frequency"),
         (kind("random_voltage")(0.01, 0.2, high=9.0), "high"),
-        (kind("reversals")(0.8), "half_period"),
+        (kind("reversals")(1.2), "half_period"),
         (REST(9000.0), "duration"),
     ],
     ids=lambda value: value if isinstance(value, str) else type(value).__name__,
@@ -144,6 +144,17 @@ def test_force_and_speed_have_limits_of_their_own():
     assert finding.words == "reaches 50.27 mm/s, the limit is 40 mm/s"
     assert limits(kind("reversals")(0.2, duty=1.0), fast) == ["speed"]
     assert "may meet, by a conservative envelope," in findings(SINE(0.008, 1.0), rig(limits={"force": 200.0}))[0].words
+
+
+def test_reversals_go_as_far_as_an_unloaded_actuator_does():
+    """The area under the duty of one stroke: half of rise and fall, and all of the pause."""
+    step = kind("reversals")(0.4, duty=0.5, pause=0.1, count=4, period=0.001)
+    x = course(step.drive(RIG), RIG, None).x
+    assert x.max() == pytest.approx(0.5 * 0.078 * (0.2 + 0.1), rel=0.01)
+    assert step.peaks(RIG).position == pytest.approx(0.5 * 0.078 * 0.3)
+    assert x[-1] == pytest.approx(0.0, abs=1e-4)
+    assert limits(kind("reversals")(0.8, pause=0.1)) == ["stroke"]
+    assert limits(kind("reversals")(0.8, pause=0.05)) == []
 
 
 def test_long_tests_are_refused():

@@ -103,6 +103,7 @@ def test_a_test_that_may_warm_the_damper_to_its_limit_says_so():
 def test_the_forty_sines_of_the_dissertation_pass_with_the_default_rig():
     found = planned(EXAMPLES / "campaign.toml")
     assert found.refusals == ()
+    assert plan(found.campaign).refusals == ()  # by the envelope, too
     text = (files("dampyr.records") / "labcontrol_campaign.csv").read_text(encoding="utf-8")
     rows = [row for row in DictReader(text.splitlines()) if row["table"].startswith("4.")]
     assert len(rows) == len(found.tests) == 40

@@ -106,7 +106,8 @@ def test_what_passes_the_check_stays_within_the_limits(name: str, data: st.DataO
     assert drive.voltage.max() <= min(RIG.limits.voltage, DAMPER.range[1]) + 1e-9
     assert drive.voltage.min() >= 0.0
     if drive.reversals is not None:
-        assert step.duty * RIG.actuator.free_speed * step.half_period <= RIG.limits.stroke / 2
+        way = step.duty * RIG.actuator.free_speed * (step.half_period / 2 + step.pause)
+        assert way <= RIG.limits.stroke / 2
         return
     asked = course(drive, RIG, DAMPER)
     force = DAMPER.force(asked.t, asked.x, voltage=drive.voltage, velocity=asked.v)

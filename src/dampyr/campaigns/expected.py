@@ -104,11 +104,12 @@ def envelope(x: Array, v: Array, voltage: Array) -> Array:
 
 
 def _path(drive: Drive, rig: RigSettings) -> tuple[Array, Array]:
-    """The planned path; for timed reversals that of an unloaded actuator about the middle."""
+    """The planned path; for timed reversals that of an unloaded actuator from the middle."""
     timed = drive.reversals
     if timed is None:
         return drive.displacement, drive.voltage
-    speed = timed.duty * rig.actuator.free_speed
-    t = np.arange(drive.n) * drive.period
-    phase = (t / timed.half_period) % 2.0
-    return speed * timed.half_period * (0.5 - np.abs(1.0 - phase)), drive.voltage
+    t, whole = np.arange(drive.n) * drive.period, timed.half_period + timed.pause
+    stroke, since = np.divmod(t, whole)
+    share = np.minimum(2 * np.minimum(since, whole - since) / timed.half_period, 1.0) * (stroke < timed.count)
+    v = np.where(stroke % 2, -1.0, 1.0) * share * timed.duty * rig.actuator.free_speed
+    return np.asarray(np.cumsum(v) * drive.period), drive.voltage

@@ -1,9 +1,10 @@
-r"""Reversals: the motor at a constant duty that changes its sign after every half period; the original rig's excitation.
+r"""Reversals: the motor's duty rises and falls evenly, one way and the other; the original rig's excitation.
 
-.. math:: \dot x \approx \pm d\, v_0 \text{ for } T/2 \text{ each, with a pause between}
+.. math:: \dot x \approx \pm v_0\, d \min\Big(\frac{2 t}{T}, 1, \frac{2 (T + p - t)}{T}\Big) \text{ in each stroke of } T + p
 
-No position is followed: the stroke follows from the force (it falls as the voltage rises) and the middle drifts. Its peaks here
-are those of an unloaded actuator, so that nothing is left to luck. Use it to repeat the original campaign; else use `sine`.
+with the half period T, the pause p at the top and the free speed v_0. No position is followed: the stroke follows from the
+force (it falls as the voltage rises) and the middle drifts. Its peaks here are those of an unloaded actuator, so that nothing
+is left to luck. Use it to repeat the original campaign; else use `sine`.
 """
 
 from __future__ import annotations
@@ -24,10 +25,10 @@ from dampyr.units import Quantity
 class Reversals:
     """Timed reversals of the motor."""
 
-    half_period: Annotated[float, Quantity("s", low=0.02, high=60.0), "from reversal to reversal"]
-    duty: Annotated[float, Quantity("", low=0.0, high=1.0, open_low=True), "of the full voltage"] = 1.0
-    pause: Annotated[float, Quantity("s", low=0.0, high=5.0), "with the motor off, at each reversal"] = 0.05
-    count: Annotated[int, "half periods, an even number"] = 20
+    half_period: Annotated[float, Quantity("s", low=0.02, high=60.0), "of rise and fall together"]
+    duty: Annotated[float, Quantity("", low=0.0, high=1.0, open_low=True), "at the top, of the full voltage"] = 1.0
+    pause: Annotated[float, Quantity("s", low=0.0, high=5.0), "for which it stays at the top"] = 0.05
+    count: Annotated[int, "strokes, one way each"] = 20
     voltage: Annotated[float, Volts, "at the coil"] = 0.0
     rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
     period: Annotated[float, Period, "from set point to set point"] = 0.01
@@ -48,6 +49,6 @@ class Reversals:
         return Drive(self.period, np.zeros(n), np.full(n, self.voltage), reversals=timed)
 
     def peaks(self, rig: RigSettings) -> Peaks:
-        """The way of one half period from the middle at the free speed times the duty, and that speed."""
+        """The way of the first stroke, from the middle, and the free speed times the duty."""
         speed = self.duty * rig.actuator.free_speed
-        return Peaks(speed * self.half_period, speed)
+        return Peaks(speed * (0.5 * self.half_period + self.pause), speed)
