@@ -172,7 +172,8 @@ class Simulator:
         """Volts (channels,) and the count of now, without a clock and without moving it; BoardError as for `read`."""
         self._begin_faults()
         self._hinder(Task(self.time, 1.0))
-        volts = self._volts(Task(self.time, 0.0), self.plant[[plant.Y_CELL]])
+        wrong = self._holding("broken-cell"), self._holding("drifting-cell")
+        volts = self._volts(Task(self.time, 0.0), self.plant[[plant.Y_CELL]], *wrong)
         return volts[:, 0], int(self.numbers[plant.N_SHOWN] + self.numbers[plant.N_NI])
 
     def _hinder(self, task: Task) -> None:
@@ -252,31 +253,31 @@ class Simulator:
         forces, counts = np.empty(wanted), np.empty(wanted, np.int64)
         rows = np.empty(((until // self.constants.per_tick) - (here // self.constants.per_tick), len(plant.TRUTH)))
         self.numbers[plant.N_TAKEN] = 0
+        wrong = self._holding("broken-cell"), self._holding("drifting-cell")
         given = (self.states, self.parameters, self.table, self.static, self.past, self.twin.registers)
         self._kernel(
             until, self.constants, self.plant, self.numbers, self.wrong, *given, start, period, forces, counts, rows
         )
         self.tracks.add(rows)
         if task is not None and wanted:
-            self._keep(task, forces[: self.numbers[plant.N_TAKEN]], counts[: self.numbers[plant.N_TAKEN]])
+            taken = self.numbers[plant.N_TAKEN]
+            self._keep(task, self._volts(task, forces[:taken], *wrong), counts[:taken])
 
     def _due(self, task: Task, until: int) -> int:
         """How many samples of ``task`` fall into the steps up to ``until``, or one more."""
         last = (until * self.constants.dt - task.start) / task.period
         return max(0, int(np.floor(last + 1e-6)) - task.taken)
 
-    def _keep(self, task: Task, forces: Array, counts: NDArray[np.int64]) -> None:
-        """Samples in volts, beside those not read yet."""
-        volts = self._volts(task, forces)
+    def _keep(self, task: Task, volts: Array, counts: NDArray[np.int64]) -> None:
+        """Samples beside those not read yet."""
         task.taken += counts.size
         task.volts = volts if task.volts is None else np.concatenate((task.volts, volts), axis=1)
         task.counts = counts if task.counts is None else np.concatenate((task.counts, counts))
 
-    def _volts(self, task: Task, forces: Array) -> Array:
+    def _volts(self, task: Task, forces: Array, broken: FaultSpec | None, drifting: FaultSpec | None) -> Array:
         """The analogue inputs (channels, n) of samples with the filtered forces given."""
         noisy = forces + self.settings.load_cell.noise * self.noise.standard_normal(forces.size)
         noisy += self._wandering(forces.size, task.period)
-        drifting, broken = self._holding("drifting-cell"), self._holding("broken-cell")
         if drifting is not None:
             time = task.start + (task.taken + 1 + np.arange(forces.size)) * task.period
             noisy += drifting.size * (time - drifting.at)
