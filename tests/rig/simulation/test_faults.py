@@ -76,7 +76,7 @@ def test_a_stuck_encoder_of_the_uno_is_a_following_fault_or_a_stall() -> None:
 def test_a_stuck_encoder_of_the_board_shows_no_motion_and_is_behind_afterwards() -> None:
     made, _, _, counts = moving("stuck-encoder-board@1s for 0.53s")
     assert made.twin.state in (State.FOLLOWING, State.ARMED)
-    assert np.ptp(counts[940:1470]) == 0
+    assert np.ptp(counts[960:1489]) == 0
     true = np.floor(made.plant[plant.Y_X] / 5e-6)
     assert abs(counts[-1] - true) > 50
 

@@ -6,9 +6,7 @@ point. The messages are those of `nidaqmx[grpc]`; errors travel as its client ex
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import grpc
@@ -17,84 +15,19 @@ from nidaqmx._stubs import nidaqmx_pb2 as pb
 from nidaqmx._stubs import nidaqmx_pb2_grpc as service
 from numpy.typing import NDArray
 
-from dampyr.rig.simulation.board import TIMEOUT, WORDS, BoardError
+from dampyr.rig.simulation.board import TIMEOUT, BoardError
+from dampyr.rig.simulation.daqmx_identity import NO_CHANNEL, Identity, TaskHere
 from dampyr.rig.simulation.keeper import Keeper
 from dampyr.rig.simulation.timed_command import TimedCommand
 
-PRODUCT, SERIAL = "PCI-6221", 0x01A2B3C4
 DO_NOT_REGENERATE = 10158
 X4, METERS, TICKS = 10092, 10219, 10304
-CHANNEL_SAYS = {
-    pb.CHANNEL_ATTRIBUTE_CHAN_TYPE: {"ai": 10100, "ao": 10102, "ci": 10131},
-    pb.CHANNEL_ATTRIBUTE_AI_MEAS_TYPE: {"ai": 10322},
-    pb.CHANNEL_ATTRIBUTE_CI_MEAS_TYPE: {"ci": 10361},
-    pb.CHANNEL_ATTRIBUTE_AO_OUTPUT_TYPE: {"ao": 10322},
-}  # NI-DAQmx's numbers for analogue input and output, counter input, voltage and linear encoder
 ALL = -1  # samples: all that there are
-NO_CHANNEL, NO_TASK, UNSUPPORTED, NO_DEVICE = -200170, -200088, -200077, -200220
-MORE_WORDS = WORDS | {
-    NO_CHANNEL: "physical channel specified does not exist on this device",
-    NO_TASK: "task specified is invalid or does not exist",
-    NO_DEVICE: "device identifier is invalid",
-}
+UNSUPPORTED = -200077
 
 
-@dataclass
-class TaskHere:
-    """A task: its kind ("ai", "ci" or "ao"), its channels, its clock, and what it was asked for."""
-
-    kind: str = ""
-    channels: list[str] = field(default_factory=list)
-    rate: float = 0.0
-    running: bool = False
-    pulse: float = 1.0
-    initial: float = 0.0
-    most: float = 10.0
-    rows: list[NDArray[Any]] = field(default_factory=list)
-
-    def take(self, n: int) -> NDArray[Any]:
-        """The next ``n`` samples (channels, n) of those that are here."""
-        whole = np.concatenate(self.rows, axis=1)
-        self.rows = [whole[:, n:]]
-        return whole[:, :n]
-
-    @property
-    def waiting(self) -> int:
-        """How many samples are here."""
-        return sum(rows.shape[1] for rows in self.rows)
-
-
-class Board(service.NiDAQmxServicer):
+class Board(Identity):
     """The simulated PCI-6221 of a :class:`~dampyr.rig.simulation.keeper.Keeper`."""
-
-    def __init__(self, keeper: Keeper) -> None:
-        self.keeper, self.settings = keeper, keeper.rig.settings
-        self.tasks: dict[str, TaskHere] = {}
-        self.made = 0
-
-    @contextmanager
-    def told(
-        self, context: grpc.ServicerContext, name: str = "", counted: Sequence[tuple[str, str]] = ()
-    ) -> Iterator[TaskHere]:
-        """Hold the rig for one call; an error of the board becomes the status that the client knows."""
-        code, words = 0, ""
-        try:
-            with self.keeper.holding():
-                if name and name not in self.tasks:
-                    raise KeyError(NO_TASK)
-                yield self.tasks.get(name, TaskHere())
-        except BoardError as problem:
-            code = problem.code
-        except KeyError as problem:
-            code = int(problem.args[0])
-        except NotImplementedError as problem:
-            words = str(problem)
-        if words:
-            context.abort(grpc.StatusCode.UNIMPLEMENTED, words)
-        if code:
-            self.keeper.tell(f"board error {code}")
-            context.set_trailing_metadata((("ni-error", str(code)), *counted))
-            context.abort(grpc.StatusCode.UNKNOWN, MORE_WORDS[code])
 
     # tasks
 
@@ -297,80 +230,6 @@ class Board(service.NiDAQmxServicer):
             raise BoardError(UNSUPPORTED)
         return volts
 
-    # what it is
-
-    def GetDeviceAttributeString(self, request: Any, context: Any) -> Any:
-        with self.told(context):
-            self._check_device(request.device_name)
-            if request.attribute_raw != pb.DEVICE_ATTRIBUTE_PRODUCT_TYPE:
-                raise NotImplementedError("the simulated board says its product type and serial number only")
-        return pb.GetDeviceAttributeStringResponse(value=PRODUCT)
-
-    def GetDeviceAttributeUInt32(self, request: Any, context: Any) -> Any:
-        with self.told(context):
-            self._check_device(request.device_name)
-            if request.attribute_raw != pb.DEVICE_ATTRIBUTE_SERIAL_NUM:
-                raise NotImplementedError("the simulated board says its product type and serial number only")
-        return pb.GetDeviceAttributeUInt32Response(value=SERIAL)
-
-    def GetDeviceAttributeBool(self, request: Any, context: Any) -> Any:
-        with self.told(context):
-            self._check_device(request.device_name)
-            if request.attribute_raw != pb.DEVICE_ATTRIBUTE_IS_SIMULATED:
-                raise NotImplementedError("the simulated board says only that it is simulated")
-        return pb.GetDeviceAttributeBoolResponse(value=True)
-
-    def _check_device(self, name: str) -> None:
-        if name.lower() != self.settings.wires.board.lower():
-            raise KeyError(NO_DEVICE)
-
-    def GetSystemInfoAttributeString(self, request: Any, context: Any) -> Any:
-        with self.told(context):
-            if request.attribute_raw != pb.SYSTEM_ATTRIBUTE_DEV_NAMES:
-                raise NotImplementedError("the simulated system says its devices' names and its version only")
-        return pb.GetSystemInfoAttributeStringResponse(value=self.settings.wires.board)
-
-    def GetSystemInfoAttributeUInt32(self, request: Any, context: Any) -> Any:
-        versions = {
-            pb.SYSTEM_ATTRIBUTE_NIDAQ_MAJOR_VERSION: 24,
-            pb.SYSTEM_ATTRIBUTE_NIDAQ_MINOR_VERSION: 0,
-            pb.SYSTEM_ATTRIBUTE_NIDAQ_UPDATE_VERSION: 0,
-        }
-        with self.told(context):
-            if request.attribute_raw not in versions:
-                raise NotImplementedError("the simulated system says its devices' names and its version only")
-        return pb.GetSystemInfoAttributeUInt32Response(value=versions[request.attribute_raw])
-
-    def GetTaskAttributeString(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
-            said = {
-                pb.TASK_ATTRIBUTE_NAME: request.task.name,
-                pb.TASK_ATTRIBUTE_CHANNELS: ", ".join(task.channels),
-                pb.TASK_ATTRIBUTE_DEVICES: self.settings.wires.board,
-            }
-            if request.attribute_raw not in said:
-                raise NotImplementedError("the simulated board says its tasks' names, channels and devices only")
-        return pb.GetTaskAttributeStringResponse(value=said[request.attribute_raw])
-
-    def GetTaskAttributeUInt32(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
-            if request.attribute_raw != pb.TASK_ATTRIBUTE_NUM_CHANS:
-                raise NotImplementedError("the simulated board says the number of its tasks' channels only")
-        return pb.GetTaskAttributeUInt32Response(value=len(task.channels))
-
-    def GetChanAttributeInt32(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
-            if request.attribute_raw not in CHANNEL_SAYS:
-                raise NotImplementedError("the simulated board says only what kind of channel one is")
-            value = CHANNEL_SAYS[request.attribute_raw][task.kind]
-        return pb.GetChanAttributeInt32Response(value_raw=value)
-
-    def GetErrorString(self, request: Any, context: Any) -> Any:
-        return pb.GetErrorStringResponse(error_string=MORE_WORDS.get(request.error_code, ""))
-
-    def GetExtendedErrorInfo(self, request: Any, context: Any) -> Any:
-        return pb.GetExtendedErrorInfoResponse(error_string="")
-
 
 def _session(name: str) -> Any:
     from session_pb2 import Session
@@ -389,12 +248,16 @@ class _Single(NamedTuple):
 class Refusing(grpc.ServerInterceptor):
     """Refuse the calls that `Board` does not answer with a sentence."""
 
+    def __init__(self, keeper: Keeper) -> None:
+        self.keeper = keeper
+
     def intercept_service(self, continuation: Callable[..., Any], details: Any) -> Any:
         name = details.method.rpartition("/")[2]
-        if name in vars(Board):
+        if any(name in vars(cls) for cls in (Board, Identity)):
             return continuation(details)
 
         def refuse(request: Any, context: grpc.ServicerContext) -> None:
+            self.keeper.tell(f"refused {name}")
             context.abort(grpc.StatusCode.UNIMPLEMENTED, f"the simulated board does not answer {name}")
 
         return grpc.unary_unary_rpc_method_handler(refuse)
@@ -404,7 +267,7 @@ def serve(keeper: Keeper) -> tuple[grpc.Server, int]:
     """Serve the board on the loopback: the running server and its port."""
     from concurrent.futures import ThreadPoolExecutor
 
-    server = grpc.server(ThreadPoolExecutor(2), interceptors=(Refusing(),))
+    server = grpc.server(ThreadPoolExecutor(2), interceptors=(Refusing(keeper),))
     service.add_NiDAQmxServicer_to_server(Board(keeper), server)
     port = server.add_insecure_port("127.0.0.1:0")
     server.start()

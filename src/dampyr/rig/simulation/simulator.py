@@ -160,7 +160,8 @@ class Simulator:
         if n < 1:
             raise InputError(f"n = {n} samples; read at least 1")
         done = task.taken - self.waiting
-        self.advance_to(task.start + (done + n) * task.period)
+        patience = self.time + n * task.period if self._holding("board-timeout") else 0.0
+        self.advance_to(max(task.start + (done + n) * task.period, patience))
         self._hinder(task)
         assert task.volts is not None
         assert task.counts is not None
