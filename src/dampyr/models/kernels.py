@@ -27,6 +27,7 @@ from dampyr.models import quick
 from dampyr.models.composition import Composition, namespace_of
 
 BOUND = ("advance", "force", "slopes", "columns", "spread", "walk")
+MORE = ("decide",)
 QUICK = ("quick_exp", "quick_tanh")
 KEPT_SECONDS = 30 * 86400.0
 FAST = {"contract", "nsz", "arcp"}
@@ -117,13 +118,15 @@ def _cache_class() -> Any:
 
 
 @lru_cache(maxsize=256)
-def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...]) -> Any:
+def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more: str = "") -> Any:
     """``driver`` compiled with the functions of ``compositions`` in the place of the names in `BOUND`.
 
-    ``site`` in the driver's calls says which of the compositions is meant. Functions of the driver's own module that it
-    calls are bound with it.
+    ``site`` in the driver's calls says which of the compositions is meant. Functions that it calls are bound with it where they
+    stand in its own module or in one that its module names in ``BOUND_WITH``. ``more`` is the text of further functions, of
+    which ``decide`` is given to the driver too.
     """
     text, names = namespace_of(compositions)
+    text = f"{text}\n\n{more}" if more else text
     names.update((name, getattr(math, name)) for name in _MATH)
     names.update((name, _without_calls(name)) for name in QUICK)
     exec(compile(text, f"<{' | '.join(map(str, compositions))}>", "exec"), names)
@@ -131,7 +134,7 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...]) -> A
         if isinstance(value, FunctionType):
             names[name] = jit(value)
     key = hashlib.sha256(text.encode()).hexdigest()[:16]
-    return _rebound(driver, {name: names[name] for name in BOUND}, key, {}, keep=True)
+    return _rebound(driver, {name: names[name] for name in (*BOUND, *MORE) if name in names}, key, {}, keep=True)
 
 
 @lru_cache(maxsize=8)
@@ -144,9 +147,10 @@ def _rebound(function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any
     if function in done:
         return done[function]
     names = {**function.__globals__, **bound}
+    rooms = (function.__module__, *names.get("BOUND_WITH", ()))
     for name in function.__code__.co_names:
         called = names.get(name)
-        if isinstance(called, FunctionType) and called.__module__ == function.__module__:
+        if isinstance(called, FunctionType) and called.__module__ in rooms:
             names[name] = _rebound(called, bound, key, done)
     copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
     copy.__qualname__ = f"{function.__module__}.{function.__qualname__}.{key}"
