@@ -24,7 +24,7 @@ def member(package: str, name: str) -> ModuleType:
     if name not in known:
         close = get_close_matches(name, known, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
-        shelf = package.rpartition(".")[2].replace("_", " ")
+        shelf = getattr(import_module(package), "MEMBERS", package.rpartition(".")[2].replace("_", " "))
         raise InputError(f"{name!r} is not among the {shelf}; {hint}choose from {', '.join(known)}")
     return import_module(f"{package}.{name}")
 

@@ -3,7 +3,8 @@
 ``respond(building, motion, dampers={storey: damper}, voltage=...)`` marches a building through a ground
 motion; a damper stands in a storey or between any two floors, ``{(0, 2): damper}``. ``two_storey()`` is the
 building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
-``condense`` make others, ``state_space`` writes one as matrices. ``ensemble`` runs the outer product of buildings,
+``condense`` make others, ``state_space`` writes one as matrices. ``control_law`` names what may set an input in the place of
+a number. ``ensemble`` runs the outer product of buildings,
 dampers, inputs, motions and scales, and keeps the peaks; ``fragility`` and ``incremental`` read them, ``write_part`` and
 ``collect`` cut the work for a batch system.
 """
@@ -11,6 +12,7 @@ dampers, inputs, motions and scales, and keeps the peaks; ``fragility`` and ``in
 from dampyr.structures.building import Building
 from dampyr.structures.cases import cases as ensemble_cases
 from dampyr.structures.condensation import Condensed, condense
+from dampyr.structures.control_law import control_law, control_laws
 from dampyr.structures.ensemble import ensemble
 from dampyr.structures.fragility import Curve, Fragility, fragility
 from dampyr.structures.incremental import Incremental, Sweep, incremental
@@ -35,6 +37,8 @@ __all__ = [
     "condense",
     "Condensed",
     "respond",
+    "control_law",
+    "control_laws",
     "ensemble",
     "ensemble_cases",
     "read_ensemble",

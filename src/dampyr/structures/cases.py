@@ -19,6 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
+from dampyr.structures.connection import row
+from dampyr.structures.control_law import gains, is_control_law, parts, spelled
 from dampyr.structures.lanes.gpu import missing
 from dampyr.structures.lanes.text import QUANTITIES
 from dampyr.structures.placement import Site, place
@@ -35,7 +37,7 @@ class Cases:
 
     buildings: tuple[Building, ...]
     placements: tuple[Mapping[Any, Any], ...]
-    inputs: tuple[float | None, ...]
+    inputs: tuple[Any, ...]  # each a number, a control law, or None
     motions: tuple[GroundMotion, ...]
     scales: Array
     kind: str = "voltage"
@@ -100,7 +102,7 @@ class Cases:
         parts = [
             [(b.M, b.C, b.K, b.influence) for b in self.buildings],
             [_plain(p) for p in self.placements],
-            self.inputs,
+            tuple(spelled(u) if is_control_law(u) else u for u in self.inputs),
             [(m.acceleration, m.dt) for m in self.motions],
             self.scales,
             (self.kind, self.accuracy, self.quantities, self.precision, self.device),
@@ -123,9 +125,9 @@ def cases(
     buildings: Building | Sequence[Building],
     motions: GroundMotion | Sequence[GroundMotion],
     dampers: Any = None,
-    voltages: ArrayLike | None = None,
+    voltages: Any = None,
     scales: ArrayLike = 1.0,
-    currents: ArrayLike | None = None,
+    currents: Any = None,
     accuracy: str = "fast",
     quantities: Sequence[str] = QUANTITIES,
     precision: int = 64,
@@ -140,7 +142,7 @@ def cases(
     found = Cases(
         _several("buildings", buildings, Building),
         tuple(_placement(entry) for entry in _list(dampers)),
-        (None,) if inputs is None else _numbers(kind + "s", inputs),
+        (None,) if inputs is None else _inputs(kind + "s", inputs),
         _several("motions", motions, GroundMotion),
         np.array(_numbers("scales", scales)),
         kind,
@@ -159,6 +161,9 @@ def _check(found: Cases) -> None:
         raise InputError(f"accuracy = {found.accuracy!r} is not allowed; write 'fast' or 'strict'")
     if found.device not in ("cpu", "gpu"):
         raise InputError(f"device = {found.device!r} is not allowed; write 'cpu' or 'gpu'")
+    laws = [u for u in found.inputs if is_control_law(u)]
+    if found.device == "gpu" and laws:
+        raise InputError("device = 'gpu' runs constant inputs only; run control laws with device = 'cpu'")
     if found.device == "gpu" and (why := missing()):
         raise InputError(f"device = 'gpu': {why}")
     if found.precision not in (32, 64):
@@ -169,6 +174,17 @@ def _check(found: Cases) -> None:
                 len(found.inputs) if b == 0 else 1
             ):  # an input's range is the damper's, whatever the building
                 found.sites_of(b, d, u)
+    for law in laws:
+        for building in found.buildings:
+            _check_law(law, building, found)
+
+
+def _check_law(law: Any, building: Building, found: Cases) -> None:
+    """A law must find its gains wherever a damper stands, and decide at the ends of steps of every motion."""
+    for where in {each for placement in found.placements for each, _ in _dampers_of(placement)}:
+        gains(law, building, row(building, where))
+    for dt in {motion.dt for motion in found.motions}:
+        parts((law,), dt)
 
 
 def _list(dampers: Any) -> list[Any]:
@@ -193,6 +209,14 @@ def _several(name: str, given: Any, kind: type) -> tuple[Any, ...]:
         what = f"holds a {type(wrong).__name__}" if listed else "is empty"
         raise InputError(f"{name} {what}; give one {kind.__name__} or a list of them")
     return listed
+
+
+def _inputs(name: str, given: Any) -> tuple[Any, ...]:
+    """Numbers and control laws, one or a list, in their order."""
+    listed = list(given) if isinstance(given, list | tuple) else [given]
+    if not any(is_control_law(each) for each in listed):
+        return _numbers(name, given)
+    return tuple(u for each in listed for u in ((each,) if is_control_law(each) else _numbers(name, each)))
 
 
 def _numbers(name: str, given: ArrayLike) -> tuple[float, ...]:

@@ -49,10 +49,10 @@ def evaluate(states: Any, work: Any, start: Any, y: Any, h: float, params: Any, 
         s, p = work[d], params[d]
         put(states[d], s, 0)
         xh, vh, x1, v1 = y[d], y[n + d], y[3 * n + d], y[4 * n + d]
-        along(d, s, start[d], xh, start[n + d], vh, 0.5 * h, p, k[d])
-        raw[d] = force(d, s, xh, vh, y[2 * n + d], p)
-        along(d, s, xh, x1, vh, v1, 0.5 * h, p, k[n + d])
-        raw[n + d] = force(d, s, x1, v1, y[5 * n + d], p)
+        along(d, s, start[d], xh, start[n + d], vh, 0.5 * h, p[0], k[d])
+        raw[d] = force(d, s, xh, vh, y[2 * n + d], p[1])
+        along(d, s, xh, x1, vh, v1, 0.5 * h, p[2], k[n + d])
+        raw[n + d] = force(d, s, x1, v1, y[5 * n + d], p[3])
 
 
 def correct(unknown: Any, raw: Any, k: Any, inertance: Any, delays: Any, g: Any, jacobian: Any, residual: Any) -> None:
@@ -129,9 +129,10 @@ def store(i: int, at: Any, work: Any, out: Any) -> None:
 def prepare(sites: Any, w: Any, first: Any, h: float, out: Any) -> None:
     """Forces and slopes at rest, and the mass that each damper adds between its ends."""
     for d in range(sites.delays.shape[0]):
-        w.rest[d] = force(d, sites.states[d], 0.0, 0.0, 0.0, sites.params[d])
-        sites.inertance[d] = force(d, sites.states[d], 0.0, 0.0, 1.0, sites.params[d]) - w.rest[d]
-        fx, fv = slopes(d, sites.states[d], 0.0, 0.0, 0.0, 0.0, h, sites.params[d])
+        p = sites.params[d, 3]
+        w.rest[d] = force(d, sites.states[d], 0.0, 0.0, 0.0, p)
+        sites.inertance[d] = force(d, sites.states[d], 0.0, 0.0, 1.0, p) - w.rest[d]
+        fx, fv = slopes(d, sites.states[d], 0.0, 0.0, 0.0, 0.0, h, p)
         out.rest_slopes[d, 0], out.rest_slopes[d, 1] = fx, fv
         first.f[d] = w.rest[d]
         sites.ring[d, 0] = w.rest[d]

@@ -31,11 +31,11 @@ def ensemble(
     buildings: Building | Sequence[Building],
     motions: GroundMotion | Sequence[GroundMotion],
     dampers: Any = None,
-    voltages: ArrayLike | None = None,
+    voltages: Any = None,
     scales: ArrayLike = 1.0,
     executor: Executor | None = None,
     *,
-    currents: ArrayLike | None = None,
+    currents: Any = None,
     accuracy: str = "fast",
     quantities: Sequence[str] = QUANTITIES,
     precision: int = 64,
@@ -51,7 +51,8 @@ def ensemble(
     buildings, motions : one or a list.
     dampers : a damper (it stands in storey 1), a placement ``{storey: damper or list}``, None for the bare building, or a
         list of these; ``damper.draws(n, seed)`` is such a list.
-    voltages, currents : constant inputs, one or a list [V], [A].
+    voltages, currents : the inputs, one or a list: numbers [V], [A], which are constant, and control laws
+        (:func:`~dampyr.structures.control_law.control_law`), whose cases run one by one. ``input_name`` tells them apart.
     scales : factors of the motions, one or a list.
     executor : anything with ``submit`` of :class:`concurrent.futures.Executor`; default: one thread per core (the kernels
         need no lock). The numbers are the same to the last bit, whoever runs them.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -14,10 +14,12 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, sa
 from dampyr.structures.building import Building
 from dampyr.structures.cases import AXES, Cases
+from dampyr.structures.control_law import is_control_law, told
 
 Array = NDArray[np.float64]
 BARE = "no damper"
 SA_DAMPING = 0.05
+UNIT_OF = {"voltage": "V", "current": "A"}
 UNITS = {"displacement": "m", "drift": "m", "acceleration": "m/s^2", "force": "N", "stroke": "m", "energy": "J"}
 ALONG = {
     "displacement": "floor",
@@ -32,7 +34,8 @@ ALONG = {
 @dataclass(frozen=True, eq=False)
 class Labels:
     """What stands along each axis. ``sa`` is the pseudo-acceleration (building, motion) [m/s2] of each unscaled motion at the
-    building's first ``period`` [s] and 5 % damping, ``pga`` (motion,) its peak [m/s2]."""
+    building's first ``period`` [s] and 5 % damping, ``pga`` (motion,) its peak [m/s2]. ``inputs`` are NaN where there is no
+    constant one, ``input_name`` says in words what there is."""
 
     building: list[str]
     damper: list[str]
@@ -43,6 +46,7 @@ class Labels:
     period: list[float]
     pga: list[float]
     sa: list[list[float]]
+    input_name: list[str] = field(default_factory=list)
 
     @classmethod
     def of(cls, what: Cases) -> Labels:
@@ -51,13 +55,14 @@ class Labels:
         return cls(
             [building.name for building in what.buildings],
             _damper_names(what.placements),
-            [float("nan") if u is None else u for u in what.inputs],
+            [u if isinstance(u, float) else float("nan") for u in what.inputs],
             [motion.name for motion in what.motions],
             what.scales.tolist(),
             what.kind,
             periods,
             [motion.pga for motion in what.motions],
             [[_sa(motion, period) for motion in what.motions] for period in periods],
+            [_input_name(u, UNIT_OF[what.kind]) for u in what.inputs],
         )
 
     @property
@@ -67,7 +72,7 @@ class Labels:
 
     def text(self) -> str:
         """As JSON, for a file; floats come back to the last bit."""
-        return json.dumps({field.name: getattr(self, field.name) for field in fields(self)})
+        return json.dumps({each.name: getattr(self, each.name) for each in fields(self)})
 
     @classmethod
     def read(cls, text: str) -> Labels:
@@ -97,7 +102,8 @@ class Labels:
             "building_name": ("building", self.building),
             "period": ("building", np.array(self.period), {"units": "s"}),
             "damper_name": ("damper", self.damper),
-            "input": ("input", np.array(self.inputs), {"units": "V" if self.kind == "voltage" else "A"}),
+            "input": ("input", np.array(self.inputs), {"units": UNIT_OF[self.kind]}),
+            "input_name": ("input", self.input_name or [_input_name(u, UNIT_OF[self.kind]) for u in self.inputs]),
             "motion_name": ("motion", self.motion),
             "pga": ("motion", np.array(self.pga), acceleration),
             "sa": (("building", "motion"), np.array(self.sa), acceleration | {"damping": SA_DAMPING}),
@@ -117,6 +123,13 @@ def _sa(motion: GroundMotion, period: float) -> float:
         return sa(motion, period, SA_DAMPING)
     except InputError:
         return float("nan")
+
+
+def _input_name(u: Any, unit: str) -> str:
+    """A number with its unit, a law in words, nothing for the bare building."""
+    if is_control_law(u):
+        return told(u, unit)
+    return "" if u is None or u != u else f"{u:g} {unit}"
 
 
 def _damper_names(placements: tuple[Mapping[Any, Any], ...]) -> list[str]:

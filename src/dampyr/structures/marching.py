@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.bare import march_bare
 from dampyr.structures.building import Building
-from dampyr.structures.placement import Site
+from dampyr.structures.control_law import gains, source
+from dampyr.structures.placement import Site, laws_of
 from dampyr.structures.propagator import propagator, system
 from dampyr.structures.workspace import Linear, Output, Sites, output, scratch
 
@@ -34,23 +36,55 @@ class Run:
 
 
 def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
-    """A function of the steps per sample that marches once."""
+    """A function of the steps per sample that marches once; of the motion times ``scale`` where that is given."""
     if not sites:
-        return lambda m: Run(march_bare(building, motion, m), motion.dt / m)
+        return lambda m, scale=1.0: Run(march_bare(building, motion.scaled(scale), m), motion.dt / m)
+    kernel = _governed(building, sites) if laws_of(sites) else _constant(sites)
+    linear = lru_cache(maxsize=2)(lambda step: _linear(building, sites, step))
+
+    def run(m: int, samples: int | None = None, start: float = 0.0, scale: float = 1.0) -> Run:
+        """``start`` is where between the least and the greatest input of its law each damper is at first."""
+        ag = motion.acceleration[:samples] * scale
+        step = motion.dt / m
+        out = output(len(ag), building.n, len(sites))
+        memory = _memory(sites, step, start)
+        kernel(ag, m, step, linear(step), memory, scratch(building.n, memory.states), out)
+        _check_bounded(out, motion)
+        return Run(out, step)
+
+    return run
+
+
+def _constant(sites: tuple[Site, ...]) -> Any:
+    """The march at constant inputs."""
     from dampyr.models.kernels import bind
     from dampyr.structures.coupling import march
 
     kernel = bind(march, tuple(site.composition for site in sites))
 
-    def run(m: int, samples: int | None = None) -> Run:
-        ag = motion.acceleration[:samples]
-        step = motion.dt / m
-        out = output(len(ag), building.n, len(sites))
-        memory = _memory(sites, step)
-        linear, work = _linear(building, sites, step), scratch(building.n, memory.states)
+    def run(ag: Array, m: int, step: float, linear: Linear, memory: Sites, work: Any, out: Output) -> None:
+        out.input[:] = [site.input_value for site in sites]
         kernel(ag, m, step, FORCES_TO, linear, memory, work, out)
-        _check_bounded(out, motion)
-        return Run(out, step)
+
+    return run
+
+
+def _governed(building: Building, sites: tuple[Site, ...]) -> Any:
+    """The march where at least one input is set by a law."""
+    from dampyr.models.kernels import bind
+    from dampyr.structures.governing import check_reached, control
+    from dampyr.structures.sampled import march
+
+    text, kinds = source(tuple(site.law for site in sites))
+    kernel = bind(march, tuple(site.composition for site in sites), text)
+    rows = connections(building, sites)
+    nothing = np.zeros(2 * building.n + 1)
+    told = np.array([gains(s.law, building, row) if s.law else nothing for s, row in zip(sites, rows, strict=True)])
+
+    def run(ag: Array, m: int, step: float, linear: Linear, memory: Sites, work: Any, out: Output) -> None:
+        governors = control(sites, kinds, told, step)
+        kernel(ag, m, step, FORCES_TO, linear, memory, governors, work, out)
+        check_reached(sites, governors)
 
     return run
 
@@ -66,13 +100,13 @@ def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
     return Linear(exact.half, exact.whole, exact.known, exact.unknown, acceleration, damping, pull, by_storey, rows)
 
 
-def _memory(sites: tuple[Site, ...], step: float) -> Sites:
+def _memory(sites: tuple[Site, ...], step: float, start: float = 0.0) -> Sites:
     """Parameters, states and past of the dampers at the start."""
     width = max([1, *(len(site.values) for site in sites)])
     depth = max([1, *(site.composition.n_states for site in sites)])
-    params, states = np.zeros((len(sites), width)), np.zeros((len(sites), depth))
+    params, states = np.zeros((len(sites), 4, width)), np.zeros((len(sites), depth))
     for d, site in enumerate(sites):
-        params[d, : len(site.values)] = site.values
+        params[d, :, : len(site.values)] = site.values if start == 0.0 or site.law is None else site.between(start)
         states[d, : site.composition.n_states] = site.composition.state0
     delays = np.array([site.delay / step for site in sites], dtype=float)
     nodes = 2 * math.ceil(max([0.0, *delays])) + 6

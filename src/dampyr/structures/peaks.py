@@ -76,8 +76,8 @@ def _name(dataset: Any, by: Sequence[str], b: list[int], d: Any, u: Any) -> str:
         return ", ".join([*words, BARE])
     if "damper" in by and np.sum(np.asarray(dataset.damper_name.values).astype(str) != BARE) > 1:
         words.append(str(dataset.damper_name.values[d[0]]))
-    if "input" in by and np.isfinite(dataset.input.values[u[0]]):
-        words.append(f"{dataset.input.values[u[0]]:g} {dataset.input.attrs['units']}")
+    if "input" in by and (name := str(dataset.input_name.values[u[0]])):
+        words.append(name)
     return ", ".join(words) or "all cases"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -10,18 +11,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
+from dampyr.errors import ExtrapolationWarning, InputError
 from dampyr.models.damper import INPUTS
 from dampyr.structures.building import Building
 from dampyr.structures.connection import normal, told
+from dampyr.structures.control_law import is_control_law, values_at
 
 Array = NDArray[np.float64]
 SHORTEST_DELAY = 2e-5
+LEVELS = 9  # inputs of a law at which its damper's slopes are looked at
 
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """One damper in a storey, or between any two floors (then ``storey`` is 0), at one input."""
+    """One damper in a storey, or between any two floors (then ``storey`` is 0), at one input, or at the least of a ``law``."""
 
     storey: int
     damper: Any
@@ -29,6 +32,7 @@ class Site:
     values: Array
     delay: float
     floors: tuple[int, int] | None = None
+    law: Any = None
 
     @property
     def place(self) -> int | tuple[int, int]:
@@ -40,6 +44,13 @@ class Site:
         """What the kernel compiles."""
         return self.damper.composition
 
+    def between(self, part: float) -> Array:
+        """The parameters at ``part`` of the way from the least input of the law to the greatest."""
+        u = self.law.low + part * (self.law.high - self.law.low)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ExtrapolationWarning)  # warned of when the site was made
+            return np.asarray(self.damper.values(u, static=False, allow_extrapolation=True))
+
 
 def place(
     building: Building,
@@ -48,10 +59,10 @@ def place(
     current: Any,
     allow_extrapolation: bool,
 ) -> tuple[Site, ...]:
-    """The sites of ``dampers``, a mapping from place to a damper or a list of them, at a constant input.
+    """The sites of ``dampers``, a mapping from place to a damper or a list of them, at a constant input or under a law.
 
     A place is a storey, or two floors by label or count (see :mod:`dampyr.structures.connection`).
-    ``voltage`` [V] or ``current`` [A] is one number for all or a mapping from place to number. The static
+    ``voltage`` [V] or ``current`` [A] is one number or law for all or a mapping from place to these. The static
     force of a damper is left out: a building is at rest in its equilibrium with it.
     """
     if voltage is not None and current is not None:
@@ -68,6 +79,11 @@ def place(
             sites.append(_site(there, damper, voltage, current, allow_extrapolation))
     _check_places(voltage if current is None else current, sites)
     return tuple(sites)
+
+
+def laws_of(sites: tuple[Site, ...]) -> list[Any]:
+    """The control laws of sites that have one."""
+    return [site.law for site in sites if site.law is not None]
 
 
 def _by_place(building: Building, value: Any) -> Any:
@@ -90,7 +106,11 @@ def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolati
                 f"the place {told(there)} holds a {type(damper).__name__}; put a dampyr.models.Damper there"
             )
     u = _input(there, damper, voltage, current)
-    values = damper.values(u, static=False, allow_extrapolation=allow_extrapolation)
+    law = u if is_control_law(u) else None
+    if law is None:
+        values = damper.values(u, static=False, allow_extrapolation=allow_extrapolation)
+    else:
+        values = values_at(law, damper, allow_extrapolation)[0]
     where = damper.composition.delay
     delay = 0.0 if where is None else float(values[where])
     if 0 < delay < SHORTEST_DELAY:
@@ -99,10 +119,11 @@ def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolati
             f"{SHORTEST_DELAY:g} s that can be resolved; set it to 0"
         )
     storey, floors = (there, None) if isinstance(there, int) else (0, there)
-    return Site(storey, damper, u, np.array(values, dtype=float), delay, floors)
+    return Site(storey, damper, u if law is None else None, np.array(values, dtype=float), delay, floors, law)
 
 
-def _input(there: Any, damper: Any, voltage: Any, current: Any) -> float:
+def _input(there: Any, damper: Any, voltage: Any, current: Any) -> Any:
+    """The constant input of a damper, or its law."""
     kind = getattr(damper, "input", "V")
     given = {"V": voltage, "A": current}
     value, other = given[kind], given["A" if kind == "V" else "V"]
@@ -117,8 +138,13 @@ def _input(there: Any, damper: Any, voltage: Any, current: Any) -> float:
         raise InputError(
             f"the damper {told(there)} has no {INPUTS[kind]}; write {INPUTS[kind]}=, a number in {kind} (0 is one)"
         )
+    if is_control_law(value):
+        return value
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
-        raise InputError(f"{INPUTS[kind]} = {value!r} {told(there)} is not a finite number; write a constant in {kind}")
+        raise InputError(
+            f"{INPUTS[kind]} = {value!r} {told(there)} is not a finite number; write a constant in {kind}, or a "
+            'control law, such as control_law("on_off", high=...)'
+        )
     return float(value)
 
 

@@ -20,8 +20,10 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.structures.bare import largest
 from dampyr.structures.building import Building
 from dampyr.structures.connection import label, told
+from dampyr.structures.control_law import lag_of, parts
+from dampyr.structures.control_law import told as told_law
 from dampyr.structures.marching import Run, connections, drifts, runner
-from dampyr.structures.placement import Site, place
+from dampyr.structures.placement import LEVELS, Site, laws_of, place
 from dampyr.structures.response import Energy, Response
 from dampyr.structures.workspace import Output
 
@@ -36,8 +38,8 @@ def respond(
     building: Building,
     motion: GroundMotion,
     dampers: Mapping[Any, Any] | None = None,
-    voltage: float | Mapping[Any, float] | None = None,
-    current: float | Mapping[Any, float] | None = None,
+    voltage: Any = None,
+    current: Any = None,
     accuracy: str | float = "strict",
     step: float | None = None,
     allow_extrapolation: bool = False,
@@ -50,11 +52,12 @@ def respond(
         joins the floors i-1 and i (0 is the ground), or any two floors (i, j) by label or count, such as
         (0, 2): the stroke is q_j - q_i, and (1, 2) is storey 2. None for the bare building. The static
         force of a damper is left out, springs stay; ``damper.on_brace(stiffness)`` puts it on a brace.
-    voltage, current : constant input, one number for all dampers or a mapping from place to number.
+    voltage, current : the input: a number, which is constant, or a control law
+        (:func:`~dampyr.structures.control_law.control_law`); one for all dampers or a mapping from place to one.
     accuracy : "strict" (2e-4), "fast" (1e-3) or a number: the largest relative change of a peak
         displacement or drift when the step is halved. The scheme is of fourth order, so the error of the
         finer one is well below.
-    step : s; run once with this step, which must divide the motion's.
+    step : s; run once with this step, which must divide the motion's and the period of every law.
     allow_extrapolation : take an input outside the range that a damper was calibrated on, with a warning.
 
     Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns
@@ -101,21 +104,37 @@ def _division(motion: GroundMotion, step: float, sites: tuple[Site, ...]) -> int
                 f"of the damper {told(site.place)}; "
                 "take a step of at most the delay"
             )
+    if m % (fitting := parts(laws_of(sites), motion.dt)):
+        raise InputError(
+            f"step = {step:g} s does not divide the periods of the laws; "
+            f"take {motion.dt / fitting:.6g} s or a whole part of it"
+        )
     return m
 
 
 def _first_division(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: Any) -> int:
     """The first, coarse division of a sample: twice the step of the rule, so that the first halving
     meets the rule."""
-    step = min([2 * LONGEST_STEP, motion.dt, *(s.delay for s in sites if s.delay > 0)])
+    lags = (lag_of(site.law, site.damper) for site in sites if site.law)
+    step = min(
+        [2 * LONGEST_STEP, motion.dt, *(s.delay for s in sites if s.delay > 0), *(lag for lag in lags if lag > 0)]
+    )
     if sites:
-        slopes = run(1, samples=1).out.rest_slopes
+        slopes = _rest_slopes(run, sites)
         rows = connections(building, sites)
         flexibility = np.einsum("si,si->s", rows, np.linalg.solve(building.M, rows.T).T)
         omega = math.sqrt(float(np.max(np.abs(slopes[:, 0]) * flexibility)))
         rate = float(np.max(np.abs(slopes[:, 1]) * flexibility))
         step = min(step, 1.0 / omega if omega > 0 else step, 2.0 / rate if rate > 0 else step)
-    return math.ceil(motion.dt / step * (1 - 1e-9))
+    fitting = parts(laws_of(sites), motion.dt)
+    return fitting * math.ceil(motion.dt / step / fitting * (1 - 1e-9))
+
+
+def _rest_slopes(run: Any, sites: tuple[Site, ...]) -> Array:
+    """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take."""
+    inputs = range(LEVELS) if any(site.law for site in sites) else range(1)
+    found = [np.abs(run(1, samples=1, start=k / (LEVELS - 1)).out.rest_slopes) for k in inputs]
+    return np.asarray(np.max(found, axis=0))
 
 
 def _refined(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Run:
@@ -174,6 +193,9 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         storeys=tuple(site.storey for site in sites),
         sites=tuple(label(building, site.place) for site in sites),
         inputs=tuple(site.input_value for site in sites),
+        laws=tuple(told_law(site.law, site.damper.input) if site.law else "" for site in sites),
+        input=np.ascontiguousarray(out.input.T),
+        input_units=tuple(site.damper.input for site in sites),
         floors=tuple(building.floors),
         scheme="linear" if not sites else "general" if general else "exact path",
         step=run.step,

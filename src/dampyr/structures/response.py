@@ -19,6 +19,7 @@ _UNITS = {
     "drift": ("storey time", "m"),
     "base_shear": ("time", "N"),
     "force": ("damper time", "N"),
+    "input": ("damper time", ""),
     "stroke": ("damper time", "m"),
     "peak_displacement": ("floor", "m"),
     "peak_drift": ("storey", "m"),
@@ -71,6 +72,7 @@ class Response:
     base_shear: Array  # (T,) N that springs, dashpots and dampers hand to the ground, signed as displacement
     force: Array  # (N, T) N, as applied; positive opposes positive velocity
     stroke: Array  # (N, T) m, what each site's floors move apart
+    input: Array  # (N, T) V or A at the coil, as the force of the same sample was made; a jump at a sample acts from there on
     peak_displacement: Array  # (n,) m
     peak_drift: Array  # (n,) m
     peak_acceleration: Array  # (n,) m/s2, absolute
@@ -78,7 +80,7 @@ class Response:
     peak_force: Array  # (N,) N
     energy: Energy
     storeys: tuple[int, ...]  # (N,) where the sites are; 0 for one that joins other floors than a storey does
-    inputs: tuple[float | None, ...]  # (N,) V or A
+    inputs: tuple[float | None, ...]  # (N,) V or A; None where a law sets it
     floors: tuple[str, ...]
     scheme: str  # "linear" (no damper), "exact path" or "general"
     step: float  # s
@@ -90,6 +92,8 @@ class Response:
     reason: str
     title: str = ""
     sites: tuple[str, ...] = ()  # (N,) where the sites are, such as "storey 1" and "0-2"
+    laws: tuple[str, ...] = ()  # (N,) what sets the inputs, in words; empty where they are constant
+    input_units: tuple[str, ...] = ()  # (N,) "V" or "A"
     outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
 
     def to_xarray(self) -> Any:
@@ -98,6 +102,8 @@ class Response:
         import xarray
 
         data = {k: (dims.split(), np.asarray(getattr(self, k)), {"units": unit}) for k, (dims, unit) in _UNITS.items()}
+        units = set(self.input_units)
+        data["input"][2]["units"] = units.pop() if len(units) == 1 else "V or A"
         for part in ("input", "kinetic", "strain", "viscous", "damper", "residual"):
             data[f"energy_{part}"] = (["time"], getattr(self.energy, part), {"units": "J"})
         count = len(self.storeys)
@@ -108,6 +114,8 @@ class Response:
             "damper": np.arange(1, count + 1),
             "damper_site": ("damper", np.array(self.sites, dtype=str)),
             "damper_storey": ("damper", np.array(self.storeys, dtype=int)),
+            "damper_law": ("damper", np.array(self.laws, dtype=str)),
+            "damper_input_unit": ("damper", np.array(self.input_units, dtype=str)),
         }
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 

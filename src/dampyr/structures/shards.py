@@ -23,12 +23,13 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.structures.building import Building
 from dampyr.structures.cases import STEPS, Cases
+from dampyr.structures.control_law import lag_of, parts
 from dampyr.structures.lanes import flow
 from dampyr.structures.lanes.arithmetic import LANES
 from dampyr.structures.lanes.engine import Engine, engine, takes
 from dampyr.structures.lanes.gpu import engine as gpu_engine
 from dampyr.structures.marching import connections, runner
-from dampyr.structures.placement import Site
+from dampyr.structures.placement import LEVELS, Site, laws_of
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -86,11 +87,12 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
             known[b, d, u] = sites, STEPS[cases.accuracy] * longest_step(cases.buildings[b], sites)
         sites, step = known[b, d, u]
         dt = cases.motions[k].dt
-        m = max(1, math.ceil(dt / step * (1 - 1e-9)))
+        fitting = parts(laws_of(sites), dt)
+        m = fitting * max(1, math.ceil(dt / step / fitting * (1 - 1e-9)))
         compositions = tuple(site.composition for site in sites)
         rows = tuple(map(tuple, connections(cases.buildings[b], sites).tolist()))
         together = cases.device == "cpu" and flow.together((site.composition, site.values) for site in sites)
-        key = (b, rows, compositions, dt, together, m if takes(compositions) else None)
+        key = (b, rows, compositions, dt, together, m if takes(compositions) and not laws_of(sites) else None)
         found.setdefault(key, []).append(Member(row, b, sites, k, m))
     return found
 
@@ -107,7 +109,7 @@ def longest_step(building: Building, sites: tuple[Site, ...]) -> float:
     """The longest step (s) that the rule allows."""
     step = LONGEST_STEP
     for site in sites:
-        by_x, by_v = rest_slopes(site)
+        by_x, by_v = rest_slopes(site) if site.law is None else steepest(site)
         [row] = connections(building, (site,))
         flexibility = float(row @ np.linalg.solve(building.M, row))
         if by_x > 0:
@@ -116,7 +118,15 @@ def longest_step(building: Building, sites: tuple[Site, ...]) -> float:
             step = min(step, 2.0 / (by_v * flexibility))
         if site.delay > 0:
             step = min(step, site.delay)
+        if site.law is not None and (lag := lag_of(site.law, site.damper)) > 0:
+            step = min(step, 0.5 * lag)
     return step
+
+
+def steepest(site: Site) -> tuple[float, float]:
+    """The largest of `rest_slopes` over the inputs that the law of a site may take."""
+    found = [rest_slopes(replace(site, values=site.between(k / (LEVELS - 1)))) for k in range(LEVELS)]
+    return max(by_x for by_x, _ in found), max(by_v for _, by_v in found)
 
 
 SMALL_STROKE, SMALL_RATE = 1e-9, 1e-9  # m, m/s
@@ -223,17 +233,17 @@ def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
     """Cases that no engine takes, by the kernel of `respond`."""
     for number, member in enumerate(members):
         building = cases.buildings[member.building]
+        run = runner(building, cases.motions[member.motion], member.sites)
         for s, scale in enumerate(cases.scales):
-            run = runner(building, cases.motions[member.motion].scaled(float(scale)), member.sites)
             try:
-                found = _peaks(run(member.m).out, member.sites, building)
+                found = _peaks(run(member.m, scale=scale).out, member.sites, building)
             except InputError:
                 done.unbounded += 1
                 continue
             _store(np.array([member.row]), np.array([s]), {q: found[q] for q in cases.quantities if q in found}, done)
             done.general += 1
             if number == 0 and s == 0:
-                _judge(found, _peaks(run(2 * member.m).out, member.sites, building), done)
+                _judge(found, _peaks(run(2 * member.m, scale=scale).out, member.sites, building), done)
 
 
 def _peaks(out: Any, sites: tuple[Site, ...], building: Building) -> dict[str, Array]:

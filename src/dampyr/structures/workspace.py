@@ -27,11 +27,26 @@ class Linear(NamedTuple):
 class Sites(NamedTuple):
     """The dampers: what they are and what they remember."""
 
-    params: Any  # (N, P)
+    params: Any  # (N, 4, P): at h/4, h/2, 3h/4 and h of the step under way; they differ where the input does
     states: Any  # (N, S)
     delays: Any  # (N,) in steps, 0 for none
     inertance: Any  # (N,) kg, filled in by the kernel
     ring: Any  # (N, nodes): the latest undelayed forces
+
+
+class Control(NamedTuple):
+    """The laws that set the inputs of the dampers; a site without one has ``every`` 0."""
+
+    kind: Any  # (N,) which of the functions of `dampyr.structures.control_law.source`
+    gains: Any  # (N, 2n + 1): what makes the signal of the state and the ground's velocity
+    settings: Any  # (N, the most of a law)
+    every: Any  # (N,) whole steps between decisions
+    decay: Any  # (N, 4): what is left at h/4, h/2, 3h/4, h of the coil's gap to its command
+    command: Any  # (N,) what was decided last
+    level: Any  # (N,) at the coil, at the end of the step under way
+    reached: Any  # (N, 2): the least and the greatest that was decided
+    knots: Any  # (N, P, K), see dampyr.models.pieces
+    coefficients: Any  # (N, P, K, degree + 1)
 
 
 class Output(NamedTuple):
@@ -40,6 +55,7 @@ class Output(NamedTuple):
     state: Any  # (samples, 2n)
     acceleration: Any  # (samples, n), absolute
     force: Any  # (samples, N)
+    input: Any  # (samples, N) V or A, that of the force
     work: Any  # (samples, 2 + N): input, viscous, each damper
     displacement_peak: Any  # (n,)
     drift_peak: Any  # (n,)
@@ -121,6 +137,7 @@ def output(samples: int, n: int, sites: int) -> Output:
         state=np.zeros((samples, 2 * n)),
         acceleration=np.zeros((samples, n)),
         force=np.zeros((samples, sites)),
+        input=np.zeros((samples, sites)),
         work=np.zeros((samples, 2 + sites)),
         displacement_peak=np.zeros(n),
         drift_peak=np.zeros(n),
