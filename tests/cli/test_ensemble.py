@@ -149,3 +149,9 @@ def test_progress_tells_rate_and_time_left(capsys: pytest.CaptureFixture[str]) -
         "1100 of 1100 cases, 50 cases/s, 0 s left",
     ]
     assert Rate(0, lambda: 0.0).of(0) == 0
+
+
+def test_control_laws_stand_among_the_inputs() -> None:
+    got = told("--voltage", "0", "--control", "on_off:period=10ms", "--synthetic", "1", "--duration", "3")
+    assert [row["name"] for row in got["peaks"]] == ["0 V", "on_off 0 to 3.212 V, period 0.01 s"]
+    assert got["one_by_one"] == 1

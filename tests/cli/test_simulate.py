@@ -6,7 +6,7 @@ from click.testing import CliRunner
 
 from dampyr.cli import cli
 from dampyr.ground_motions import el_centro
-from dampyr.structures import respond, two_storey
+from dampyr.structures import control_law, respond, two_storey
 from dampyr.studies import raminelli_2020
 
 
@@ -50,3 +50,37 @@ def test_one_place_is_enough():
 def test_the_page_names_the_floors(tmp_path):
     simulate("--between", "0", "2", "--report", str(tmp_path / "page.html"))
     assert "1.98 V: damper, 0-2." in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+def test_control_laws_are_cases_beside_numbers():
+    told = simulate("--control", "on_off", "--control", "clipped_optimal:lag=10ms,effort=0.1,high=3")
+    names = ["no damper", "1.98 V", "on_off 0 to 3.212 V", "clipped_optimal 0 to 3 V, lag 0.01 s, effort 0.1"]
+    assert list(told) == names
+    law = control_law("clipped_optimal", high=3.0, lag=0.01, effort=0.1)
+    expected = respond(two_storey(), el_centro(), {1: raminelli_2020.damper()}, voltage=law)
+    assert told[names[3]]["peak_drift_m"] == pytest.approx(expected.peak_drift, rel=1e-9)
+    assert told[names[3]]["mean_input"] == pytest.approx([expected.input.mean()])
+    assert told["1.98 V"]["mean_input"] == pytest.approx([1.98])
+
+
+def test_weights_are_parted_by_slashes():
+    told = simulate("--control", "lyapunov:weights=1/2/3/4")
+    assert list(told)[2] == "lyapunov 0 to 3.212 V, weights (1 2 3 4)"
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("on_of", "is not among the control laws; did you mean 'on_off'?"),
+        ("on_off:fast", "'fast' is no setting; write it as in on_off:period=0.01,lag=0.005"),
+        ("on_off:high=much", "high = 'much' of on_off is not a number"),
+        ("on_off:gain=2", "'gain' is no setting of on_off"),
+        ("on_off:high=9", "9 V is outside the calibrated range 0 to 3.212 V"),
+        ("lyapunov:weights=1/a", "is not numbers"),
+    ],
+)
+def test_a_wrong_law_is_one_line(given, message):
+    done = CliRunner().invoke(cli, ["simulate", "--control", given])
+    assert done.exit_code == 2
+    assert message in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1

@@ -13,6 +13,7 @@ from typing import Any
 
 import click
 
+from dampyr.cli._control import control_option, inputs_for
 from dampyr.cli._motion import acceleration
 from dampyr.errors import InputError
 
@@ -27,6 +28,7 @@ class Asked:
     card: Path | None
     voltages: tuple[float, ...]
     currents: tuple[float, ...]
+    controls: tuple[str, ...]
     storey: int | None
     between: tuple[str, str] | None
     brace: float | None
@@ -49,11 +51,7 @@ class Asked:
         from dampyr import structures
 
         damper = self._damper()
-        word, inputs, others = ("voltage", self.voltages, self.currents)
-        if damper.input == "A":
-            word, inputs, others = ("current", self.currents, self.voltages)
-        if others or not inputs:
-            raise InputError(f"this damper takes a {word}; give --{word}, one or several times, and nothing else")
+        word, inputs = inputs_for(damper, self.voltages, self.currents, self.controls)
         return structures.ensemble_cases(
             structures.two_storey(),
             self._motions(),
@@ -101,6 +99,7 @@ def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
         click.argument("card", required=False, type=click.Path(path_type=Path)),
         click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; may be repeated."),
         click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current."),
+        control_option,
         click.option("--storey", type=int, help="Where the damper stands.  [default: 1]"),
         click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead."),
         click.option("--brace", type=float, metavar="N/M", help="Stiffness of a brace in series with the damper."),

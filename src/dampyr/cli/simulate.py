@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._control import control_option, inputs_for
 from dampyr.cli._motion import Ground, motion_options
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.errors import InputError
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 @click.argument("card", required=False, type=click.Path(path_type=Path))
 @click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; repeat it to compare.")
 @click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current.")
+@control_option
 @click.option("--storey", type=int, help="Where the damper stands; i joins floors i-1 and i.  [default: 1]")
 @click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead; 0 is the ground.")
 @click.option("--brace", type=float, metavar="N/M", help="Stiffness of a brace in series with the damper.")
@@ -32,6 +34,7 @@ def command(
     card: Path | None,
     voltages: tuple[float, ...],
     currents: tuple[float, ...],
+    controls: tuple[str, ...],
     storey: int | None,
     between: tuple[str, str] | None,
     brace: float | None,
@@ -55,16 +58,12 @@ def command(
     place = _place(storey, between)
     shaking = ground.motion(motion)
     building = structures.two_storey()
-    inputs = voltages if damper.input == "V" else currents
-    if (currents if damper.input == "V" else voltages) or not inputs:
-        word = "voltage" if damper.input == "V" else "current"
-        raise InputError(f"this damper takes a {word}; give --{word}, one or several times, and nothing else")
+    word, inputs = inputs_for(damper, voltages, currents, controls)
     cases = {"no damper": respond(building, shaking)}
     for u in inputs:
-        given: dict[str, Any] = {"voltage": u} if damper.input == "V" else {"current": u}
-        cases[f"{u:g} {damper.input}"] = respond(
-            building, shaking, {place: damper}, **given, allow_extrapolation=allow_extrapolation
-        )
+        given: dict[str, Any] = {word: u, "allow_extrapolation": allow_extrapolation}
+        found = respond(building, shaking, {place: damper}, **given)
+        cases[found.laws[0] or f"{u:g} {damper.input}"] = found
     if report:
         from dampyr.report.response_page import write_response_page
 
@@ -78,15 +77,16 @@ def command(
 def _print(title: str, cases: dict[str, Response]) -> None:
     rows = [
         [name, *(1e3 * r.peak_displacement), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
-         max(r.peak_force, default=None), r.scheme]
+         max(r.peak_force, default=None), r.input.mean() if r.input.size else None, r.scheme]
         for name, r in cases.items()
     ]  # fmt: skip
+    unit = next((r.input_units[0] for r in cases.values() if r.input_units), "")
     floors = [f"floor {k + 1}" for k in range(len(cases["no damper"].peak_displacement))]
     print_table(
         title,
-        ["case", *floors, "drift", "acceleration", "base shear", "damper force", "scheme"],
+        ["case", *floors, "drift", "acceleration", "base shear", "damper force", "mean input", "scheme"],
         rows,
-        ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", ""],
+        ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", unit, ""],
         digits=5,
     )
 
@@ -115,6 +115,8 @@ def _told(response: Response) -> dict[str, Any]:
         "peak_base_shear_N": response.peak_base_shear,
         "peak_force_N": response.peak_force,
         "sites": response.sites,
+        "laws": response.laws,
+        "mean_input": response.input.mean(axis=1),
         "scheme": response.scheme,
         "step_s": response.step,
         "error_estimate": response.error_estimate,
