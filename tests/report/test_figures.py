@@ -47,6 +47,7 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "laws": lambda: report.parameters_against_input(LAWS, (0.0, 3.212)),
     "one_law": lambda: report.parameters_against_input(LAWS[:1]),
     "building": lambda: report.building_response(T, {"no damper": X, "0 V": 0.5 * X}),
+    "controlled": lambda: report.controlled(T, {"0 V": X, "on_off": 0.5 * X}, {"on_off": 1.5 + np.sign(V)}),
     "motion": lambda: report.ground_motion(T, 3.1266 * np.cos(T)),
     "ground": lambda: report.ground_histories(T, 3.0 * np.cos(T), V, X),
     "spectrum": lambda: report.response_spectrum(T[4:], {"2 %": X[4:] + 0.02, "5 %": 0.5 * X[4:] + 0.02}),
@@ -104,6 +105,15 @@ def test_loops_are_in_mm_and_mm_per_s() -> None:
     assert left.get_xlabel() == "displacement [mm]"
     assert right.get_xlabel() == "velocity [mm/s]"
     assert left.get_ylabel() == "force [N]"
+
+
+def test_control_shows_answers_and_below_them_the_inputs_of_the_laws() -> None:
+    top, below = MAKERS["controlled"]().axes
+    np.testing.assert_allclose(top.lines[2].get_ydata(), 500.0 * X)
+    np.testing.assert_allclose(below.lines[0].get_ydata(), 1.5 + np.sign(V))
+    assert below.lines[0].get_color() == top.lines[2].get_color()
+    assert [text for text in lines(top.figure) if "mm" in text] == ["0 V: 12 mm", "on_off: 6 mm"]
+    assert (top.get_ylabel(), below.get_ylabel()) == ("displacement [mm]", "voltage [V]")
 
 
 def test_the_residual_is_measured_less_model() -> None:

@@ -13,6 +13,7 @@ A figure takes plain arrays in SI, shows them in the units people read (mm, N, s
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.figures.building import building_response
 from dampyr.report.figures.calibrated import calibrated
+from dampyr.report.figures.controlled import controlled
 from dampyr.report.figures.correlation import correlation, strong_pairs
 from dampyr.report.figures.envelope import envelope
 from dampyr.report.figures.fragility import Fragile, fragility_curves
@@ -49,6 +50,7 @@ __all__ = [
     "history",
     "parameters_against_input",
     "building_response",
+    "controlled",
     "ground_motion",
     "ground_histories",
     "response_spectrum",

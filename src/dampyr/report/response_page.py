@@ -7,10 +7,14 @@ from pathlib import Path
 
 from dampyr.report.blocks import FigureBlock, Section, Table, Text
 from dampyr.report.figures.building import building_response
+from dampyr.report.figures.controlled import controlled
 from dampyr.report.figures.ground_motion import ground_motion
 from dampyr.report.figures.loops import loops
 from dampyr.report.page import page, write_page
+from dampyr.report.style import CURRENT, VOLTAGE, Axis
 from dampyr.structures import Response
+
+STROKE = Axis("stroke", "mm", 1e3)
 
 
 def write_response_page(cases: Mapping[str, Response], path: Path) -> Path:
@@ -21,6 +25,7 @@ def write_response_page(cases: Mapping[str, Response], path: Path) -> Path:
         [
             Section("Peaks", [_peaks(cases), _energies(cases)]),
             Section("Displacements", _displacements(cases)),
+            *([Section("Control", _control(cases))] if any(any(r.laws) for r in cases.values()) else []),
             Section("The dampers' loops", _loops(cases)),
             Section(
                 "The ground motion",
@@ -72,6 +77,25 @@ def _displacements(cases: Mapping[str, Response]) -> list[FigureBlock]:
         )
         for k, floor in enumerate(first.floors)
     ]
+
+
+def _control(cases: Mapping[str, Response]) -> list[FigureBlock]:
+    """A figure for each site that has a law in some case: its stroke in all that have it, and the inputs."""
+    blocks = []
+    for site in dict.fromkeys(site for r in cases.values() for site in r.sites):
+        there = {name: r for name, r in cases.items() if site in r.sites}
+        ruled = {name: r for name, r in there.items() if r.laws[r.sites.index(site)]}
+        if ruled:
+            first = next(iter(ruled.values()))
+            axis = VOLTAGE if first.input_units[first.sites.index(site)] == "V" else CURRENT
+            strokes = {name: r.stroke[r.sites.index(site)] for name, r in there.items()}
+            inputs = {name: r.input[r.sites.index(site)] for name, r in ruled.items()}
+            blocks.append(
+                FigureBlock(
+                    controlled(first.time, strokes, inputs, STROKE, axis), f"{site}: stroke, and input at the coil."
+                )
+            )
+    return blocks
 
 
 def _loops(cases: Mapping[str, Response]) -> list[FigureBlock | Text]:
