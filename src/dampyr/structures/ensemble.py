@@ -57,7 +57,8 @@ def ensemble(
     executor : anything with ``submit`` of :class:`concurrent.futures.Executor`; default: one thread per core (the kernels
         need no lock). The numbers are the same to the last bit, whoever runs them.
     accuracy : "fast" (below 0.1 % of the peak in the standard suite, up to 0.5 % for small motions at high voltage) or
-        "strict" (below 0.1 % in 6,000 random cases; 2.5 times as long). Peak accelerations are less sharp.
+        "strict" (below 0.1 % in 6,000 random cases; 2.5 times as long). Under control laws the step of each
+        case is halved until its peaks stand still, as `respond` does to the same words. Peak accelerations are less sharp.
     quantities : which of displacement, drift [m], acceleration [m/s2] (absolute), force [N], stroke [m] and energy [J] (what
         a damper took) are kept. Fewer are faster.
     precision : 64 or 32 bits; 32 runs twice as fast and is good for about four digits.

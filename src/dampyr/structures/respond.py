@@ -67,7 +67,7 @@ def respond(
     sites = place(building, dampers, voltage, current, allow_extrapolation)
     run = runner(building, motion, sites)
     if step is None:
-        best = _refined(run, motion, _tolerance(accuracy), _first_division(building, motion, sites, run))
+        best = refined(run, motion, _tolerance(accuracy), _first_division(building, motion, sites, run))
     else:
         best = _single(run, _division(motion, step, sites))
     response = _response(building, motion, sites, best)
@@ -137,13 +137,14 @@ def _rest_slopes(run: Any, sites: tuple[Site, ...]) -> Array:
     return np.asarray(np.max(found, axis=0))
 
 
-def _refined(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Run:
-    """Halve the step until the peaks stand still."""
+def refined(run: Any, motion: GroundMotion, tolerance: float, m: int, most: int | None = None) -> Run:
+    """Halve the step until the peaks stand still, or until there would be more than ``most`` steps."""
+    most = most or MOST_STEPS
     coarse = run(m)
     while True:
         m *= 2
-        if m * len(motion.acceleration) > MOST_STEPS:
-            reason = f"{m} steps per sample would pass {MOST_STEPS} steps"
+        if m * len(motion.acceleration) > most:
+            reason = f"{m} steps per sample would pass {most} steps"
             return Run(coarse.out, coarse.step, tolerance, coarse.error, reason)
         fine = run(m)
         error = _change(coarse.out, fine.out)

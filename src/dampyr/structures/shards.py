@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from dataclasses import dataclass, replace
+from functools import partial
 from threading import Lock
 from typing import Any
 
@@ -28,12 +29,14 @@ from dampyr.structures.lanes import flow
 from dampyr.structures.lanes.arithmetic import LANES
 from dampyr.structures.lanes.engine import Engine, engine, takes
 from dampyr.structures.lanes.gpu import engine as gpu_engine
-from dampyr.structures.marching import connections, runner
+from dampyr.structures.marching import Run, connections, runner
 from dampyr.structures.placement import LEVELS, Site, laws_of
+from dampyr.structures.respond import ACCURACIES, refined
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 LONGEST_STEP = 0.005
+MOST_STEPS = 1_000_000  # of a case under control laws
 JUDGED = ("displacement", "drift")
 
 
@@ -84,7 +87,8 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         b, d, u, k = cases.line(number)
         if (b, d, u) not in known:
             sites = tuple(map(_without_nothing, cases.sites_of(b, d, u)))
-            known[b, d, u] = sites, STEPS[cases.accuracy] * longest_step(cases.buildings[b], sites)
+            share = 1.0 if laws_of(sites) else STEPS[cases.accuracy]  # under laws the step is found, not given
+            known[b, d, u] = sites, share * longest_step(cases.buildings[b], sites)
         sites, step = known[b, d, u]
         dt = cases.motions[k].dt
         fitting = parts(laws_of(sites), dt)
@@ -232,18 +236,31 @@ def _judge(coarse: dict[str, Array], fine: dict[str, Array], done: Shard) -> Non
 def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
     """Cases that no engine takes, by the kernel of `respond`."""
     for number, member in enumerate(members):
-        building = cases.buildings[member.building]
-        run = runner(building, cases.motions[member.motion], member.sites)
+        building, motion = cases.buildings[member.building], cases.motions[member.motion]
+        run = runner(building, motion, member.sites)
         for s, scale in enumerate(cases.scales):
+            once = partial(run, scale=scale)
             try:
-                found = _peaks(run(member.m, scale=scale).out, member.sites, building)
+                if laws_of(member.sites):
+                    made = _halved(once, motion, member.m, cases.accuracy, done)
+                else:
+                    made = once(member.m)
             except InputError:
                 done.unbounded += 1
                 continue
+            found = _peaks(made.out, member.sites, building)
             _store(np.array([member.row]), np.array([s]), {q: found[q] for q in cases.quantities if q in found}, done)
             done.general += 1
-            if number == 0 and s == 0:
-                _judge(found, _peaks(run(2 * member.m, scale=scale).out, member.sites, building), done)
+            if number == 0 and s == 0 and not laws_of(member.sites):
+                _judge(found, _peaks(once(2 * member.m).out, member.sites, building), done)
+
+
+def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Run:
+    """A case under control laws, its step halved until the peaks stand still: where a decision falls the other way the
+    response is another one, so that no step given beforehand is small enough for all cases."""
+    made = refined(once, motion, ACCURACIES[accuracy], m, MOST_STEPS)
+    done.error, done.judged = max(done.error, made.error or 0.0), done.judged + 1
+    return made
 
 
 def _peaks(out: Any, sites: tuple[Site, ...], building: Building) -> dict[str, Array]:
