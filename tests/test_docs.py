@@ -24,6 +24,7 @@ from dampyr.errors import DampyrWarning
 from dampyr.models import Constant, Damper, Polynomial, names, part
 from dampyr.records.columns import WORDS
 from dampyr.records.record import CHANNELS
+from dampyr.structures import control_law, control_laws
 
 Array = np.ndarray
 ROOT = Path(__file__).resolve().parents[1]
@@ -38,6 +39,7 @@ HOW_TO = [
         "your-own-structure",
         "ensembles",
         "campaigns",
+        "control",
     )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
@@ -298,6 +300,14 @@ def test_the_refusal_of_the_how_to_is_what_is_said(tmp_path: Path) -> None:
     (tmp_path / "too_fast.toml").write_text(blocks(page, "toml")[1], encoding="utf-8")
     [refusal] = planned(tmp_path / "too_fast.toml").refusals
     assert " ".join(text.split()) == f"dampyr: {refusal}"
+
+
+def test_the_reference_names_every_control_law_and_its_settings() -> None:
+    text = (DOCS / "reference" / "control-laws.md").read_text(encoding="utf-8")
+    rows = {line.split("`")[1]: line for line in text.splitlines() if line.startswith("| `")}
+    for law in control_laws():
+        settings = vars(control_law(law, high=1.0)).keys() - {"low", "high", "period", "lag"}
+        assert all(f"`{name}`" in rows[law] for name in settings), law
 
 
 def test_the_reference_names_every_channel_of_a_file() -> None:

@@ -80,7 +80,9 @@ class LoadCell:
     bandwidth: Annotated[float, Quantity("Hz", low=0.0, open_low=True), "assumed: the amplifier's filter"] = 1000.0
     noise: Annotated[float, Quantity("N", low=0.0), "simulated: rms"] = 0.4
     wander: Annotated[
-        float, Quantity("N", low=0.0), "simulated: rms of slow errors; Table A.4: linearity and hysteresis, 1 N at most each"
+        float,
+        Quantity("N", low=0.0),
+        "simulated: rms of slow errors; Table A.4: linearity and hysteresis, 1 N at most each",
     ] = 0.8
 
 
