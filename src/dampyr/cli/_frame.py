@@ -78,7 +78,7 @@ def _guarded(run: Callable[[], Any]) -> int:
     except click.ClickException as problem:
         return _say(_usage(problem))
     except DampyrError as problem:
-        return _say(str(problem))
+        return _say("; ".join([str(problem), *getattr(problem, "__notes__", [])]))
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader left: nothing to flush to
         return 1

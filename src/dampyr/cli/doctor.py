@@ -7,6 +7,7 @@ import platform
 import shutil
 import sys
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 import click
@@ -18,10 +19,16 @@ LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
 
 
 @click.command()
+@click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml: look at its instruments too; nothing moves.")
+@click.option("--simulated", is_flag=True, help="Look at the simulated rig.")
 @as_json_option
-def command(as_json: bool) -> None:
-    """Tell what this machine has, and what it lacks."""
+def command(rig: Path | None, simulated: bool, as_json: bool) -> None:
+    """Tell what this machine and its rig have, and what they lack."""
     findings = [*_machine(), *(_library(name) for name in LIBRARIES), _kernels(), _compiler(), *_data()]
+    if rig or simulated:
+        from dampyr.rig.diagnosis import diagnose
+
+        findings += [[each.what, each.found, each.repair] for each in diagnose(rig)]
     if as_json:
         print_json([dict(zip(("what", "found", "repair"), each, strict=True)) for each in findings])
         return

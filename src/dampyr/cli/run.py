@@ -12,17 +12,25 @@ from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.campaigns import Plan
+    from dampyr.campaigns.journal import Entry
 
-REFUSED = 2
+REFUSED, FEW = 2, 50
 
 
 @click.command()
 @click.argument("campaign", type=click.Path(path_type=Path))
 @click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml.  [default: the original rig, simulated]")
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where the records go.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Where the records go; goes on where it stopped."
+)
 @click.option("--dry-run", is_flag=True, help="Print the plan and what the rig cannot do; move nothing.")
 @click.option("--seed", type=click.IntRange(0), help="Of the random order, instead of the campaign's.")
 @click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page of the plan.")
+@click.option("--in-process", is_flag=True, help="Simulate the rig without its wires (without the extra rig).")
+@click.option("--real-time", is_flag=True, help="Simulate the rig at the pace of a real one.")
+@click.option(
+    "--fault", "faults", multiple=True, metavar="FAULT", help='Of a simulated rig: "stalled-motor@60s for 2s".'
+)
 @as_json_option
 def command(
     campaign: Path,
@@ -31,11 +39,15 @@ def command(
     dry_run: bool,
     seed: int | None,
     report: Path | None,
+    in_process: bool,
+    real_time: bool,
+    faults: tuple[str, ...],
     as_json: bool,
 ) -> int | None:
     """Run CAMPAIGN, a TOML file, on a rig.
 
     The whole campaign is checked first: what the rig cannot do is told with the largest value that it can, and nothing runs.
+    While it runs: p pauses after the test under way and goes on, s or Ctrl-C stops in order, a aborts at once.
     """
     from dampyr import campaigns
 
@@ -51,12 +63,45 @@ def command(
     if found.refusals:
         return REFUSED
     if not dry_run:
-        _perform(found, out)
+        if out is None:
+            raise InputError(
+                "--out is missing; give the folder where the records go, or --dry-run to see the plan only"
+            )
+        _perform(found, rig, out, as_json, {"faults": faults, "in_process": in_process, "real_time": real_time})
     return None
 
 
-def _perform(found: Plan, out: Path | None) -> None:
-    raise InputError("campaigns cannot be performed yet; give --dry-run to see the plan")
+def _perform(found: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[str, Any]) -> None:
+    from dampyr.campaigns import Control, perform, read_journal
+    from dampyr.cli._running import keys, shown, stopped_by_signals
+    from dampyr.rig import open_rig
+
+    control = Control()
+    try:
+        with open_rig(rig, **how) as opened, stopped_by_signals(), shown(found) as show, keys(control):
+            perform(found, opened, out, show, control)
+    finally:
+        if (out / "journal.sqlite").is_file():
+            tests, events = read_journal(out)
+            if as_json:
+                print_json({"folder": str(out), "tests": tests, "events": events})
+            else:
+                _summary(found, out, tests)
+
+
+def _summary(found: Plan, out: Path, tests: list[Entry]) -> None:
+    """What is there now."""
+    words = {test.name: test.words for test in found.tests}
+    rows = [[test.name, words.get(test.name, ""), test.state, test.attempt, test.reason] for test in tests]
+    complete = sum(test.state == "complete" for test in tests)
+    left = len(tests) - complete
+    hint = f"dampyr identify {out}" if not left else "run the same command again to go on"
+    print_table(
+        f"{found.campaign.header.name}: {complete} of {len(tests)} tests complete in {out}",
+        ["test", "what", "state", "try", "reason"],
+        [row for row in rows if row[2] != "complete" or len(rows) <= FEW] or [["all", "", "complete", None, ""]],
+        notes=[f"next: {hint}"],
+    )
 
 
 def _tell(found: Plan, as_json: bool) -> None:

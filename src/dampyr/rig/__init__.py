@@ -7,10 +7,21 @@
         table.go(0.005)
 """
 
-from dampyr.rig.connecting import connect, simulated
+from dampyr.rig.connecting import connect, open_rig, simulated
 from dampyr.rig.connecting import connect as load
 from dampyr.rig.drive import Drive, Reversals
 from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings, load_settings
 
-__all__ = ["Drive", "Reversals", "Rig", "RigSettings", "Table", "connect", "load", "load_settings", "simulated"]
+__all__ = [
+    "Drive",
+    "Reversals",
+    "Rig",
+    "RigSettings",
+    "Table",
+    "connect",
+    "load",
+    "load_settings",
+    "open_rig",
+    "simulated",
+]

@@ -34,7 +34,7 @@ WORDS = {
     Fault.HIGH: "the table passed the upper end of the stroke",
     Fault.SPEED: "the table was too fast",
     Fault.STALL: "the motor was driven and did not move: is it blocked, overloaded or without power?",
-    Fault.FOLLOWING: "the table could not follow: the drive asks for more than the actuator gives",
+    Fault.FOLLOWING: "the table fell behind its set points: is the motor blocked, or is the drive too fast for its load?",
     Fault.UNDERRUN: "set points came too late",
     Fault.ENCODER: "the encoder's signals are broken",
     Fault.ABORTED: "it was aborted",

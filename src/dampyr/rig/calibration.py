@@ -6,13 +6,20 @@ known force would, without a weight.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+import tomli_w
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
+from dampyr.errors import FileError, InputError
 from dampyr.rig.settings import LoadCell, RigSettings
+from dampyr.tables import fill, load_toml
+from dampyr.units import Quantity
+from dampyr.whole import write_whole
 
 Array = NDArray[np.float64]
 SPREAD = 0.02  # by which a measured scale may differ from the one before without a word
@@ -22,12 +29,12 @@ SPREAD = 0.02  # by which a measured scale may differ from the one before withou
 class Calibration:
     """force = scale*(volts - zero) [N], displacement = count*(counts + 1/2 - middle) [m], temperature = slope*volts + base."""
 
-    scale: float
-    zero: float
-    count: float
-    middle: float = 0.0
-    slope: float = 100.0
-    base: float = 0.0
+    scale: Annotated[float, Quantity("N/V")]
+    zero: Annotated[float, Quantity("V")]
+    count: Annotated[float, Quantity("m", low=0.0, open_low=True)]
+    middle: Annotated[float, Quantity("")] = 0.0
+    slope: Annotated[float, Quantity("K/V")] = 100.0
+    base: Annotated[float, Quantity("degC")] = 0.0
     how: str = "from the rig's settings"
 
     def force(self, volts: Array) -> Array:
@@ -45,6 +52,32 @@ class Calibration:
     def zeroed(self, volts: float) -> Calibration:
         """The same with these volts at no force."""
         return replace(self, zero=volts)
+
+
+NAME = "calibration.toml"
+
+
+def save_calibration(found: Calibration, folder: str | Path, told: Mapping[str, str] | None = None) -> Path:
+    """Write ``calibration.toml`` into the folder of a ``rig.toml``, whole or not at all; ``told`` is kept beside it."""
+    path = Path(folder) / NAME
+    numbers = {
+        key: value for key, value in asdict(found).items() if key != "middle"
+    }  # homing finds the middle each time
+    write_whole(path, tomli_w.dumps({"calibration": numbers, "told": dict(told or {})}))
+    return path
+
+
+def load_calibration(folder: str | Path) -> Calibration | None:
+    """The calibration beside a ``rig.toml``; None where there is none, :class:`FileError` where it is wrong."""
+    path = Path(folder) / NAME
+    if not path.is_file():
+        return None
+    try:
+        return fill(Calibration, load_toml(path).get("calibration", {}), "calibration")
+    except FileError:
+        raise
+    except InputError as problem:
+        raise FileError(path, str(problem)) from None
 
 
 def calibration_of(rig: RigSettings) -> Calibration:

@@ -81,6 +81,22 @@ def simulated(
         raise
 
 
+def open_rig(
+    settings: RigSettings | str | Path | None = None,
+    seed: int = 0,
+    faults: Sequence[FaultSpec | str] = (),
+    in_process: bool = False,
+    real_time: bool = False,
+) -> Rig:
+    """The real rig where ``settings`` name its wires, else a simulated one; see `connect` and `simulated`."""
+    rig, _ = _settings(settings)
+    if not rig.wires.serial:
+        return simulated(settings, seed, faults, in_process, real_time)
+    if faults or in_process or real_time:
+        raise InputError("faults, in_process and real_time are of a simulated rig, and wires.serial names a real one")
+    return connect(rig if settings is None else settings)
+
+
 def _settings(given: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:
     """The settings, and the folder beside which their card lies."""
     if given is None or isinstance(given, RigSettings):

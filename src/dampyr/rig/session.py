@@ -10,10 +10,11 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.acquisition import Acquisition
-from dampyr.rig.calibration import Calibration, calibration_of
+from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.instruments.board import Board
@@ -23,6 +24,7 @@ from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.warmth import Warmth
 
+Array = NDArray[np.float64]
 GENTLE = 0.010  # m/s, the speed of a table on its way to where a test begins
 SETTLED = 0.3  # s in which a table that was told to stop is at rest
 HOMING = 120.0  # s that looking for the index may take
@@ -43,7 +45,8 @@ class Rig:
     warmth: Warmth = field(init=False)
 
     def __post_init__(self) -> None:
-        self.calibration = self.calibration or calibration_of(self.settings)
+        kept = load_calibration(self.folder) if self.folder else None
+        self.calibration = self.calibration or kept or calibration_of(self.settings)
         self.warmth = Warmth(self.settings, self.settings.specimen.room)
 
     @contextmanager
@@ -63,6 +66,15 @@ class Rig:
             raise
         else:
             table.leave(None)
+
+    def listen(self, seconds: float = 1.0) -> tuple[Array, NDArray[np.int64]]:
+        """What the board reads while nothing is armed: volts (channels, n) and counts (n,); the command is 0 V."""
+        rate, n = self.settings.board.rate, max(2, round(seconds * self.settings.board.rate))
+        self.board.start(rate, np.zeros(n + 1))
+        try:
+            return self.board.read(n)
+        finally:
+            self.board.stop()
 
     @cached_property
     def identity(self) -> str:

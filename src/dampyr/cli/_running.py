@@ -1,0 +1,139 @@
+"""A campaign while it runs, in a terminal: bars, live numbers and keys."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from dampyr.campaigns import Control, Plan, Progress
+
+LOOKS = 0.1  # s between two looks at the bars
+Show = Callable[[Progress], None]
+
+
+@contextmanager
+def shown(plan: Plan) -> Iterator[Show]:
+    """A function that shows progress: bars where somebody looks, a line per test where nobody does."""
+    if not sys.stderr.isatty():
+        yield _lines()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
+    from rich.progress import Progress as Bars
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[told]}"))
+    with Bars(*columns, console=Console(stderr=True), refresh_per_second=10) as bars:
+        whole = bars.add_task(plan.campaign.header.name, total=len(plan.tests), told="")
+        test = bars.add_task("", total=100, told="")
+        last = 0.0
+
+        def show(progress: Progress) -> None:
+            nonlocal last
+            if progress.samples is not None and time.monotonic() - last < LOOKS:
+                return
+            last = time.monotonic()
+            bars.update(whole, completed=progress.done, told=f"{_clock(progress.time_left)} of rig time left")
+            name = f"{progress.phase} {progress.name}".strip()
+            bars.update(test, description=name, completed=round(100 * progress.fraction), told=_live(progress))
+
+        yield show
+
+
+def _live(progress: Progress) -> str:
+    if progress.samples is None:
+        return ""
+    return (
+        f"cycle {progress.cycles:.0f} of {progress.planned_cycles:.0f}, {progress.force:+7.1f} N, "
+        f"{progress.stroke * 1e3:5.2f} mm, {progress.temperature:.1f} degC"
+    )
+
+
+def _clock(seconds: float) -> str:
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def _lines() -> Show:
+    last, start = "", time.monotonic()
+
+    def show(progress: Progress) -> None:
+        nonlocal last
+        now = f"{progress.phase} {progress.name}".strip()
+        if now != last and progress.phase != "rest":
+            where = f"{progress.done + 1}/{progress.total}" if progress.name else "-"
+            left = _clock(progress.time_left)
+            told = f"{time.monotonic() - start:6.1f} s  {where}  {now}  ({left} of rig time left)"
+            print(told, file=sys.stderr, flush=True)
+            last = now
+
+    return show
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[None]:
+    """A request to end the process ends the campaign in order, as Ctrl-C does."""
+
+    def leave(number: int, _: Any) -> None:
+        raise SystemExit(128 + number)
+
+    before = signal.signal(signal.SIGTERM, leave)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@contextmanager
+def keys(control: Control) -> Iterator[None]:
+    """Listen to p, s and a, where there is a terminal to type at."""
+    if not sys.stdin.isatty():
+        yield
+        return
+    over = threading.Event()
+    with _unbuffered() as read:
+        listener = threading.Thread(target=_listen, args=(read, control, over), daemon=True)
+        listener.start()
+        try:
+            yield
+        finally:
+            over.set()
+            listener.join(1.0)
+
+
+def _listen(read: Callable[[], str], control: Control, over: threading.Event) -> None:
+    while not over.is_set():
+        key = read().lower()
+        if key == "p":
+            control.resume() if control.paused else control.pause()
+        elif key == "s":
+            control.stop()
+        elif key == "a":
+            control.abort()
+
+
+@contextmanager
+def _unbuffered() -> Iterator[Callable[[], str]]:
+    """A function that gives the next key, or nothing after a moment."""
+    with suppress(ImportError):
+        import select
+        import termios
+        import tty
+
+        kept = termios.tcgetattr(sys.stdin)
+        tty.setcbreak(sys.stdin)
+        try:
+            yield lambda: sys.stdin.read(1) if select.select([sys.stdin], [], [], 0.1)[0] else ""
+        finally:
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, kept)
+        return
+    import msvcrt  # the same on Windows
+
+    def read() -> str:
+        time.sleep(0.05)
+        return str(msvcrt.getwch()) if msvcrt.kbhit() else ""  # type: ignore[attr-defined]
+
+    yield read

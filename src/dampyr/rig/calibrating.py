@@ -1,0 +1,78 @@
+"""Calibrating the load cell step by step: zero, then a known load or a shunt; for the command line and the console alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from dampyr.errors import InputError
+from dampyr.rig.calibration import doubt, save_calibration, shunt_point, two_point
+from dampyr.rig.session import Rig
+from dampyr.units import STANDARD_GRAVITY, parse
+
+
+class Calibrating:
+    """The steps; ``found`` is the calibration so far, ``doubt`` a sentence where its scale is far from the settings'."""
+
+    def __init__(self, rig: Rig, seconds: float = 2.0) -> None:
+        assert rig.calibration is not None
+        self.rig, self.seconds, self.found = rig, seconds, rig.calibration
+        self.noise = float("nan")
+        self._zeroed = False
+
+    def zero(self) -> float:
+        """Read the cell without load; the volts."""
+        volts = self._volts()
+        self.found, self._zeroed = replace(self.found.zeroed(volts), how="zero read, scale as before"), True
+        return volts
+
+    def loaded(self, load: str) -> float:
+        """Read the cell under a known load, a mass or a force; the scale in N/V."""
+        force = force_of(load)
+        self._scaled(two_point(self._known_zero(), self._volts(), force), f"two points, {force:.5g} N")
+        return self.found.scale
+
+    def shunted(self, resistor: str) -> float:
+        """Read the cell with a shunt switched in; the scale in N/V."""
+        ohm = parse(resistor, "ohm")
+        self._scaled(
+            shunt_point(self.rig.settings.load_cell, ohm, self._known_zero(), self._volts()), f"shunt, {ohm:g} ohm"
+        )
+        return self.found.scale
+
+    @property
+    def doubt(self) -> str:
+        """A sentence where the scale is far from that of the settings; empty where it is not."""
+        return doubt(self.found.scale, self.rig.settings.load_cell.scale)
+
+    def save(self, folder: str | Path, told: Mapping[str, str] | None = None) -> Path:
+        """Keep it beside the rig's settings, and use it from now on."""
+        self.rig.calibration = self.found
+        return save_calibration(self.found, folder, told)
+
+    def _known_zero(self) -> float:
+        if not self._zeroed:
+            raise InputError("the zero was not read yet; read it first, without load")
+        return self.found.zero
+
+    def _scaled(self, scale: float, how: str) -> None:
+        self.found = replace(self.found, scale=scale, how=how)
+
+    def _volts(self) -> float:
+        volts, _ = self.rig.listen(self.seconds)
+        self.noise = float(np.std(volts[0])) * abs(self.found.scale)
+        return float(np.mean(volts[0]))
+
+
+def force_of(load: str) -> float:
+    """N of a load as typed: a force, or a mass times standard gravity."""
+    try:
+        force = parse(load, "N")
+    except InputError:
+        force = parse(load, "kg") * STANDARD_GRAVITY
+    if force == 0.0:
+        raise InputError(f"load = {load!r} is no load; give a force or a mass that is not 0")
+    return force
