@@ -69,10 +69,10 @@ class Interlock:
         """The first limit that a block leaves, or None; ``waiting`` is how long [s] its last sample lay before it was read."""
         limits, time = self.rig.limits, float(samples.time[-1])
         found = [
+            (np.abs(samples.volts[0]).max(), RAIL * self.rig.board.range, "load cell signal", "V", "look at its wire"),
             (np.abs(samples.force).max(), limits.force, "force", "N", "look at the specimen and the load cell"),
             (np.abs(samples.displacement).max(), limits.stroke / 2, "displacement", "m", "home the table"),
             (self._speed(samples), limits.speed, "speed", "m/s", "look at the motor's drive"),
-            (np.abs(samples.volts[0]).max(), RAIL * self.rig.board.range, "load cell signal", "V", "look at its wire"),
             (waiting, LATE * self.rig.board.block, "age of the samples", "s", "the host is too slow or was stopped"),
             (self._apart(samples), APART, "distance of the board's and the Uno's position", "m", "look at the encoder"),
         ]

@@ -117,9 +117,9 @@ class Table:
         failed: list[Exception] = []
         loop, uno = self.loop, self.rig.uno
         loop.player = None
-        for step in (uno.stop, loop.cut, loop.end, self._settle, uno.disarm, self.rig.board.stop):
+        for step in (self._stop, loop.cut, loop.end, self._settle, uno.disarm, self.rig.board.stop):
             try:
-                with loop.lock if step in (uno.stop, uno.disarm) else _nothing():
+                with loop.lock if step in (self._stop, uno.disarm) else _nothing():
                     step()
             except Exception as trouble:  # whatever it is, the next step is tried
                 failed.append(trouble)
@@ -128,6 +128,14 @@ class Table:
         if problem is not None:
             for each in failed:
                 problem.add_note(str(each))
+
+    def _stop(self) -> None:
+        """Slow down, or brake where that fails."""
+        try:
+            self.rig.uno.stop()
+        except RigFault:
+            self.rig.uno.abort()
+            raise
 
     def _settle(self) -> None:
         """Read on until the table is at rest."""

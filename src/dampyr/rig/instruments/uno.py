@@ -154,7 +154,7 @@ class Uno:
         reason = (
             REASONS.get(Reason(reply.values[1])) if reply.values[1] in list(Reason) else f"reason {reply.values[1]}"
         )
-        raise RigFault(f"the Uno refused {kind.name}: {reason}")
+        raise RigFault(f"the Uno refused {kind.name}: {reason}", "firmware")
 
 
 def moving(status: Status) -> bool:

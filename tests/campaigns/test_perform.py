@@ -1,0 +1,315 @@
+"""A campaign performed: what is recorded, what is kept when it ends early, and how it goes on."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dampyr import campaigns, records
+from dampyr.campaigns import Control, Progress, Stopped, perform, read_journal
+from dampyr.errors import FileError, InputError, RigFault
+from dampyr.records.formats import h5
+from dampyr.records.recording import Recording
+from dampyr.rig import Rig, RigSettings, simulated
+
+TWO = """
+name = "two"
+operator = "A. Person"
+note = "a note"
+rest_between = "0.5 s"
+[[step]]
+kind = "sine"
+amplitude = "5 mm"
+frequency = "1 Hz"
+voltage = ["0 V", "1.5 V"]
+cycles = 2
+rest_before = "0.5 s"
+"""
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> Path:
+    path = tmp_path / "two.toml"
+    path.write_text(TWO, encoding="utf-8")
+    return path
+
+
+def rig(*faults: str) -> Rig:
+    return simulated(faults=faults, in_process=True)
+
+
+def test_each_test_is_a_file_that_says_everything(two: Path, tmp_path: Path) -> None:
+    folder = perform(two, rig(), tmp_path / "out")
+    found = records.read_campaign(folder)
+    assert [record.name for record in found] == ["01-sine-5mm-1Hz-0V", "02-sine-5mm-1Hz-1.5V"]
+    first, second = found
+    assert (first.voltage, second.voltage) == (0.0, 1.5)
+    assert first.label is not None
+    assert (first.label.peak_to_peak_m, first.label.frequency_hz) == (0.01, 1.0)
+    assert np.ptp(first.displacement) == pytest.approx(0.010, rel=0.04)
+    assert first.provenance["operator"] == "A. Person"
+    assert first.provenance["note"] == "a note"
+    assert first.provenance["exit_status"] == "complete"
+    assert json.loads(first.provenance["rig"])["actuator"]["free_speed"] == 0.078
+    assert json.loads(first.provenance["calibration"])["scale"] == 613.0
+    assert json.loads(first.provenance["step"])["amplitude"] == 0.005
+    raw = h5.read_raw(folder / "01-sine-5mm-1Hz-0V.h5")
+    np.testing.assert_allclose(raw["force"].gain * raw["force"].values + raw["force"].offset, first.force, atol=1e-9)
+    x = raw["position"].gain * raw["position"].values + raw["position"].offset
+    np.testing.assert_allclose(
+        np.interp(first.time - raw["position"].delay, first.time, x), first.displacement, atol=1e-9
+    )
+    assert "displacement read 0.159 ms earlier" in first.history[0]
+    tests, events = read_journal(folder)
+    assert [(test.state, test.attempt) for test in tests] == [("complete", 1)] * 2
+    assert [event.what for event in events] == [
+        "armed", "homed", "checked", "begun", "complete", "begun", "complete", "complete",
+    ]  # fmt: skip
+
+
+def test_the_same_seed_gives_the_same_bits(two: Path, tmp_path: Path) -> None:
+    both = [records.read_campaign(perform(two, rig(), tmp_path / name)) for name in ("a", "b")]
+    for one, other in zip(*both, strict=True):
+        np.testing.assert_array_equal(one.force, other.force)
+
+
+def test_progress_is_told_with_every_block(two: Path, tmp_path: Path) -> None:
+    told: list[Progress] = []
+    perform(two, rig(), tmp_path / "out", told.append)
+    testing = [each for each in told if each.phase == "testing"]
+    assert {each.done for each in testing} == {0, 1}
+    assert testing[-1].fraction == pytest.approx(1.0, abs=0.02)
+    assert testing[-1].cycles == pytest.approx(testing[-1].planned_cycles, abs=0.5)
+    assert np.all(np.diff([each.time_left for each in testing]) <= 1e-9)
+    assert max(abs(each.force) for each in testing) > 100.0
+    assert max(each.stroke for each in testing) == pytest.approx(0.010, rel=0.05)
+
+
+def test_what_the_rig_cannot_do_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    told = {"step": [{"kind": "sine", "amplitude": "30 mm", "frequency": "1 Hz"}]}
+    opened = rig()
+    with pytest.raises(InputError, match="lower the amplitude to"):
+        perform(campaigns.read(told), opened, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    assert opened.board.simulator.time == 0.0  # type: ignore[attr-defined]
+
+
+def test_a_fault_ends_the_test_and_the_next_run_goes_on_with_it(two: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    with pytest.raises(RigFault, match="the table fell behind its set points"):
+        perform(two, rig("stalled-motor@15s"), folder)
+    tests, _ = read_journal(folder)
+    assert [test.state for test in tests] == ["complete", "failed"]
+    kept = records.read(folder / "02-sine-5mm-1Hz-1.5V.h5")
+    assert (kept.provenance["exit_status"], kept.provenance["ring"]) == ("failed", "firmware")
+    assert "fell behind" in kept.provenance["reason"]
+    assert len(records.read_campaign(folder)) == 1
+    perform(two, rig(), folder)
+    assert [test.attempt for test in read_journal(folder)[0]] == [1, 2]
+    assert (folder / "02-sine-5mm-1Hz-1.5V.try2.h5").is_file()
+    assert len(records.read_campaign(folder)) == 2
+    again = rig()
+    perform(two, again, folder)  # nothing is left
+    assert again.board.simulator.time == 0.0  # type: ignore[attr-defined]
+
+
+def test_another_campaign_in_the_folder_is_refused(two: Path, tmp_path: Path) -> None:
+    perform(two, rig(), tmp_path / "out")
+    two.write_text(TWO.replace("5 mm", "6 mm"), encoding="utf-8")
+    with pytest.raises(InputError, match="holds the campaign 'two', and this one differs"):
+        perform(two, rig(), tmp_path / "out")
+
+
+def pressing(control: Control, button: str, at: int) -> object:
+    count = 0
+
+    def show(progress: Progress) -> None:
+        nonlocal count
+        count += progress.phase == "testing"
+        if count == at:
+            getattr(control, button)()
+
+    return show
+
+
+def test_stop_ends_in_order(two: Path, tmp_path: Path) -> None:
+    control = Control()
+    opened = rig()
+    with pytest.raises(Stopped, match="run it again to go on"):
+        perform(two, opened, tmp_path / "out", pressing(control, "stop", 30), control)  # type: ignore[arg-type]
+    kept = records.read(tmp_path / "out/01-sine-5mm-1Hz-0V.h5")
+    assert kept.provenance["exit_status"] == "stopped"
+    assert 30 * 0.04 >= kept.time[-1] - kept.time[0] > 20 * 0.04
+    assert not opened.board.simulator.twin.enabled  # type: ignore[attr-defined]
+
+
+def test_abort_acts_at_once(two: Path, tmp_path: Path) -> None:
+    control = Control()
+    with pytest.raises((RigFault, Stopped)):
+        perform(two, rig(), tmp_path / "out", pressing(control, "abort", 30), control)  # type: ignore[arg-type]
+    assert read_journal(tmp_path / "out")[0][0].state == "failed"
+
+
+def test_pause_waits_between_tests(two: Path, tmp_path: Path) -> None:
+    control, paused = Control(), 0
+
+    def show(progress: Progress) -> None:
+        nonlocal paused
+        if progress.phase == "testing" and progress.done == 0:
+            control.pause()
+        paused += progress.phase == "paused"
+        if paused == 5:
+            control.resume()
+
+    perform(two, rig(), tmp_path / "out", show, control)
+    assert paused >= 5
+    assert [e.what for e in read_journal(tmp_path / "out")[1]].count("resumed") == 1
+
+
+def test_a_full_disk_ends_the_test_cleanly(two: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    opened, append, count = rig(), Recording.append, 0
+
+    def full(self: Recording, values: object) -> int:
+        nonlocal count
+        count += 1
+        if count == 20:
+            with self._told("cannot be written"):
+                raise OSError(28, "No space left on device")
+        return append(self, values)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Recording, "append", full)
+    with pytest.raises(FileError, match="the disk is full; make room, and run the campaign again"):
+        perform(two, opened, tmp_path / "out")
+    simulator = opened.board.simulator  # type: ignore[attr-defined]
+    assert not simulator.twin.enabled
+    assert simulator.truth.voltage[-1] == 0.0
+    kept = records.read(tmp_path / "out/01-sine-5mm-1Hz-0V.h5")
+    assert kept.provenance["complete"] == "no"
+    assert kept.n == pytest.approx(19 * 40, abs=40)
+    assert "disk is full" in read_journal(tmp_path / "out")[0][0].reason
+
+
+def test_a_cell_wired_backwards_is_seen_before_the_first_test(two: Path, tmp_path: Path) -> None:
+    opened = rig()
+    assert opened.calibration is not None
+    opened.calibration = replace(opened.calibration, scale=-613.0)
+    with pytest.raises(RigFault, match="is the force's sign inverted"):
+        perform(two, opened, tmp_path / "out")
+    assert [test.state for test in read_journal(tmp_path / "out")[0]] == ["planned", "planned"]
+
+
+HOST = textwrap.dedent("""
+    import sys
+    from dampyr.campaigns import perform
+    from dampyr.records.recording import Recording
+    from dampyr.rig import RigSettings, simulated
+
+    campaign, folder, box = sys.argv[1:4]
+    append = Recording.append
+
+    def told(self, values):
+        rows = append(self, values)
+        sys.stdout.write(f"{self.path.name} {rows}\\n")
+        sys.stdout.flush()
+        return rows
+
+    Recording.append = told
+    with simulated(black_box=box) as rig:
+        sys.stdout.write("ready\\n")
+        sys.stdout.flush()
+        perform(campaign, rig, folder)
+    sys.stdout.write("complete\\n")
+    sys.stdout.flush()
+""")
+
+
+def killed(campaign: Path, folder: Path, after: float, rows: int = 0) -> tuple[dict[str, int], bool, Path]:
+    """Run a campaign in a process of its own and kill it ``after`` s, and ``rows`` of a test: the rows that it
+    acknowledged, whether it had ended, and the black box of its rig."""
+    box = folder.parent / f"box-{time.monotonic_ns()}.jsonl"
+    command = [sys.executable, "-c", HOST, str(campaign), str(folder), str(box)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as host:
+        assert host.stdout is not None
+        assert host.stdout.readline() == "ready\n"
+        said = []
+        while rows and not (said and int(said[-1][1]) >= rows):
+            said.append(host.stdout.readline().split())
+        try:
+            host.wait(after)
+        except subprocess.TimeoutExpired:
+            os.kill(host.pid, signal.SIGKILL)
+        said += [line.split() for line in host.stdout.read().split("\n")[:-1]]
+    return {line[0]: int(line[1]) for line in said if len(line) == 2}, ["complete"] in said, box
+
+
+def at_rest(box: Path) -> list[dict[str, object]]:
+    """The black box, once the rig whose host was killed has come to rest."""
+    for _ in range(200):
+        told = [json.loads(line) for line in box.read_text("utf-8").splitlines()]
+        if told and told[-1]["event"] == "ends":
+            return told
+        time.sleep(0.05)
+    raise AssertionError(f"the rig did not come to rest: {told[-5:]}")
+
+
+def check_kept(folder: Path, acknowledged: dict[str, int]) -> None:
+    for name, rows in acknowledged.items():
+        assert records.read(folder / name).n >= rows, name
+
+
+def check_rest(box: Path) -> None:
+    """From the moment the host was gone: coil dead and table at rest within 300 ms."""
+    told = at_rest(box)
+    gone = next(e["time"] for e in told if e["event"] == "serial closed")
+    after = [e for e in told if e["time"] >= gone]  # type: ignore[operator]
+    moving = any(e["event"] == "enable high" for e in told)
+    if moving:
+        low = [e["time"] for e in told if e["event"] == "enable low"]
+        rests = [e["time"] for e in told if e["event"] == "at rest"]
+        assert low[-1] <= gone + 0.300, (gone, after)  # type: ignore[operator]
+        assert not rests or rests[-1] <= gone + 0.300, (gone, after)  # type: ignore[operator]
+
+
+def test_a_killed_host_leaves_a_rig_at_rest_and_its_samples(two: Path, tmp_path: Path) -> None:
+    acknowledged, ended, box = killed(two, tmp_path / "out", 0.0, rows=600)
+    assert not ended
+    check_kept(tmp_path / "out", acknowledged)
+    check_rest(box)
+    perform(two, rig(), tmp_path / "out")
+    assert [test.state for test in read_journal(tmp_path / "out")[0]] == ["complete"] * 2
+    assert any("interrupted" in event.detail for event in read_journal(tmp_path / "out")[1])
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("part", range(2))
+def test_two_hundred_kills_in_campaigns(two: Path, tmp_path: Path, part: int) -> None:
+    """Killed at random moments, over and over, until each campaign is complete: nothing acknowledged is lost."""
+    draw, kills, number = np.random.default_rng([20201124, part]), 0, 0
+    while kills < 100:
+        number += 1
+        folder, kept, ended = tmp_path / str(number) / "out", {}, False
+        folder.parent.mkdir()
+        while not ended:
+            acknowledged, ended, box = killed(two, folder, float(draw.uniform(0.0, 1.6)))
+            kept |= acknowledged
+            kills += not ended
+            check_kept(folder, kept)
+            check_rest(box)
+        assert len(records.read_campaign(folder)) == 2
+
+
+def test_the_settings_are_those_of_the_rig_file(two: Path, tmp_path: Path) -> None:
+    (tmp_path / "rig.toml").write_text('[board]\nrate = "500 Hz"\n', encoding="utf-8")
+    with simulated(tmp_path / "rig.toml", in_process=True) as opened:
+        assert opened.settings.board.rate == 500.0
+        perform(two, opened, tmp_path / "out")
+    assert records.read_campaign(tmp_path / "out")[0].dt == pytest.approx(0.002)
+    assert RigSettings().board.rate == 1000.0

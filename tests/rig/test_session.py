@@ -1,0 +1,333 @@
+"""The door for energy: however its block ends, the coil is dead and the table at rest; each ring of safety acts alone."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dampyr import campaigns
+from dampyr.errors import InputError, RigFault
+from dampyr.rig import Drive, Reversals, Rig, RigSettings, Table, simulated
+from dampyr.rig.firmware.protocol import Request, State
+from dampyr.rig.interlock import Samples
+from dampyr.rig.simulation.simulator import Simulator
+
+SOON = 0.100  # s of simulated time
+
+
+def made(*faults: str, interlocked: bool = True, settings: RigSettings | None = None) -> tuple[Rig, Simulator]:
+    rig = simulated(settings, faults=faults, in_process=True)
+    rig.interlocked = interlocked
+    return rig, rig.board.simulator  # type: ignore[attr-defined]
+
+
+def sine(amplitude: float, frequency: float, seconds: float, volts: float = 2.0) -> Drive:
+    t = np.arange(round(seconds / 0.01) + 1) * 0.01
+    grows = np.clip(t * frequency, 0.0, 1.0) * np.clip((t[-1] - t) * frequency, 0.0, 1.0)
+    return Drive(0.01, amplitude * grows * np.sin(2 * np.pi * frequency * t), np.full(t.size, volts))
+
+
+def ramp(to: float, seconds: float) -> Drive:
+    n = round(seconds / 0.01) + 1
+    return Drive(0.01, to * (1 - np.cos(np.linspace(0, np.pi, n))) / 2, np.zeros(n))
+
+
+def one_way(seconds: float) -> Drive:
+    """Set points cannot leave the stroke: the firmware refuses them. A duty can."""
+    rest = np.zeros(round(seconds / 0.01))
+    return Drive(0.01, rest, rest, reversals=Reversals(0.5, seconds, 0.0, 1))
+
+
+@pytest.fixture
+def ready() -> tuple[Rig, Simulator]:
+    rig, simulator = made()
+    with rig.armed() as table:
+        table.home()
+        table.go(0.0)
+    return rig, simulator
+
+
+def played(rig: Rig, drive: Drive, then: Callable[[int, Table, Samples], None] | None = None, times: int = 1) -> None:
+    """Home, go to where a drive begins, and play it; ``then`` is called with each block."""
+    with rig.armed() as table:
+        if not table.homed:
+            table.home()
+        table.go(float(drive.displacement[0]))
+        for _ in range(times):
+            for k, (block, _) in enumerate(table.play(drive)):
+                if then:
+                    then(k, table, block)
+
+
+def check_safe(simulator: Simulator, since: float) -> None:
+    """0 V at the coil and the table at rest within `SOON`; the current follows with the coil's time constant."""
+    simulator.alone(SOON)
+    truth = simulator.truth
+    after = truth.time > since + SOON
+    assert np.all(truth.voltage[truth.time > since + 0.005] == 0.0)
+    assert np.all(np.abs(truth.speed[after]) < 1e-6)
+    assert simulator.at_rest_since <= since + SOON
+    assert not simulator.twin.enabled
+
+
+def test_a_drive_is_followed_and_recorded_on_one_clock(ready: tuple[Rig, Simulator]) -> None:
+    rig, simulator = ready
+    drive = sine(0.010, 1.0, 4.0)
+    with rig.armed() as table:
+        begun = simulator.time
+        started = begun - table.loop.next / rig.settings.board.rate
+        got = [(block.time[kept], block.displacement[kept], block.voltage[kept]) for block, kept in table.play(drive)]
+        t, x, u = (np.concatenate(rows) for rows in zip(*got, strict=True))
+        assert len(t) == 4001
+        np.testing.assert_allclose(np.diff(t), 1e-3, atol=1e-12)
+        followed = np.interp(t - t[0], np.arange(drive.n) * 0.01, drive.displacement)
+        assert np.abs(x - followed).max() < 6e-4
+        assert np.all(u == 2.0)
+        truth = simulator.truth
+        began = np.flatnonzero((truth.voltage > 0.0) & (truth.time > begun))[0]
+        assert truth.time[began] == pytest.approx(begun + 0.080 + 0.002, abs=0.0021)  # two blocks ahead, on the clock
+        true = np.interp(started + 1e-3 + t, truth.time, truth.position)
+        assert np.abs(x - true).max() < 2e-4
+
+
+def test_the_coil_follows_steps_of_voltage_to_the_sample(ready: tuple[Rig, Simulator]) -> None:
+    rig, simulator = ready
+    steps = np.repeat([0.5, 1.5, 1.0, 2.0], 25)
+    with rig.armed() as table:
+        blocks = [
+            (block.time[kept], block.voltage[kept]) for block, kept in table.play(Drive(0.01, np.zeros(100), steps))
+        ]
+        t, u = (np.concatenate(rows) for rows in zip(*blocks, strict=True))
+    truth = simulator.truth
+    for volts in (0.5, 1.5, 1.0, 2.0):
+        told = t[u == volts]
+        really = truth.time[np.isclose(truth.voltage, volts, rtol=0.02)]
+        assert really.max() - really.min() == pytest.approx(told.max() - told.min(), abs=0.045)
+    assert np.flatnonzero(np.diff(u)).tolist() == [249, 499, 749]
+
+
+@pytest.mark.parametrize("ends", [None, KeyboardInterrupt, ValueError, SystemExit])
+def test_however_the_block_ends_it_is_safe(ready: tuple[Rig, Simulator], ends: type[BaseException] | None) -> None:
+    rig, simulator = ready
+    since = 0.0
+
+    def run() -> None:
+        nonlocal since
+        with rig.armed() as table:
+            for k, (block, _) in enumerate(table.play(sine(0.012, 0.9, 6.0))):
+                if k > 40 and abs(block.status.speed) > 8000:
+                    since = simulator.time
+                    if ends:
+                        raise ends
+                    return
+
+    if ends:
+        with pytest.raises(ends):
+            run()
+    else:
+        run()
+    assert since > 0.0
+    check_safe(simulator, since)
+
+
+def test_abort_brakes_and_whoever_waits_is_told(ready: tuple[Rig, Simulator]) -> None:
+    rig, simulator = ready
+    since = 0.0
+
+    def press(k: int, table: Table, _: Samples) -> None:
+        nonlocal since
+        if k == 60:
+            since = simulator.time
+            table.abort("by the operator")
+
+    with pytest.raises(RigFault, match="aborted: by the operator") as told:
+        played(rig, sine(0.012, 0.9, 6.0), press)
+    assert told.value.ring == "operator"
+    check_safe(simulator, since)
+
+
+def test_leaving_goes_on_where_a_step_fails(ready: tuple[Rig, Simulator], monkeypatch: pytest.MonkeyPatch) -> None:
+    rig, simulator = ready
+    monkeypatch.setattr(rig.uno, "stop", lambda: (_ for _ in ()).throw(RigFault("the cable is out")))
+    since = 0.0
+
+    def fail(k: int, *_: object) -> None:
+        nonlocal since
+        if k == 60:
+            since = simulator.time
+            raise ValueError("mine")
+
+    with pytest.raises(ValueError, match="mine") as told:
+        played(rig, sine(0.012, 0.9, 6.0), fail)
+    assert any("the cable is out" in note for note in told.value.__notes__)
+    check_safe(simulator, since)
+
+
+# ring 1: the firmware, with the interlock off and no check
+
+
+def test_ring_one_alone_the_stroke() -> None:
+    rig, simulator = made(interlocked=False)
+    with pytest.raises(RigFault, match="the upper end of the stroke") as told:
+        played(rig, one_way(5.0))
+    assert told.value.ring == "firmware"
+    assert simulator.truth.position.max() < 0.0376  # 37 mm and the way to stop
+
+
+def test_ring_one_alone_a_silent_host() -> None:
+    rig, simulator = made(interlocked=False)
+    since = 0.0
+
+    def fall_silent(k: int, _: Table, block: Samples) -> None:
+        nonlocal since
+        if k > 40 and abs(block.status.speed) > 8000:
+            since = simulator.time
+            simulator.alone(0.5)
+
+    with pytest.raises(RigFault, match="the host was silent for too long"):
+        played(rig, sine(0.012, 0.9, 6.0), fall_silent)
+    truth = simulator.truth
+    assert simulator.twin.state is State.FAULT  # until a host clears it
+    assert np.all(truth.voltage[truth.time > since + 0.201] == 0.0)
+    assert simulator.at_rest_since < since + 0.300
+
+
+def test_ring_one_refuses_set_points_beyond_the_stroke() -> None:
+    rig, _ = made(interlocked=False)
+    with pytest.raises(RigFault, match="the Uno refused SETPOINTS: a value is out of range") as told:
+        played(rig, ramp(0.045, 4.0))
+    assert told.value.ring == "firmware"
+
+
+# ring 2: the interlock, with the firmware's limits wide open and no check
+
+
+def opened_wide(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    def configure(_: RigSettings) -> None:
+        rig.uno._ask(Request.LIMITS, -37000, 37000, 40000, 200, 255, 1000)
+
+    monkeypatch.setattr(rig.uno, "configure", configure)
+
+
+def tripped(rig: Rig, drive: Drive, monkeypatch: pytest.MonkeyPatch) -> str:
+    opened_wide(rig, monkeypatch)
+    with pytest.raises(RigFault) as told:
+        played(rig, drive)
+    assert told.value.ring == "interlock", told.value
+    return str(told.value)
+
+
+def test_ring_two_alone_the_stroke(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig, simulator = made()
+    assert "displacement 0.037" in tripped(rig, ramp(0.045, 4.0), monkeypatch)
+    assert simulator.truth.position.max() < 0.0405  # a block of 40 ms, and the way to stop
+
+
+def test_ring_two_alone_the_force(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = replace(RigSettings(), limits=replace(RigSettings().limits, force=400.0))
+    rig, _ = made(settings=settings)
+    assert "force" in tripped(rig, sine(0.008, 1.0, 5.0, 3.0), monkeypatch)
+
+
+def test_ring_two_alone_the_speed(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = replace(RigSettings(), limits=replace(RigSettings().limits, speed=0.030))
+    rig, _ = made(settings=settings)
+    assert "speed" in tripped(rig, sine(0.008, 1.0, 5.0, 0.0), monkeypatch)
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("broken-cell@8s", "load cell signal"),
+        ("stuck-encoder-board@8s", "the board's and the Uno's position"),
+        ("board-timeout@8s", "the simulated board says"),
+    ],
+)
+def test_ring_two_alone_faults(fault: str, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    rig, _ = made(fault)
+    opened_wide(rig, monkeypatch)
+    with pytest.raises(RigFault, match=words):
+        played(rig, sine(0.010, 1.0, 8.0), times=3)
+
+
+def test_ring_two_alone_a_measured_temperature(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = replace(RigSettings(), wires=replace(RigSettings().wires, temperature="ai1"))
+    rig, _ = made("hot-specimen@8s", settings=settings)
+    assert "temperature" in tripped(rig, sine(0.010, 1.0, 12.0), monkeypatch)
+
+
+def test_ring_two_alone_an_estimated_temperature(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig, _ = made()
+    rig.warmth.temperature = 71.5
+    assert "estimated temperature" in tripped(rig, sine(0.010, 1.0, 12.0, 3.0), monkeypatch)
+
+
+# ring 3: the check, with no rig at all
+
+
+def test_ring_three_alone() -> None:
+    told = {"step": [{"kind": "sine", "amplitude": "20 mm", "frequency": "2 Hz"}]}
+    plan = campaigns.plan(campaigns.read(told), RigSettings())
+    assert "needs 251.3 mm/s, the actuator gives" in plan.refusals[0]
+    rig, simulator = made()
+    with pytest.raises(InputError, match=r"needs 251\.3 mm/s"):
+        campaigns.perform(campaigns.read(told), rig, "nowhere")
+    assert simulator.time == 0.0
+
+
+# what else a table does
+
+
+def test_the_table_goes_home_by_its_index(ready: tuple[Rig, Simulator]) -> None:
+    rig, simulator = ready
+    with rig.armed() as table:
+        assert table.homed
+        table.go(0.010)
+        assert simulator.truth.position[-1] == pytest.approx(0.010, abs=1e-4)
+        assert table.position == pytest.approx(simulator.truth.position[-1], abs=6e-6)
+
+
+def test_a_drive_that_begins_elsewhere_is_refused(ready: tuple[Rig, Simulator]) -> None:
+    rig, _ = ready
+    with rig.armed() as table, pytest.raises(InputError, match=r"begins at 5\.00 mm and the table stands at 0\.0"):
+        next(table.play(Drive(0.01, np.full(10, 0.005), np.zeros(10))))
+
+
+def test_a_jog_lasts_as_long_as_it_is_asked_for(ready: tuple[Rig, Simulator]) -> None:
+    rig, simulator = ready
+    with rig.armed() as table:
+        before = table.position
+        table.jog(0.005, 0.3)
+        assert table.position - before == pytest.approx(0.0015, abs=3e-4)
+        assert not np.isnan(simulator.at_rest_since)
+        with pytest.raises(InputError, match=r"seconds = 2 is not allowed; a jog lasts at most 0\.5 s"):
+            table.jog(0.005, 2.0)
+
+
+def test_a_coil_too_warm_for_its_supply_is_told() -> None:
+    rig, _ = made()
+    rig.warmth.temperature = 60.0
+    with pytest.raises(RigFault, match=r"the coil at 60 degC needs 4\.6"):
+        played(rig, Drive(0.01, np.zeros(300), np.full(300, 4.0)))
+
+
+def test_lost_bytes_are_asked_for_again() -> None:
+    rig, _ = made("lost-bytes=0.002@3s for 4s")
+    played(rig, sine(0.005, 1.0, 4.0))
+    assert rig.uno.bad_frames > 0
+
+
+def test_the_real_wires_give_what_the_plant_gives() -> None:
+    """Lockstep over TCP and gRPC: the same samples as in this process."""
+
+    def samples(table: Table) -> list[float]:
+        return [float(v) for block, kept in table.play(sine(0.005, 1.0, 3.0)) for v in block.force[kept]]
+
+    found = []
+    for in_process in (True, False):
+        with simulated(in_process=in_process, seed=3) as rig, rig.armed() as table:
+            table.home()
+            table.go(0.0)
+            found.append(samples(table))
+    np.testing.assert_array_equal(*found)
