@@ -143,11 +143,10 @@ class Twin:
             return Reason.RANGE
         if not r[c.R_HOMED]:
             return Reason.NOT_HOMED
-        anew = first == 0 and self.state == State.ARMED
-        at, free = (0, c.QUEUE) if anew else (int(r[c.R_NEXT]), self.free)
+        at = int(r[c.R_NEXT])
         if first > at or (first + len(points) - 1 > r[c.R_LAST] and self.state == State.FOLLOWING):
             return Reason.GAP if first > at else Reason.RANGE
-        return Reason.QUEUE_FULL if first + len(points) - at > free else None
+        return Reason.QUEUE_FULL if first + len(points) - at > self.free else None
 
     def _check_follow(self, period: int, n: int) -> Reason | None:
         r = self.registers

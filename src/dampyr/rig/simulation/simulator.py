@@ -321,6 +321,8 @@ class Simulator:
 
     def _begin_faults(self) -> None:
         """Set what holds now, and do once what is done once."""
+        if not self.faults:
+            return
         self.wrong[plant.Z_STALLED] = self._holding("stalled-motor") is not None
         self.wrong[plant.Z_UNO] = self._holding("stuck-encoder", "stuck-encoder-uno") is not None
         self.wrong[plant.Z_NI] = self._holding("stuck-encoder", "stuck-encoder-board") is not None
