@@ -83,13 +83,13 @@ class Simulator:
         self.settings, self.faults = settings, tuple(faults)
         self.specimen = with_play(specimen_of(settings) if specimen is None else specimen, settings.specimen.free_play)
         self.constants = constants_of(settings, self.specimen, step)
-        self.noise, self.luck = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])
+        self.noise, self.luck, self.slow = (np.random.default_rng([seed, k]) for k in range(3))
         self.twin = Twin(self._beaten)
         self.tracks = Tracks(told)
         self._task: Task | None = None
         self.timed: TimedCommand | None = None
         self._asked = 0.0
-        self._wander = settings.load_cell.wander * float(self.noise.standard_normal())
+        self._wander = settings.load_cell.wander * float(self.slow.standard_normal())
         self._begun: set[FaultSpec] = set()
         self.beat = BEAT
         self.wait: Callable[[float], None] = sleep
@@ -293,7 +293,7 @@ class Simulator:
     def _wandering(self, n: int, period: float) -> Array:
         """Slow errors of the load cell: an Ornstein-Uhlenbeck process, stationary from the start."""
         kept = np.exp(-period / WANDERS)
-        pushes = self.settings.load_cell.wander * np.sqrt(1.0 - kept**2) * self.noise.standard_normal(n)
+        pushes = self.settings.load_cell.wander * np.sqrt(1.0 - kept**2) * self.slow.standard_normal(n)
         rows, _ = lfilter([1.0], [1.0, -kept], pushes, zi=[kept * self._wander])
         self._wander = float(rows[-1]) if n else self._wander
         return np.asarray(rows)
