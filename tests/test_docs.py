@@ -385,3 +385,12 @@ def test_every_bench_is_found_and_has_its_two_names(monkeypatch: pytest.MonkeyPa
     assert len(found) >= 5
     assert all(isinstance(bench.TITLE, str) and callable(bench.run) for bench in found.values())
     assert "datasets fetch" in found["campaign_fit"].run(None)
+
+
+def test_the_faults_of_the_simulated_rig_are_all_listed() -> None:
+    from dampyr.rig.simulation.faults import KINDS
+
+    page = (DOCS / "reference" / "simulated-rig.md").read_text(encoding="utf-8").partition("## What may go wrong")[2]
+    assert re.findall(r"^\| `([\w-]+)` \|", page, re.MULTILINE) == list(KINDS)
+    for name, known in KINDS.items():
+        assert f"| `{name}` | {known.words} |" in page
