@@ -19,7 +19,6 @@ from __future__ import annotations
 from math import exp, floor
 from typing import Any, NamedTuple
 
-from dampyr.models.kernels import kept
 from dampyr.rig.firmware import control
 
 R_DUTY, R_STATE, R_FAULTS = control.R_DUTY, control.R_STATE, control.R_FAULTS
@@ -79,7 +78,8 @@ def _unbound(*_: Any) -> Any:
 
 
 advance = force = _unbound
-tick = kept(control.tick)
+tick = control.tick
+BOUND_WITH = (control.__name__,)  # the firmware's control is compiled with the plant
 
 
 def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, counts, truth):  # type: ignore[no-untyped-def]

@@ -8,7 +8,6 @@ from time import sleep
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from dampyr.errors import InputError
 from dampyr.models import Damper
@@ -292,6 +291,8 @@ class Simulator:
 
     def _wandering(self, n: int, period: float) -> Array:
         """Slow errors of the load cell: an Ornstein-Uhlenbeck process, stationary from the start."""
+        from scipy.signal import lfilter
+
         kept = np.exp(-period / WANDERS)
         pushes = self.settings.load_cell.wander * np.sqrt(1.0 - kept**2) * self.slow.standard_normal(n)
         rows, _ = lfilter([1.0], [1.0, -kept], pushes, zi=[kept * self._wander])
