@@ -1,0 +1,50 @@
+"""What the check before motion says is what the simulated rig then does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import dampyr as dp
+from dampyr.campaigns import kind, largest, specimen
+from dampyr.rig import Drive, RigSettings
+
+RIG = RigSettings()
+
+
+def played(drive: Drive) -> np.ndarray:
+    """Where the simulated table was, sample by sample [m]."""
+    with dp.rig.simulated(in_process=True) as rig, rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        return np.concatenate([samples.displacement[kept] for samples, kept in table.play(drive)])
+
+
+def peak_speed(x: np.ndarray, over: int = 20) -> float:
+    """The greatest speed over ``over`` samples [m/s]."""
+    return float(np.abs(x[over:] - x[:-over]).max() * RIG.board.rate / over)
+
+
+@pytest.mark.parametrize(("frequency", "voltage"), [(1.2, 1.98), (0.5, 0.0)])
+def test_the_largest_sine_is_followed_and_a_larger_one_is_not(frequency: float, voltage: float) -> None:
+    step = kind("sine")(0.03, frequency, voltage, cycles=3)
+    most = replace(step, amplitude=largest(step, "amplitude", RIG, specimen(RIG)))
+    assert peak_speed(played(most.drive(RIG))) > 0.98 * most.peaks(RIG).speed
+    more = replace(most, amplitude=1.2 * most.amplitude)
+    assert peak_speed(played(more.drive(RIG))) < 0.92 * more.peaks(RIG).speed
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("earthquake", {"voltage": 0.8712}), ("sweep", {"amplitude": 0.02, "start": 0.3, "stop": 1.5, "duration": 10.0})],
+)
+def test_what_is_lowered_to_the_largest_is_followed(name: str, told: dict[str, float]) -> None:
+    step = kind(name)(**told)
+    field = step.lowers[0]
+    most = replace(step, **{field: largest(step, field, RIG, specimen(RIG))})
+    drive, x = most.drive(RIG), played(most.drive(RIG))
+    asked = np.interp(np.arange(x.size) / RIG.board.rate, np.arange(drive.n) * drive.period, drive.displacement)
+    assert np.abs(x).max() == pytest.approx(most.peaks(RIG).position, rel=0.03)
+    assert np.std(x - asked) < 0.03 * np.abs(asked).max()
