@@ -40,6 +40,7 @@ HOW_TO = [
         "ensembles",
         "campaigns",
         "control",
+        "rig",
     )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]

@@ -288,17 +288,80 @@ def test_a_killed_host_leaves_a_rig_at_rest_and_its_samples(two: Path, tmp_path:
     assert any("interrupted" in event.detail for event in read_journal(tmp_path / "out")[1])
 
 
+FORKING = textwrap.dedent("""
+    import os, signal, sys, time
+    from dampyr.campaigns import perform
+    from dampyr.records.recording import Recording
+    from dampyr.rig import simulated
+
+    append = Recording.append
+
+    def told(self, values):
+        rows = append(self, values)
+        os.write(1, f"{self.path.name} {rows}\\n".encode())
+        return rows
+
+    Recording.append = told
+    simulated(in_process=True).board.simulator.alone(0.01)  # compiled once, for every host that is forked
+    print("ready", flush=True)
+    for line in sys.stdin:
+        campaign, folder, after = line.rstrip().split("|")
+        host = os.fork()
+        if not host:
+            perform(campaign, simulated(in_process=True), folder)
+            os.write(1, b"complete\\n")
+            os._exit(0)
+        until = time.monotonic() + float(after)
+        while time.monotonic() < until and os.waitpid(host, os.WNOHANG) == (0, 0):
+            time.sleep(0.0005)
+        try:
+            os.kill(host, signal.SIGKILL)
+            os.waitpid(host, 0)
+        except (ProcessLookupError, ChildProcessError):
+            pass
+        print("over", flush=True)
+""")
+
+
 @pytest.mark.prove
-@pytest.mark.parametrize("part", range(2))
-def test_two_hundred_kills_in_campaigns(two: Path, tmp_path: Path, part: int) -> None:
-    """Killed at random moments, over and over, until each campaign is complete: nothing acknowledged is lost."""
-    draw, kills, number = np.random.default_rng([20201124, part]), 0, 0
-    while kills < 100:
+def test_two_hundred_kills_in_campaigns(two: Path, tmp_path: Path) -> None:
+    """Hosts killed at random moments, over and over, until each campaign is complete: nothing acknowledged is lost."""
+    draw, kills, number = np.random.default_rng(20201124), 0, 0
+    command = [sys.executable, "-c", FORKING]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as hosts:
+        assert hosts.stdin is not None
+        assert hosts.stdout is not None
+        assert hosts.stdout.readline() == "ready\n"
+        while kills < 200:
+            number += 1
+            folder, kept, ended, longest = tmp_path / str(number) / "out", {}, False, 0.3
+            folder.parent.mkdir()
+            while not ended:
+                longest *= 1.1  # so that a slow machine comes to the end of a campaign too
+                hosts.stdin.write(f"{two}|{folder}|{draw.uniform(0.0, longest)}\n")
+                hosts.stdin.flush()
+                said = [line.split() for line in iter(hosts.stdout.readline, "over\n")]
+                kept |= {line[0]: int(line[1]) for line in said if len(line) == 2}
+                ended = ["complete"] in said
+                kills += not ended
+                check_kept(folder, kept)
+            assert len(records.read_campaign(folder)) == 2
+            assert [test.state for test in read_journal(folder)[0]] == ["complete"] * 2
+        hosts.stdin.close()
+    assert number > 5  # campaigns went on to their end between the kills
+
+
+@pytest.mark.prove
+def test_twenty_kills_over_the_wires(two: Path, tmp_path: Path) -> None:
+    """The rig is a process of its own and comes to rest within 300 ms whenever its host is killed."""
+    draw, kills, number = np.random.default_rng(20201125), 0, 0
+    while kills < 20:
         number += 1
-        folder, kept, ended = tmp_path / str(number) / "out", {}, False
+        folder, kept, ended, longest = tmp_path / str(number) / "out", {}, False, 1.0
         folder.parent.mkdir()
         while not ended:
-            acknowledged, ended, box = killed(two, folder, float(draw.uniform(0.0, 1.6)))
+            longest *= 1.2
+            acknowledged, ended, box = killed(two, folder, float(draw.uniform(0.0, longest)))
             kept |= acknowledged
             kills += not ended
             check_kept(folder, kept)

@@ -6,6 +6,7 @@ predicts records that it was not fitted on, `leaderboard` which model does it be
 `findings` what that says in words.
 """
 
+from dampyr.identification.data_sheet import contradictions
 from dampyr.identification.findings import Trend, findings, trends, warnings_of
 from dampyr.identification.fit import Fit, Nuisance, fit
 from dampyr.identification.leaderboard import Entry, Leaderboard, leaderboard
@@ -19,6 +20,6 @@ from dampyr.identification.validation import Fold, Validation, cross_validate
 __all__ = [
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Residuals", "Score", "Screened",
     "Trace", "Trend", "Trial", "Validation", "Window",
-    "analyse", "compare", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle", "plastic_region", "prediction",
-    "residuals", "score", "trends", "warnings_of",
+    "analyse", "compare", "contradictions", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle",
+    "plastic_region", "prediction", "residuals", "score", "trends", "warnings_of",
 ]  # fmt: skip

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.identification.data_sheet import SHEETS, contradictions
 from dampyr.identification.notes import notes, trouble_of
 from dampyr.identification.pieces import Piece
 from dampyr.identification.problem import Problem
@@ -139,7 +140,7 @@ def found(
         correlation=_correlation(known.covariance),
         converged=outcome.converged and not trouble,
         reason=trouble or outcome.reason,
-        notes=(*notes(problem, outcome, known, labels), *told),
+        notes=(*notes(problem, outcome, known, labels), *told, *_promises(damper, records)),
         clusters=known.clusters,
         freedom=dict(zip(labels, map(float, known.freedom), strict=True)),
         nuisances={
@@ -157,6 +158,12 @@ def found(
         records=records,
         starts=starts,
     )
+
+
+def _promises(damper: Damper | None, records: tuple[Record, ...]) -> list[str]:
+    """What the data sheet says against the fit, where the records name one."""
+    sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
+    return [words for sheet in sorted(sheets) if damper for words in contradictions(damper, sheet)]
 
 
 def _errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:

@@ -109,6 +109,7 @@ class Specimen:
     """The damper on the table; all but its card is for the simulated rig only."""
 
     card: Annotated[str, "a card of dampyr, beside this file; empty: the fit of FACTS section 6"] = ""
+    data_sheet: Annotated[str, "whose promises a fit is held against: RD-8041-1 (Table A.1), or empty"] = "RD-8041-1"
     free_play: Annotated[float, Metre, "simulated: the play of the pins"] = 0.0
     heat_capacity: Annotated[float, Quantity("J/K", low=0.0, open_low=True), "assumed: 0.9 kg of steel and fluid"] = (
         450.0
