@@ -19,9 +19,9 @@ from dampyr.errors import InputError
 @click.option("--yes", is_flag=True, help="Do not wait for Enter before each reading.")
 @as_json_option
 def command(rig: Path, load: str | None, shunt: str | None, seconds: float, yes: bool, as_json: bool) -> None:
-    """Find the load cell's zero, and its scale by a known load or a shunt; nothing moves, the coil stays at 0 V.
+    """Find the load cell's zero and scale.
 
-    Without --load and --shunt only the zero is found. The result is calibration.toml beside the rig.toml, and every campaign
+    The scale is found by a known load or a shunt; nothing moves, the coil stays at 0 V. Without --load and --shunt only the zero is found. The result is calibration.toml beside the rig.toml, and every campaign
     with that rig uses it.
     """
     from dampyr.rig import open_rig

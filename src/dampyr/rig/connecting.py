@@ -74,7 +74,10 @@ def simulated(
     process = Process(rig, specimen, seed, told, real_time, black_box)
     try:
         wired = replace(rig, wires=replace(rig.wires, serial=process.serial, grpc=process.grpc))
-        uno = Uno(open_wire(wired.wires.serial, wired.wires.baud))
+        wire = open_wire(wired.wires.serial, wired.wires.baud)
+        uno = (
+            Uno(wire) if real_time else Uno(wire, wait=0.25, tries=20)
+        )  # in lockstep no time passes while a host waits
         return Rig(rig, uno, NiBoard(wired), threaded=real_time, folder=folder, on_close=[process.close])
     except BaseException:
         process.close()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 import time
 from dataclasses import dataclass
-from typing import ClassVar
 
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.firmware.protocol import (
@@ -48,12 +47,10 @@ class Hello:
 
 
 class Uno:
-    """The Uno at the end of a wire; every call waits for its answer or raises :class:`RigFault`."""
+    """The Uno at the end of a wire; every call waits for its answer, ``wait`` s at a time, or raises :class:`RigFault`."""
 
-    TRIES: ClassVar[int] = 4
-    WAIT: ClassVar[float] = 0.02  # s
-
-    def __init__(self, wire: Wire) -> None:
+    def __init__(self, wire: Wire, wait: float = 0.02, tries: int = 4) -> None:
+        self.wait, self.tries = wait, tries
         self._wire, self._reader = wire, Reader()
         self._number = random.randrange(256)  # so that a new host is not taken for the one before it
 
@@ -131,15 +128,15 @@ class Uno:
     def _ask(self, kind: Request, *values: int) -> Frame:
         self._number = (self._number + 1) % 256
         request = encode(Frame(kind, self._number, values))
-        for _ in range(self.TRIES):
+        for _ in range(self.tries):
             self._wire.send(request)
             reply = self._reply()
             if reply is not None:
                 return self._checked(kind, reply)
-        raise RigFault(f"the Uno does not answer {kind.name}, asked {self.TRIES} times; check its cable and its power")
+        raise RigFault(f"the Uno does not answer {kind.name}, asked {self.tries} times; check its cable and its power")
 
     def _reply(self) -> Frame | None:
-        until = time.monotonic() + self.WAIT
+        until = time.monotonic() + self.wait
         while True:
             data = self._wire.receive()
             for frame in self._reader.feed(data):
