@@ -21,8 +21,8 @@ from dampyr.errors import InputError
 def command(rig: Path, load: str | None, shunt: str | None, seconds: float, yes: bool, as_json: bool) -> None:
     """Find the load cell's zero and scale.
 
-    The scale is found by a known load or a shunt; without --load and --shunt only the zero is found. Nothing moves, the coil stays
-    at 0 V. The result is calibration.toml beside the rig.toml, and every campaign with that rig uses it.
+    The scale is found by a known load or a shunt; without --load and --shunt only the zero is found. Nothing moves, the coil
+    stays at 0 V. The result is calibration.toml beside the rig.toml, and every campaign with that rig uses it.
     """
     from dampyr.rig import open_rig
     from dampyr.rig.calibrating import Calibrating
