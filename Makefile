@@ -10,7 +10,7 @@ BENCH_LOCK := requirements/bench.lock
 BENCH_READY := $(BENCH_VENV)/ready
 WORKERS ?= 2
 
-.PHONY: help demo test prove check bench lock clean compiler blas
+.PHONY: help demo test prove check bench lock clean compiler chromium axe blas
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
@@ -42,13 +42,27 @@ compiler:
 	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq gcc libc6-dev >/dev/null 2>&1; } || \
 	  echo "no C compiler was found or installed; the test that compiles the C export will be skipped"
 
+# The console's pages are tried in Debian's Chromium. Without it those tests are skipped, and say so.
+chromium:
+	@command -v chromium >/dev/null 2>&1 || { \
+	  [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1 && apt-get update -qq >/dev/null 2>&1 && \
+	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium fonts-dejavu-core >/dev/null 2>&1; } || \
+	  echo "no Chromium was found or installed; the tests of the console's pages will be skipped"
+
+# axe-core checks labels and contrast of the console's pages.
+AXE := out/axe/node_modules/axe-core/axe.min.js
+axe:
+	@[ -f $(AXE) ] || { command -v npm >/dev/null 2>&1 && \
+	  npm install --silent --no-save --no-audit --no-fund --ignore-scripts --prefix out/axe axe-core@4.14.1 >/dev/null 2>&1; } || \
+	  echo "axe-core was not found or installed (it needs npm); the tests of the console's labels and contrast will be skipped"
+
 demo: $(READY)
 	$(BIN)/dampyr demo --out out/demo
 
-test: $(READY) compiler
+test: $(READY) compiler chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) -m "not prove"
 
-prove: $(READY) compiler
+prove: $(READY) compiler chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) -m prove
 
 check: $(READY)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 import io
 import json
-import math
 import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 import click
+
+from dampyr.plain import plain
 
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for machines, in SI units.")
 """The option that every command takes; it comes as ``as_json``."""
@@ -23,29 +22,9 @@ WIDTH_OF_A_FILE = 240
 def print_json(data: Any) -> None:
     """Print data as JSON on stdout.
 
-    Dataclasses become objects, arrays become lists, paths become text. JSON knows no NaN and no infinity: NaN
-    becomes null, and infinity the text "inf" or "-inf".
+    What becomes of dataclasses, arrays, NaN and infinity is told at :func:`dampyr.plain.plain`.
     """
     click.echo(json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False))
-
-
-def plain(value: Any) -> Any:
-    """Data as JSON has them: see :func:`print_json`."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-    if isinstance(value, Mapping):
-        return {str(key): plain(each) for key, each in value.items()}
-    if hasattr(value, "tolist"):  # numpy's arrays and numbers
-        return plain(value.tolist())
-    if isinstance(value, list | tuple | set | frozenset):
-        return [plain(each) for each in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None if math.isnan(value) else str(value)
-    if value is None or isinstance(value, str | int | float | bool):
-        return value
-    if isinstance(value, Path):
-        return str(value)
-    raise TypeError(f"{type(value).__name__} has no place in JSON")
 
 
 def print_table(

@@ -1,0 +1,117 @@
+"""The console as an application: its pages' endpoints, the files that a browser loads, and the guard around both."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, FastAPI
+from fastapi.responses import FileResponse
+from pydantic import BaseModel
+from starlette.staticfiles import StaticFiles
+
+import dampyr
+from dampyr import catalogue
+from dampyr.console import common
+from dampyr.console.errors import add_handlers
+from dampyr.console.house import PROBLEMS, House
+from dampyr.console.jobs import Jobs
+from dampyr.console.places import OWN
+from dampyr.console.security import Guard, Rules
+
+PAGES = "dampyr.console.pages"
+QUOTA = 4 * 2**30
+TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+
+
+class PageLink(BaseModel):
+    """A page of the navigation."""
+
+    name: str
+    title: str
+
+
+class Console(BaseModel):
+    """What the console is."""
+
+    version: str
+    pages: list[PageLink]
+
+
+def app(
+    data: str | Path,
+    token: str | None = None,
+    loopback_only: bool = True,
+    quota: int = QUOTA,
+    at_once: int | None = None,
+) -> Any:
+    """The console over the folder ``data``, an ASGI application.
+
+    Parameters
+    ----------
+    data
+        where records, cards and campaigns are, and where everything is written; made where it is missing.
+    token
+        what a browser must tell once; None asks for none.
+    loopback_only
+        whether it is known by the names of this machine's loopback alone.
+    quota
+        bytes that the data folder may hold before uploads are refused.
+    at_once
+        how many jobs run at a time; by default one core is left free.
+    """
+    folder = Path(data).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    house = House(folder, Jobs(folder / OWN / "jobs", at_once), quota)
+    pages = sorted(catalogue.members(PAGES), key=lambda each: each[1].ORDER)
+    inner = FastAPI(
+        title="dampyr console", version=dampyr.__version__, openapi_url="/api/openapi.json", docs_url=None, redoc_url=None,
+        lifespan=_lifespan(house, [module for _, module in pages]), responses=PROBLEMS,
+    )  # fmt: skip
+    inner.state.house = house
+    add_handlers(inner, folder)
+    inner.include_router(_about([PageLink(name=name, title=module.TITLE) for name, module in pages]), prefix="/api")
+    inner.include_router(common.router, prefix="/api")
+    for name, module in pages:
+        inner.include_router(module.router, prefix=f"/api/{name}", tags=[module.TITLE])
+    _add_files(inner)
+    open_here = frozenset(path for _, module in pages for path in getattr(module, "OPEN_HERE", ()))
+    return Guard(inner, Rules(token, loopback_only, open_here))
+
+
+def _about(links: list[PageLink]) -> APIRouter:
+    router = APIRouter(tags=["Console"])
+
+    @router.get("/console")
+    def about() -> Console:
+        """What this console is, and which pages it has."""
+        return Console(version=dampyr.__version__, pages=links)
+
+    return router
+
+
+def _lifespan(house: House, modules: list[Any]) -> Any:
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        async with AsyncExitStack() as stack:
+            stack.callback(house.jobs.close)
+            for module in modules:
+                if hasattr(module, "lifespan"):
+                    await stack.enter_async_context(module.lifespan(house))
+            yield
+
+    return lifespan
+
+
+def _add_files(inner: FastAPI) -> None:
+    """The page itself and what it loads."""
+    static = Path(str(files("dampyr.console"))) / "static"
+
+    @inner.get("/", include_in_schema=False)
+    def index() -> FileResponse:
+        return FileResponse(static / "index.html")
+
+    inner.mount("/static", StaticFiles(directory=static))

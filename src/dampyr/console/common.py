@@ -1,0 +1,76 @@
+"""What several pages ask: how the jobs stand, and which cards there are."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter
+from fastapi import Path as InPath
+from pydantic import BaseModel, Field
+
+from dampyr.console import places
+from dampyr.console.house import Here
+from dampyr.console.jobs import Job, State
+
+CARDS = "cards"
+Id = Annotated[str, InPath(pattern="^[0-9a-f]{16}$")]
+
+router = APIRouter(tags=["Jobs"])
+
+
+class JobState(BaseModel):
+    """How a job stands."""
+
+    id: str
+    kind: str
+    title: str
+    state: State
+    stage: str
+    progress: float = Field(ge=0, le=1)
+    reason: str
+    made: float = Field(description="When it was asked for, seconds since 1970.")
+    ended: float | None
+
+
+class JobInFull(JobState):
+    """A job with what was asked, and its result once it is done."""
+
+    request: dict[str, Any]
+    result: dict[str, Any] | None
+
+
+def told(job: Job) -> JobState:
+    """A job as the API tells it."""
+    return JobState(**vars(job))
+
+
+@router.get("/jobs")
+def list_jobs(here: Here) -> list[JobState]:
+    """Every job that is kept, the latest first."""
+    return [told(job) for job in here.jobs.all()]
+
+
+@router.get("/jobs/{id}")
+def read_job(id: Id, here: Here) -> JobInFull:
+    """One job: how it stands, what was asked, and its result once it is done."""
+    job = here.jobs.job(id)
+    result = here.jobs.result(id) if job.state == "done" else None
+    return JobInFull(**vars(job), request=here.jobs.request(id), result=result)
+
+
+@router.post("/jobs/{id}/cancel")
+def cancel_job(id: Id, here: Here) -> JobState:
+    """End a job that waits or runs."""
+    return told(here.jobs.cancel(id))
+
+
+@router.delete("/jobs/{id}", status_code=204)
+def remove_job(id: Id, here: Here) -> None:
+    """Forget a job that has ended, with its files."""
+    here.jobs.remove(id)
+
+
+@router.get("/cards", tags=["Cards"])
+def list_cards(here: Here) -> list[str]:
+    """The cards of dampers in the folder ``cards`` of the data folder, by their names."""
+    return places.files(here.data / CARDS, (".toml",))

@@ -1,0 +1,67 @@
+"""Errors as answers: one sentence, with nothing of the machine's inside in it."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from dampyr.errors import DampyrError, MissingData
+
+LOG = logging.getLogger("dampyr.console")
+FAULT = "something went wrong inside dampyr; the console's own output says what"
+
+
+def add_handlers(to: FastAPI, data: Path) -> None:
+    """Make every error that leaves an endpoint of ``to`` one sentence."""
+
+    async def known(request: Request, problem: Exception) -> JSONResponse:
+        code = 404 if isinstance(problem, MissingData) else 400
+        return answer(code, without_places(str(problem), data))
+
+    async def refused(request: Request, problem: Exception) -> JSONResponse:
+        assert isinstance(problem, HTTPException)
+        return answer(problem.status_code, str(problem.detail), problem.headers)
+
+    async def misread(request: Request, problem: Exception) -> JSONResponse:
+        assert isinstance(problem, RequestValidationError)
+        return answer(422, first_of(problem))
+
+    async def fault(request: Request, problem: Exception) -> JSONResponse:
+        LOG.error("%s %s", request.method, request.url.path, exc_info=problem)
+        return answer(500, FAULT)
+
+    to.add_exception_handler(DampyrError, known)
+    to.add_exception_handler(HTTPException, refused)
+    to.add_exception_handler(RequestValidationError, misread)
+    to.add_exception_handler(Exception, fault)
+
+
+def answer(code: int, sentence: str, headers: Any = None) -> JSONResponse:
+    """An error's answer: ``{"detail": sentence}``."""
+    return JSONResponse({"detail": " ".join(sentence.split())}, code, headers)
+
+
+def without_places(sentence: str, data: Path) -> str:
+    """The sentence with paths below the data folder relative to it, and of other folders the file's name alone."""
+    for root in {str(data), str(data.resolve())}:
+        sentence = sentence.replace(f"{root}/", "").replace(root, "the data folder")
+    return " ".join(_name_only(word) for word in sentence.split(" "))
+
+
+def _name_only(word: str) -> str:
+    core = word.strip("'\"(),;")
+    is_place = (core.startswith("/") and core.count("/") > 1) or core[1:3] == ":\\"
+    return word.replace(core, core.replace("\\", "/").rpartition("/")[2]) if is_place else word
+
+
+def first_of(problem: RequestValidationError) -> str:
+    """The first thing that is wrong with a request, such as ``scale: Input should be greater than 0``."""
+    one = problem.errors()[0]
+    where = ".".join(str(part) for part in one["loc"] if part not in ("body", "query", "path"))
+    return f"{where}: {one['msg']}" if where else str(one["msg"])

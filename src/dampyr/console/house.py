@@ -1,0 +1,53 @@
+"""What the pages of one console share: the data folder, the jobs, and what each page keeps for itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import Depends
+from pydantic import BaseModel, Field
+from starlette.requests import HTTPConnection
+
+from dampyr.console.jobs import Jobs
+
+
+@dataclass
+class House:
+    """The state of one console. ``own`` is for pages: page name -> what it keeps while the console runs."""
+
+    data: Path
+    jobs: Jobs
+    quota: int
+    own: dict[str, Any] = field(default_factory=dict)
+
+
+def house(connection: HTTPConnection) -> House:
+    """The house of a request or a WebSocket."""
+    found: House = connection.app.state.house
+    return found
+
+
+Here = Annotated[House, Depends(house)]
+"""Such as ``def list_cards(here: Here)``; serves requests and WebSockets."""
+
+
+class Problem(BaseModel):
+    """What every error answers."""
+
+    detail: str = Field(description="One sentence for a person.")
+
+
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    code: {"model": Problem, "description": words}
+    for code, words in {
+        400: "What was asked for is wrong, or not a request that is understood.",
+        401: "This console asks for its token.",
+        403: "Asked from another site.",
+        404: "It is not there.",
+        409: "Something else has to happen first.",
+        413: "Too large.",
+        422: "A value is missing, or of the wrong kind.",
+    }.items()
+}

@@ -1,0 +1,252 @@
+"""Long work in a process of its own: it survives a reload of the page, can be cancelled, and cannot take the console down.
+
+A job is a folder: ``request.json`` (what was asked), ``job.json`` (how it stands), ``result.json`` and whatever files the work
+made. The work itself is a file of :mod:`dampyr.console.work`. Jobs wait for one another, so that the machine keeps a core for
+the rig. A job that ran when the console was stopped is told as such when it starts again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import IO, Any, Literal
+
+from dampyr import catalogue
+from dampyr.errors import InputError, MissingData
+from dampyr.whole import write_whole
+
+WORK = "dampyr.console.work"
+State = Literal["waiting", "running", "done", "failed", "cancelled"]
+ENDED = ("done", "failed", "cancelled")
+MOST_KEPT = 60
+MOST_WAITING = 20
+GRACE = 3.0  # s that a cancelled job has to end by itself
+
+
+@dataclass(frozen=True)
+class Job:
+    """How a job stands. ``progress`` is 0 to 1 within its ``stage``; ``reason`` says why it did not end well."""
+
+    id: str
+    kind: str
+    title: str
+    state: State = "waiting"
+    stage: str = ""
+    progress: float = 0.0
+    reason: str = ""
+    made: float = 0.0
+    ended: float | None = None
+
+
+class Jobs:
+    """The jobs of one console, kept in a folder."""
+
+    def __init__(self, folder: Path, at_once: int | None = None) -> None:
+        self.folder = folder
+        self._lock = threading.Condition()
+        self._jobs: dict[str, Job] = {}
+        self._running: dict[str, subprocess.Popen[str]] = {}
+        self._closed = False
+        folder.mkdir(parents=True, exist_ok=True)
+        self._remember()
+        for _ in range(at_once or max(1, min(4, (os.cpu_count() or 2) - 1))):
+            threading.Thread(target=self._serve, daemon=True).start()
+
+    def submit(self, kind: str, request: dict[str, Any], title: str) -> Job:
+        """Put work in the queue; ``kind`` is a file of `dampyr.console.work`, ``request`` what its ``run`` takes."""
+        catalogue.member(WORK, kind)
+        with self._lock:
+            if sum(job.state == "waiting" for job in self._jobs.values()) >= MOST_WAITING:
+                raise InputError(f"{MOST_WAITING} jobs are waiting already; wait for them, or cancel some")
+            job = Job(secrets.token_hex(8), kind, title, made=time.time())
+            place = self.folder / job.id
+            place.mkdir()
+            write_whole(place / "request.json", json.dumps({"kind": kind, "request": request}))
+            self._keep(job)
+            self._forget_oldest()
+            self._lock.notify()
+        return job
+
+    def all(self) -> list[Job]:
+        """Every job, the latest first."""
+        with self._lock:
+            return sorted(self._jobs.values(), key=lambda job: -job.made)
+
+    def job(self, id: str) -> Job:
+        """How one stands, or MissingData."""
+        with self._lock:
+            if id not in self._jobs:
+                raise MissingData(f"there is no job {id[:40]!r}; it may have been cleared away")
+            return self._jobs[id]
+
+    def request(self, id: str) -> dict[str, Any]:
+        """What was asked for."""
+        found: dict[str, Any] = json.loads((self.place(id) / "request.json").read_text("utf-8"))["request"]
+        return found
+
+    def result(self, id: str) -> dict[str, Any]:
+        """What a job found; MissingData before it is done."""
+        job = self.job(id)
+        if job.state != "done":
+            raise MissingData(f"the job is {job.state}{f': {job.reason}' if job.reason else ''}; it has no result")
+        found: dict[str, Any] = json.loads((self.place(id) / "result.json").read_text("utf-8"))
+        return found
+
+    def place(self, id: str) -> Path:
+        """The folder of a job."""
+        return self.folder / self.job(id).id
+
+    def cancel(self, id: str) -> Job:
+        """End a job that waits or runs; one that has ended stays as it is."""
+        with self._lock:
+            job = self.job(id)
+            if job.state not in ENDED:
+                self._keep(replace(job, state="cancelled", reason="cancelled", ended=time.time()))
+            process = self._running.get(id)
+        if process is not None:
+            threading.Thread(target=_end, args=(process,), daemon=True).start()
+        return self.job(id)
+
+    def remove(self, id: str) -> None:
+        """Forget a job that has ended, with its files."""
+        with self._lock:
+            if self.job(id).state not in ENDED or id in self._running:
+                raise InputError("the job has not ended; cancel it first")
+            del self._jobs[id]
+            shutil.rmtree(self.folder / id, ignore_errors=True)
+
+    def close(self) -> None:
+        """End all that runs; called when the console stops."""
+        with self._lock:
+            self._closed = True
+            running = list(self._running.values())
+            self._lock.notify_all()
+        for process in running:
+            _end(process)
+
+    def _remember(self) -> None:
+        for path in self.folder.glob("*/job.json"):
+            try:
+                job = Job(**json.loads(path.read_text("utf-8")))
+            except (ValueError, TypeError):
+                continue
+            if job.state not in ENDED:
+                job = replace(job, state="failed", reason="the console was stopped; start it again", ended=time.time())
+            self._keep(job)
+
+    def _keep(self, job: Job) -> None:
+        self._jobs[job.id] = job
+        write_whole(self.folder / job.id / "job.json", json.dumps(asdict(job)))
+
+    def _forget_oldest(self) -> None:
+        ended = [job for job in self.all() if job.state in ENDED and job.id not in self._running]
+        for job in ended[MOST_KEPT:]:
+            self.remove(job.id)
+
+    def _serve(self) -> None:
+        while (job := self._next()) is not None:
+            self._run(job)
+
+    def _next(self) -> Job | None:
+        with self._lock:
+            while not self._closed:
+                waiting = [job for job in self._jobs.values() if job.state == "waiting"]
+                if waiting:
+                    job = replace(min(waiting, key=lambda each: each.made), state="running", stage="starting")
+                    self._keep(job)
+                    self._running[job.id] = _start(self.folder / job.id)
+                    return job
+                self._lock.wait()
+        return None
+
+    def _run(self, job: Job) -> None:
+        process = self._running[job.id]
+        told = _Told()
+        assert process.stdout is not None
+        for line in process.stdout:
+            told.hear(line)
+            self._update(job.id, stage=told.stage, progress=told.progress)
+        code = process.wait()
+        if process.stdin is not None:
+            process.stdin.close()
+        process.stdout.close()
+        if code == 0 and (self.folder / job.id / "result.json").is_file():
+            self._update(job.id, state="done", progress=1.0, ended=time.time())
+        else:
+            reason = told.reason or "it ended without a result; the console's own output says why"
+            self._update(job.id, state="failed", reason=reason, ended=time.time())
+        with self._lock:
+            del self._running[job.id]
+
+    def _update(self, id: str, **changes: Any) -> None:
+        with self._lock:
+            job = self._jobs[id]
+            if job.state == "running" and any(getattr(job, name) != value for name, value in changes.items()):
+                changed = replace(job, **changes)
+                if changed.state == "running":
+                    self._jobs[id] = changed
+                else:
+                    self._keep(changed)
+
+
+class _Told:
+    """What a job says on its standard output, a line of JSON each."""
+
+    stage, progress, reason = "starting", 0.0, ""
+
+    def hear(self, line: str) -> None:
+        try:
+            told = json.loads(line)
+        except ValueError:
+            return
+        if isinstance(told, dict):
+            self.stage = str(told.get("stage", self.stage))[:80]
+            self.progress = min(1.0, max(0.0, float(told.get("progress", self.progress))))
+            self.reason = str(told.get("reason", self.reason))[:500]
+
+
+def _start(place: Path) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "dampyr.console.worker", str(place)]
+    group: dict[str, Any] = {"start_new_session": True} if os.name == "posix" else {}
+    return subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8", **group
+    )
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """Ask a job and what it started to end, then make it."""
+    _close(process.stdin)
+    _signal(process, signal.SIGTERM)
+    try:
+        process.wait(GRACE)
+    except subprocess.TimeoutExpired:
+        _signal(process, getattr(signal, "SIGKILL", signal.SIGTERM))
+
+
+def _close(pipe: IO[str] | None) -> None:
+    if pipe is not None:
+        try:
+            pipe.close()
+        except OSError:
+            return
+
+
+def _signal(process: subprocess.Popen[str], what: int) -> None:
+    if process.poll() is not None:
+        return
+    if os.name == "posix":
+        try:
+            os.killpg(process.pid, what)
+        except ProcessLookupError:
+            return
+    else:
+        process.terminate()

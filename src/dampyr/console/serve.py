@@ -1,0 +1,75 @@
+"""Serve the console until it is stopped."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+import socket
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+from threading import Timer
+from typing import Any
+
+from dampyr.console.security import is_loopback
+from dampyr.errors import InputError
+
+PORT = 8077
+
+
+def serve(
+    data: str | Path,
+    host: str = "127.0.0.1",
+    port: int = PORT,
+    token: str | None = None,
+    browser: bool = True,
+    quota: int | None = None,
+    tell: Callable[[str], None] = print,
+) -> None:
+    """Serve the console over the folder ``data`` until it is interrupted.
+
+    On an address that others can reach a token is asked for: the one given, or one made and told here, once. ``tell`` is called
+    with the address to open. Port 0 takes a free one.
+
+    Raises InputError where the address cannot be had.
+    """
+    import uvicorn
+
+    from dampyr.console.app import QUOTA, app
+
+    local = is_loopback(host)
+    token = token if token is not None or local else secrets.token_urlsafe(24)
+    if token is not None and len(token) < 8:
+        raise InputError(f"a token of {len(token)} letters is too short; give at least 8")
+    listening = _listening(host, port)
+    house = app(data, token, local, quota or QUOTA)
+    address = f"http://{_shown(host)}:{listening.getsockname()[1]}/" + (f"?token={token}" if token else "")
+    tell(address)
+    if browser:
+        Timer(0.5, webbrowser.open, (address,)).start()
+    logging.basicConfig(level=logging.WARNING)
+    settings: dict[str, Any] = {
+        "log_level": "warning",
+        "access_log": False,
+        "server_header": False,
+        "ws_max_size": 2**20,
+    }
+    uvicorn.Server(uvicorn.Config(house, timeout_graceful_shutdown=3, **settings)).run(sockets=[listening])
+
+
+def _listening(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    found = socket.socket(family, socket.SOCK_STREAM)
+    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        found.bind((host, port))
+    except (OSError, OverflowError) as problem:
+        found.close()
+        raise InputError(f"{host}, port {port} cannot be had ({problem}); choose another --port or --host") from None
+    return found
+
+
+def _shown(host: str) -> str:
+    if host in ("0.0.0.0", "::"):
+        return socket.gethostname()
+    return f"[{host}]" if ":" in host else host

@@ -1,0 +1,49 @@
+// Asking the console. What goes wrong comes as an Error whose message is one sentence for a person.
+
+export class Refused extends Error {
+  constructor(status, message) {
+    super(message);
+    this.status = status;
+  }
+}
+
+async function ask(method, path, body, headers = {}) {
+  let answer;
+  try {
+    answer = await fetch(`/api/${path}`, { method, body, headers, credentials: "same-origin" });
+  } catch {
+    throw new Refused(0, "the console does not answer; is `dampyr console` still running?");
+  }
+  if (answer.ok) return answer;
+  let told = {};
+  try {
+    told = await answer.json();
+  } catch {
+    // an answer without a sentence
+  }
+  throw new Refused(answer.status, told.detail ?? `the console answered ${answer.status}`);
+}
+
+const inJson = { "content-type": "application/json" };
+
+export const get = async (path) => (await ask("GET", path)).json();
+export const text = async (path) => (await ask("GET", path)).text();
+export const post = async (path, data = {}) => (await ask("POST", path, JSON.stringify(data), inJson)).json();
+export const put = async (path, data) => (await ask("PUT", path, JSON.stringify(data), inJson)).json();
+export const remove = (path) => ask("DELETE", path);
+export const upload = async (path, file) =>
+  (await ask("PUT", path, file, { "content-type": "application/octet-stream" })).json();
+
+/** Query text of an object: lists repeat, what is undefined or empty is left out. */
+export function query(values) {
+  const found = new URLSearchParams();
+  for (const [name, value] of Object.entries(values)) {
+    for (const one of Array.isArray(value) ? value : [value]) {
+      if (one !== undefined && one !== null && one !== "") found.append(name, one);
+    }
+  }
+  return found.toString();
+}
+
+/** The address of a WebSocket of the console. */
+export const socket = (path) => new WebSocket(`${location.origin.replace(/^http/, "ws")}/api/${path}`);

@@ -1,0 +1,66 @@
+// Tables that sort: numbers to the right, a unit under each name, – where there is nothing.
+import { button, h, number } from "./dom.js";
+
+/**
+ * table({ caption, columns: [{ name, unit, digits, align }], rows, pick: (index) => ... })
+ * A cell is a number, text, null, or an element; { key, show } sorts by key and shows an element.
+ */
+export function table({ caption = "", columns, rows, empty = "Nothing here." }) {
+  const sides = columns.map((column, k) => column.align ?? (isNumeric(rows, k) ? "right" : "left"));
+  const body = h("tbody");
+  const made = rows.map((row) => {
+    const line = h("tr", {}, row.map((cell, k) => h("td", { class: sides[k] }, shown(cell, columns[k]))));
+    body.append(line);
+    return { line, keys: row.map(key) };
+  });
+  const head = h("tr", {}, columns.map((column, k) => heading(column, sides[k], () => sort(k))));
+  let turned = { column: -1, falling: false };
+
+  function sort(k) {
+    turned = { column: k, falling: turned.column === k && !turned.falling };
+    [...head.cells].forEach((cell, j) => {
+      if (j === k) cell.setAttribute("aria-sort", turned.falling ? "descending" : "ascending");
+      else cell.removeAttribute("aria-sort");
+    });
+    const filled = made.filter(({ keys }) => keys[k] !== null && keys[k] !== "");
+    const sign = turned.falling ? -1 : 1;
+    filled.sort((a, b) => sign * order(a.keys[k], b.keys[k]));
+    body.append(...filled.map(({ line }) => line), ...made.filter((one) => !filled.includes(one)).map(({ line }) => line));
+  }
+
+  const all = h("table", {}, caption ? h("caption", {}, caption) : null, h("thead", {}, head), body);
+  if (!rows.length) body.append(h("tr", {}, h("td", { colspan: String(columns.length), class: "blank" }, empty)));
+  return h("div", { class: "table", tabindex: "0", role: "region", "aria-label": caption || "Table" }, all);
+}
+
+function heading(column, side, onclick) {
+  const unit = column.unit ? h("span", { class: "unit" }, column.unit) : null;
+  if (column.plain) return h("th", { scope: "col", class: side }, column.name || h("span", { class: "unseen" }, column.words), unit);
+  return h("th", { scope: "col", class: side }, button([column.name, unit].filter(Boolean), onclick, { class: "head" }));
+}
+
+const isNumeric = (rows, k) => {
+  const keys = rows.map((row) => key(row[k])).filter((one) => one !== null && one !== "");
+  return keys.length > 0 && keys.every((one) => typeof one === "number");
+};
+
+function key(cell) {
+  if (cell === null || cell === undefined) return null;
+  if (cell instanceof Node) return cell.textContent;
+  if (cell === "inf") return Infinity;
+  if (typeof cell === "object") return cell.key;
+  return typeof cell === "boolean" ? Number(cell) : cell;
+}
+
+function shown(cell, column) {
+  if (cell === null || cell === undefined) return "–";
+  if (cell instanceof Node) return cell;
+  if (typeof cell === "object") return cell.show;
+  if (typeof cell === "boolean") return cell ? "yes" : "no";
+  return typeof cell === "number" || cell === "inf" ? number(cell, column.digits ?? 4) : cell;
+}
+
+function order(a, b) {
+  if (typeof a === "number" && typeof b === "number") return a - b;
+  return String(a).localeCompare(String(b), "en", { numeric: true });
+}

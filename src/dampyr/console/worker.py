@@ -1,0 +1,82 @@
+"""One job in a process of its own: ``python -m dampyr.console.worker FOLDER``.
+
+It says on its standard output how far it is, a line of JSON at a time, and ends when its standard input is closed: a job never
+outlives the console that started it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import threading
+import time
+import traceback
+import warnings
+from pathlib import Path
+from typing import Any
+
+from dampyr import catalogue
+from dampyr.console.jobs import WORK
+from dampyr.errors import DampyrError, DampyrWarning
+from dampyr.plain import plain
+from dampyr.whole import write_whole
+
+EVERY = 0.1  # s between two lines
+
+
+class Progress:
+    """``progress(stage, fraction done)``, told at most every tenth of a second."""
+
+    def __init__(self) -> None:
+        self.stage, self.last = "", 0.0
+
+    def __call__(self, stage: str, done: float) -> None:
+        now = time.monotonic()
+        if stage != self.stage or now - self.last >= EVERY or done >= 1.0:
+            self.stage, self.last = stage, now
+            say(stage=stage, progress=float(done))
+
+
+def say(**told: Any) -> None:
+    """A line of JSON to the console."""
+    print(json.dumps(told), flush=True)
+
+
+def end_with_the_console() -> None:
+    """End this process and what it started when standard input is closed."""
+
+    def wait() -> None:
+        sys.stdin.buffer.read()
+        if os.name == "posix":
+            os.killpg(os.getpgid(0), signal.SIGKILL)
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
+def run(folder: Path) -> int:
+    """Do the work that ``request.json`` in ``folder`` asks for; 0 when ``result.json`` is there."""
+    asked = json.loads((folder / "request.json").read_text("utf-8"))
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", DampyrWarning)
+            found = catalogue.member(WORK, asked["kind"]).run(asked["request"], folder, Progress())
+    except DampyrError as problem:
+        say(reason=str(problem))
+        return 2
+    except MemoryError:
+        say(reason="it needs more memory than it may have; ask for less at once")
+        return 2
+    except Exception:
+        traceback.print_exc()
+        return 1
+    told = dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, DampyrWarning))
+    write_whole(folder / "result.json", json.dumps(plain(found | {"warnings": list(told)})))
+    return 0
+
+
+if __name__ == "__main__":
+    end_with_the_console()
+    sys.exit(run(Path(sys.argv[1])))

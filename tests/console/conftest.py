@@ -1,0 +1,167 @@
+"""A console in the test itself, and one that is served for a browser."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("fastapi")
+from fastapi.testclient import TestClient
+
+from dampyr.console import app
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = "http://127.0.0.1:8077"
+CHROMIUM = "/usr/bin/chromium"
+QUIET = [
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+]  # fmt: skip
+
+
+@pytest.fixture
+def data(tmp_path: Path) -> Path:
+    """An empty data folder."""
+    folder = tmp_path / "data"
+    folder.mkdir()
+    return folder
+
+
+@pytest.fixture
+def client(data: Path) -> Iterator[TestClient]:
+    """The console over that folder, asked from this machine."""
+    with TestClient(app(data), base_url=HERE) as found:
+        yield found
+
+
+@pytest.fixture
+def finished(client: TestClient) -> Callable[[str], dict[str, Any]]:
+    """``finished(id)``: the job once it has ended."""
+
+    def wait(id: str) -> dict[str, Any]:
+        for _ in range(2000):
+            job = client.get(f"/api/jobs/{id}").json()
+            if job["state"] in ("done", "failed", "cancelled"):
+                return dict(job)
+            time.sleep(0.05)
+        raise AssertionError(f"job {id} did not end: {job}")
+
+    return wait
+
+
+@contextmanager
+def served(data: Path, *options: str) -> Iterator[str]:
+    """A console in a process of its own; its address."""
+    command = [sys.executable, "-m", "dampyr", "console", "--json", "--port", "0", "--no-browser", "--data", str(data)]
+    process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        told = ""
+        while not told.rstrip().endswith("}"):
+            line = process.stdout.readline()
+            assert line, "the console ended before it told its address"
+            told += line
+        yield json.loads(told)["address"]
+    finally:
+        process.terminate()
+        process.wait(10)
+        assert process.stdout is not None
+        process.stdout.close()
+
+
+@pytest.fixture
+def address(data: Path) -> Iterator[str]:
+    """Where the console over ``data`` is served."""
+    with served(data) as found:
+        yield found
+
+
+def _chromium() -> str:
+    found = CHROMIUM if Path(CHROMIUM).exists() else shutil.which("chromium") or shutil.which("chromium-browser")
+    if not found:
+        pytest.skip("no Chromium was found; `make chromium` installs Debian's")
+    return found
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    """A browser, or a skip that says what is missing."""
+    api = pytest.importorskip("playwright.sync_api")
+    with api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=_chromium(), args=QUIET)
+        yield browser
+        browser.close()
+
+
+class Seen:
+    """A page, and what went wrong on it."""
+
+    def __init__(self, page: Any) -> None:
+        self.page, self.wrong = page, []
+        page.on("pageerror", lambda problem: self.wrong.append(f"error: {problem}"))
+        page.on(
+            "console", lambda told: told.type in ("error", "warning") and self.wrong.append(f"{told.type}: {told.text}")
+        )
+        page.on("request", lambda asked: self._note(asked.url))
+
+    def _note(self, url: str) -> None:
+        if not re.match(r"(http|ws)://(127\.0\.0\.1|localhost)[:/]|data:|blob:", url):
+            self.wrong.append(f"asked elsewhere: {url}")
+
+
+@pytest.fixture
+def new_page(chromium: Any) -> Iterator[Callable[..., Any]]:
+    """``new_page(address)``: a page there, in a browser that has seen nothing; at the end nothing may have gone wrong."""
+    made: list[tuple[Any, Seen]] = []
+
+    def open_at(address: str, **settings: Any) -> Any:
+        context = chromium.new_context(**{"viewport": {"width": 1280, "height": 900}} | settings)
+        seen = Seen(context.new_page())
+        made.append((context, seen))
+        seen.page.set_default_timeout(20_000)
+        seen.page.goto(address)
+        return seen.page
+
+    yield open_at
+    for context, _ in made:
+        context.close()
+    assert [wrong for _, seen in made for wrong in seen.wrong] == []
+
+
+def axe_source() -> Path | None:
+    """axe-core, where npm put it (``make axe``) or where DAMPYR_AXE says."""
+    places = (
+        os.environ.get("DAMPYR_AXE", ""),
+        ROOT / "node_modules/axe-core/axe.min.js",
+        ROOT / "out/axe/node_modules/axe-core/axe.min.js",
+    )
+    return next((Path(place) for place in places if place and Path(place).is_file()), None)
+
+
+@pytest.fixture
+def accessible() -> Callable[[Any], None]:
+    """``accessible(page)``: axe finds nothing wrong with labels, contrast, roles and structure."""
+    source = axe_source()
+    if source is None:
+        pytest.skip("axe-core was not found; `make axe` installs it with npm")
+
+    def check(page: Any) -> None:
+        page.evaluate(source.read_text("utf-8"))
+        found = page.evaluate(
+            "axe.run(document, {runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'best-practice']})"
+        )
+        told = [f"{v['id']}: {v['help']}: {v['nodes'][0]['html'][:160]}" for v in found["violations"]]
+        assert told == []
+
+    return check
