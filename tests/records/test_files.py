@@ -1,10 +1,11 @@
 """What read and write do for every format: dispatch, errors that are one line, input given twice."""
 
+import numpy as np
 import pytest
 
 from dampyr import catalogue
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records import read, write
+from dampyr.records import read, with_velocity, write
 from dampyr.records.files import SHELF
 
 
@@ -47,9 +48,36 @@ def test_input_in_the_file_and_in_the_call(tmp_path, make_sine):
         read(path, current=0.4)
 
 
-def test_only_h5_is_written(tmp_path, make_sine):
-    with pytest.raises(FileError, match=r"records are not written as '.csv'; choose from .h5"):
-        write(make_sine(), tmp_path / "a.csv")
+def test_only_formats_with_a_writer_are_written(tmp_path, make_sine):
+    with pytest.raises(FileError, match=r"records are not written as '.txt'; choose from .csv, .h5, .mat"):
+        write(make_sine(), tmp_path / "a.txt")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".mat", ".h5"])
+def test_what_is_written_is_read_back(tmp_path, make_sine, suffix):
+    record = with_velocity(make_sine(voltage=1.98))
+    back = read(write(record, tmp_path / f"a{suffix}"), voltage=1.98)
+    for channel in ("time", "displacement", "velocity", "force"):
+        np.testing.assert_allclose(getattr(back, channel), getattr(record, channel), rtol=1e-12, atol=1e-15)
+    assert back.voltage == 1.98
+
+
+def test_a_csv_keeps_every_bit_and_a_varying_input(tmp_path, make_sine):
+    record = make_sine()
+    record = record.replace(note="a varying input", current=np.linspace(0.1, 0.7, record.n), voltage=None)
+    back = read(write(record, tmp_path / "a.csv"))
+    assert np.array_equal(back.force, record.force)
+    assert np.array_equal(back.current, record.current)
+
+
+def test_the_campaigns_format_says_what_it_cannot_hold(tmp_path, make_sine):
+    record = make_sine()
+    with pytest.raises(FileError, match="needs a velocity"):
+        write(record.replace(note="none", velocity=None), tmp_path / "a.mat")
+    uneven = record.time.copy()
+    uneven[10] += 0.4 * record.dt
+    with pytest.raises(FileError, match="one sampling interval"):
+        write(with_velocity(record).replace(note="uneven", time=uneven), tmp_path / "a.mat")
 
 
 def test_every_broken_file_is_one_line_naming_it(tmp_path):

@@ -11,7 +11,7 @@ from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._records import Reading, gather, reading_options
 
 if TYPE_CHECKING:
-    from dampyr.records import Overview, Record
+    from dampyr.records import Overview
 
 COLUMNS = ["record", "role", "input", "duration", "frequency", "peak to peak", "peak speed", "mean force", "to look at"]
 UNITS = ["", "", "", "s", "Hz", "mm", "mm/s", "N", ""]
@@ -40,7 +40,7 @@ def command(
     places = paths or (records.locate("labcontrol"),)
     found = gather(places, None if role == "all" else role, reading, warn=False)
     absent = [row for path in places if path.is_dir() for row in _without_file(path)]
-    told = [_told(record) for record in found]
+    told = [records.describe(record) for record in found]
     if as_json:
         print_json({"records": told, "rows_without_file": absent})
     elif len(told) == 1 and not absent:
@@ -58,47 +58,6 @@ def _without_file(folder: Path) -> list[dict[str, Any]]:
 
     rows = records.campaign_rows(folder) if (folder / TABLE).is_file() else []
     return [{"table": row.table, "row": row.row} for row in rows if row.file is None]
-
-
-def _told(record: Record) -> dict[str, Any]:
-    """All that is known of a record, without its samples."""
-    from dampyr import records
-
-    seen = records.overview(record)
-    measured = records.measure(record) if seen.repeats else None
-    notes = records.disagreements(record)
-    if measured is None:
-        notes = [_irregular(seen), *notes]
-    quality = records.quality(record)
-    return {
-        "name": record.name,
-        "role": record.role,
-        "input": record.input,
-        "input_value": record.input_value,
-        "input_range": _range(record),
-        "duration_s": record.duration,
-        "label": record.label,
-        "measured": measured,
-        "overview": seen,
-        "quality": quality,
-        "notes": [*(note.removeprefix(f"{record.name}: ") for note in notes), *quality.notes],
-        "history": record.history,
-        "provenance": record.provenance,
-    }
-
-
-def _irregular(seen: Overview) -> str:
-    if seen.dominant_hz is None:
-        return "no whole cycle: nothing moves"
-    return f"no repeating cycle: strongest at {seen.dominant_hz:.2g} Hz, {1e3 * seen.rms_speed:.3g} mm/s rms"
-
-
-def _range(record: Record) -> list[float] | None:
-    """Smallest and largest input, None where it is not known."""
-    value = record.voltage if record.voltage is not None else record.current
-    if value is None:
-        return None
-    return [value, value] if isinstance(value, float) else [float(value.min()), float(value.max())]
 
 
 def _input(told: dict[str, Any]) -> str | None:

@@ -7,10 +7,12 @@ conditioning step returns a new record whose history says what was done; each re
 
 from dampyr.records.campaign import CampaignRow, campaign_rows, read_campaign, read_row
 from dampyr.records.comparison import write_comparison
+from dampyr.records.cycle_table import Cycle, cycle_table
 from dampyr.records.cycles import cycle_average, cycles, legs, turning_points
 from dampyr.records.datasets import fetch, locate
 from dampyr.records.delay import Delay, correct_delay, estimate_delay
 from dampyr.records.derivative import default_bandwidth, differentiate, with_velocity
+from dampyr.records.description import describe
 from dampyr.records.drift import drift, remove_drift
 from dampyr.records.files import read, write
 from dampyr.records.inputs import nominal_inputs
@@ -21,6 +23,7 @@ from dampyr.records.offset import mean_force, remove_offset
 from dampyr.records.overview import Overview, overview
 from dampyr.records.quality import Quality, quality, quantum
 from dampyr.records.record import Label, Record
+from dampyr.records.spectrum import spectrum
 from dampyr.records.waveform import waveform
 
 __all__ = [
@@ -62,4 +65,8 @@ __all__ = [
     "disagreements",
     "waveform",
     "creates_energy",
+    "describe",
+    "spectrum",
+    "Cycle",
+    "cycle_table",
 ]

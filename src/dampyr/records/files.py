@@ -144,7 +144,7 @@ def _as_the_folder_says(record: Record, beside: FolderReading, path: Path) -> Re
 
 
 def write(record: Record, path: str | Path, **details: Any) -> Path:
-    """Write ``record`` to ``path`` (.h5) whole or not at all, and return the path.
+    """Write ``record`` to ``path`` (.h5, .csv, .mat) whole or not at all, and return the path.
 
     ``details`` go to the format, such as ``raw`` for :func:`dampyr.records.formats.h5.write`.
     """

@@ -1,12 +1,27 @@
 """Comma-separated columns, see :mod:`dampyr.records.columns`; semicolons and tabs are read too."""
 
+import io
 from pathlib import Path
+
+import numpy as np
 
 from dampyr.records import columns
 from dampyr.records.files import Request
-from dampyr.records.record import Record
+from dampyr.records.record import CHANNELS, Record
+from dampyr.whole import write_whole
 
 
 def read(path: Path, request: Request) -> Record:
     """The record in a ``.csv`` file, in SI."""
     return columns.read(path, request, "CSV")
+
+
+def write(record: Record, path: Path) -> Path:
+    """Write a record's channels in SI, a constant input as a column, so that :func:`read` gives them back exactly."""
+    held = {name: getattr(record, name) for name in CHANNELS if getattr(record, name) is not None}
+    columns = [np.broadcast_to(values, record.n) for values in held.values()]
+    text = io.StringIO()
+    header = ",".join(f"{name} [{CHANNELS[name]}]" for name in held)
+    np.savetxt(text, np.column_stack(columns), delimiter=",", header=header, comments="", fmt="%.17g")
+    write_whole(path, text.getvalue())
+    return path

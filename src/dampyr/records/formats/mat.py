@@ -17,6 +17,7 @@ from dampyr.errors import FileError
 from dampyr.records.files import Request
 from dampyr.records.record import Array, Record
 from dampyr.units import to_si
+from dampyr.whole import whole_file
 
 UNITS = {"displacement": "mm", "velocity": "mm/s", "force": "N"}
 VARIABLES = {"displacement": "dist", "force": "forc"}
@@ -46,6 +47,31 @@ def read(path: Path, request: Request) -> Record:
         provenance={"file": path.name, "format": "MATLAB v5", "velocity": "as recorded (x_F, column 2)"},
         history=("read from dist, forc and x_F: displacement mm to m, velocity mm/s to m/s",),
     )
+
+
+def write(record: Record, path: Path) -> Path:
+    """Write a record with the variables that :func:`read` takes, in mm and N; the input as ``voltage_V`` or ``current_A``.
+
+    Raises FileError for a record without a velocity or with uneven steps, which this format cannot hold.
+    """
+    from scipy.io import savemat
+
+    if record.velocity is None:
+        raise FileError(
+            path, "the campaign's format needs a velocity; derive it with with_velocity, or write .h5 or .csv"
+        )
+    if np.max(np.abs(np.diff(record.time) - record.dt)) > 0.01 * record.dt:
+        raise FileError(
+            path, "the campaign's format has one sampling interval and the record has several; write .h5 or .csv"
+        )
+    mm = {"displacement": 1e3 * record.displacement, "velocity": 1e3 * record.velocity, "force": record.force}
+    held = {"Ts": record.dt, "Tout": record.time, "dist": mm["displacement"], "forc": mm["force"]}
+    held |= {"x_F": np.column_stack([mm[name] for name in ("displacement", "velocity", "force")])}
+    inputs = {"voltage_V": record.voltage, "current_A": record.current}
+    held |= {name: value for name, value in inputs.items() if value is not None}
+    with whole_file(path) as beside:
+        savemat(beside, held, appendmat=False, oned_as="column")
+    return path
 
 
 _SI = {"displacement": "m", "force": "N", "velocity": "m/s"}

@@ -1,0 +1,29 @@
+"""Lines for a browser: few points, with every peak kept."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, Field
+
+from dampyr.report.style import thin
+
+POINTS = 1600
+
+
+class Line(BaseModel):
+    """A line, SI; the points between its extremes are thinned."""
+
+    x: list[float] = Field(description="(n,)")
+    y: list[float] = Field(description="(n,)")
+
+
+def line(x: ArrayLike, y: ArrayLike, points: int = POINTS) -> Line:
+    """At most ``points`` points of a line."""
+    few_x, few_y = thin(x, y, points)
+    return Line(x=_short(few_x), y=_short(few_y))
+
+
+def _short(values: NDArray[np.float64]) -> list[float]:
+    """Six digits: more than a screen shows, and half the bytes."""
+    return [float(f"{value:.6g}") for value in values]

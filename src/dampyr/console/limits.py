@@ -1,0 +1,75 @@
+"""Reading a file that came from outside, in a process that may not take much: ``python -m dampyr.console.limits``.
+
+What a file holds is known only once it is read, and a small file can unfold to a large one. So it is read where memory, time
+and what is written are bounded, and kept as dampyr's own record file; the file that came is never opened anywhere else.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+from dampyr.errors import DampyrError, InputError
+
+MEMORY = 3 * 2**30
+SECONDS = 60
+WRITTEN = 512 * 2**20
+TOO_MUCH = "the file takes more time or memory to read than an upload may; read it with `dampyr records` instead"
+
+
+def read_apart(path: Path, to: Path, said: dict[str, Any]) -> None:
+    """Read the record in ``path`` in a process of its own and write it to ``to``, an .h5 file.
+
+    ``said`` is what :func:`dampyr.records.read` takes besides. Raises InputError with what was wrong.
+    """
+    asked = json.dumps({"path": str(path), "to": str(to), "said": said})
+    command = [sys.executable, "-m", "dampyr.console.limits"]
+    try:
+        done = subprocess.run(command, input=asked, capture_output=True, text=True, timeout=SECONDS, check=False)
+    except subprocess.TimeoutExpired:
+        raise InputError(TOO_MUCH) from None
+    if done.returncode == 2:
+        raise InputError(json.loads(done.stdout)["reason"].replace(f"{path}", path.name))
+    if done.returncode != 0 or not to.is_file():
+        raise InputError(TOO_MUCH)
+
+
+def bound() -> None:
+    """Bound what this process may take, where the system can."""
+    try:
+        import resource
+    except ImportError:  # Windows: the time alone is bounded, by who waits
+        return
+    for what, most in (
+        (resource.RLIMIT_AS, MEMORY),
+        (resource.RLIMIT_CPU, SECONDS),
+        (resource.RLIMIT_FSIZE, WRITTEN),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        resource.setrlimit(what, (most, most))
+
+
+def main() -> int:
+    """Read and write what standard input asks for; 2 where the file is wrong, with the reason on standard output."""
+    asked = json.load(sys.stdin)
+    bound()
+    from dampyr import records
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = records.read(asked["path"], **asked["said"])
+            records.describe(found)
+            records.write(found, asked["to"])
+    except DampyrError as problem:
+        print(json.dumps({"reason": str(problem)}))
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

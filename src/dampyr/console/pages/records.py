@@ -1,0 +1,243 @@
+"""Records: what was measured, how well; overlaid, by cycles, with notes; taken in and given out."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+from anyio import to_thread
+from fastapi import APIRouter, HTTPException, Query, Request
+from fastapi import Path as InPath
+from fastapi.responses import FileResponse, Response
+from pydantic import BaseModel, Field
+from starlette.background import BackgroundTask
+
+from dampyr import records
+from dampyr.console import curves, limits, places, shelf
+from dampyr.console import notes as written
+from dampyr.console.curves import Line
+from dampyr.console.house import Here
+from dampyr.console.security import MOST_UPLOAD
+from dampyr.errors import DampyrError, InputError
+from dampyr.plain import plain
+from dampyr.records import Record
+
+TITLE, ORDER = "Records", 30
+UPLOADS = "uploads"
+FORMATS = {"csv": "text/csv", "mat": "application/octet-stream", "h5": "application/x-hdf5", "png": "image/png"}
+Key = Annotated[str, Query(min_length=3, max_length=340, description="Such as data/uploads/test.h5.")]
+
+router = APIRouter()
+
+
+class SourceLink(BaseModel):
+    """A folder with records."""
+
+    name: str
+    title: str
+
+
+class Known(BaseModel):
+    """A record in a list: ``about`` is what `dampyr records --json` tells of it, ``problem`` why it cannot be read."""
+
+    key: str
+    about: dict[str, Any] | None = None
+    problem: str = ""
+    note: str = ""
+
+
+class Curves(BaseModel):
+    """A record's lines, SI: over time, as loops, and by frequency. The velocity is as recorded, or derived."""
+
+    name: str
+    displacement: Line
+    velocity: Line
+    force: Line
+    force_displacement: Line
+    force_velocity: Line
+    spectrum: Line = Field(description="Amplitude of the force, N, by frequency, Hz.")
+
+
+class Note(BaseModel):
+    """What a person wrote about a record."""
+
+    key: str = Field(min_length=3, max_length=340)
+    text: str = Field(max_length=written.LONGEST)
+
+
+class Taken(BaseModel):
+    """A record that came in."""
+
+    key: str
+
+
+@router.get("/sources")
+def list_sources(here: Here) -> list[SourceLink]:
+    """Where records come from."""
+    return [SourceLink(name=one.name, title=one.title) for one in shelf.sources(here.data)]
+
+
+@router.get("/list")
+def list_records(here: Here, source: Annotated[str, Query(max_length=40)] = shelf.OWN) -> list[Known]:
+    """The records of a source, measured and checked."""
+    said = written.notes(here.data)
+    return [_known(here.data, key, said.get(key, "")) for key in shelf.keys(shelf.source(here.data, source))]
+
+
+@router.get("/one")
+def read_one(here: Here, key: Key) -> Known:
+    """What is known of one record."""
+    return Known(key=key, about=plain(shelf.described(here.data, key)), note=written.notes(here.data).get(key, ""))
+
+
+@router.get("/curves")
+def read_curves(here: Here, key: Key) -> Curves:
+    """The lines of one record."""
+    record = _with_velocity(shelf.read(here.data, key))
+    assert record.velocity is not None
+    t, x, v, f = record.time, record.displacement, record.velocity, record.force
+    return Curves(
+        name=record.name,
+        displacement=curves.line(t, x),
+        velocity=curves.line(t, v),
+        force=curves.line(t, f),
+        force_displacement=curves.line(x, f, 2 * curves.POINTS),
+        force_velocity=curves.line(v, f, 2 * curves.POINTS),
+        spectrum=curves.line(*records.spectrum(record, "force")),
+    )
+
+
+@router.get("/cycles")
+def read_cycles(here: Here, key: Key) -> list[dict[str, float]]:
+    """Every whole cycle of one record, SI, with the peak-velocity pick-up; see `dampyr.records.Cycle`."""
+    return [plain(one) for one in records.cycle_table(shelf.read(here.data, key))]
+
+
+@router.put("/notes")
+def write_note(here: Here, note: Note) -> Note:
+    """Keep a note about a record; an empty one takes it away."""
+    shelf.place(here.data, note.key)
+    written.write_note(here.data, note.key, note.text)
+    return note
+
+
+@router.put(
+    "/uploads/{name}",
+    status_code=201,
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+        }
+    },
+)
+async def take(
+    here: Here,
+    request: Request,
+    name: Annotated[str, InPath(max_length=100, description="The file's name; its suffix says the format.")],
+    unit: Annotated[list[str], Query(default_factory=list, max_length=8, description="Such as displacement=mm.")],
+    column: Annotated[list[str], Query(default_factory=list, max_length=8, description="Such as force=Load cell.")],
+    voltage: Annotated[float | None, Query(allow_inf_nan=False, description="V, constant, at the coil.")] = None,
+    current: Annotated[float | None, Query(allow_inf_nan=False, description="A, constant.")] = None,
+) -> Taken:
+    """Take a record in: it is read in a process with limits and kept as an .h5 file in the folder ``uploads``."""
+    said = {"voltage": voltage, "current": current, "units": _pairs(unit), "columns": _pairs(column)}
+    if not places.is_name(name) or Path(name).suffix.lower() not in shelf.SUFFIXES:
+        raise InputError(f"{name!r} is no name of a record; it ends in {', '.join(shelf.SUFFIXES)}")
+    target = places.inside(here.data, f"{UPLOADS}/{Path(name).stem}.h5")
+    if target.exists():
+        raise HTTPException(409, f"there is a record {target.stem!r} already; rename the file, and upload it again")
+    async with _incoming(here.data) as folder:
+        await _receive(request, folder / name, here.data, here.quota)
+        made = folder / "read.h5"
+        await to_thread.run_sync(limits.read_apart, folder / name, made, said)
+        target.parent.mkdir(exist_ok=True)
+        made.replace(target)
+    return Taken(key=f"{shelf.OWN}/{UPLOADS}/{target.name}")
+
+
+@router.delete("/uploads/{name}", status_code=204)
+def remove(here: Here, name: Annotated[str, InPath(max_length=110)]) -> None:
+    """Delete a record that was uploaded, with its note."""
+    places.existing(here.data, f"{UPLOADS}/{name}").unlink()
+    written.write_note(here.data, f"{shelf.OWN}/{UPLOADS}/{name}", "")
+
+
+@router.get("/export", response_class=Response, responses={200: {"content": {kind: {} for kind in FORMATS.values()}}})
+def give(here: Here, key: Key, format: Annotated[str, Query(pattern="^(csv|mat|h5|png)$")]) -> FileResponse:
+    """One record as a file: csv and h5 in SI, mat as the campaign's files, png a figure of its loops."""
+    record = shelf.read(here.data, key)
+    folder = Path(tempfile.mkdtemp(prefix="dampyr-"))
+    path = folder / f"record.{format}"
+    try:
+        _write(record, path)
+    except BaseException:
+        shutil.rmtree(folder)
+        raise
+    name = "".join(c if c.isascii() and (c.isalnum() or c in "._-") else "_" for c in record.name) + path.suffix
+    return FileResponse(
+        path, media_type=FORMATS[format], filename=name, background=BackgroundTask(shutil.rmtree, folder)
+    )
+
+
+def _write(record: Record, path: Path) -> None:
+    if path.suffix == ".png":
+        from dampyr.report.figures.loops import loops
+        from dampyr.report.style import save
+
+        shown = _with_velocity(record)
+        save(loops(shown.displacement, shown.velocity, shown.force, title=record.name), path)
+    else:
+        records.write(_with_velocity(record) if path.suffix == ".mat" else record, path)
+
+
+def _with_velocity(record: Record) -> Record:
+    return record if record.velocity is not None else records.with_velocity(record)
+
+
+def _known(data: Path, key: str, note: str) -> Known:
+    from dampyr.console.errors import without_places
+
+    try:
+        return Known(key=key, about=plain(shelf.described(data, key)), note=note)
+    except DampyrError as problem:
+        return Known(key=key, problem=without_places(str(problem), data), note=note)
+
+
+def _pairs(given: list[str]) -> dict[str, str]:
+    for pair in given:
+        if "=" not in pair or len(pair) > 120:
+            raise InputError(f"{pair[:60]!r} is no pair; write it as in displacement=mm")
+    return dict(pair.split("=", 1) for pair in given)
+
+
+@asynccontextmanager
+async def _incoming(data: Path) -> AsyncIterator[Path]:
+    """A folder for one file that comes in; gone afterwards."""
+    folder = Path(tempfile.mkdtemp(prefix="incoming-", dir=data / places.OWN))
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+async def _receive(request: Request, path: Path, data: Path, quota: int) -> None:
+    """Write the body to ``path`` as it comes, within the limits."""
+    room = quota - await to_thread.run_sync(places.used, data)
+    size = 0
+    with path.open("wb") as file:
+        async for piece in request.stream():
+            size += len(piece)
+            if size > MOST_UPLOAD:
+                raise HTTPException(413, f"too large; at most {MOST_UPLOAD // 2**20} MiB are taken")
+            if 2 * size > room:
+                raise HTTPException(
+                    413, "the data folder is full; delete what is not needed, or start with a larger --quota"
+                )
+            file.write(piece)
+    if size == 0:
+        raise InputError("the file is empty; choose another")

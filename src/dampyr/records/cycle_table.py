@@ -1,0 +1,64 @@
+"""Every whole cycle of a record by itself: what a damper dynamometer prints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dampyr.records.cycles import require_cycles
+from dampyr.records.derivative import default_bandwidth, differentiate
+from dampyr.records.measure import cycle_energies
+from dampyr.records.offset import mean_force
+from dampyr.records.record import Record
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One whole cycle, SI.
+
+    ``start_s`` and ``period_s``; ``stroke_m`` from its lowest to its highest point; ``least_force`` and ``largest_force``;
+    ``energy`` dissipated, J. The peak-velocity pick-up: ``speed_out`` and ``speed_in`` are the largest velocities of extension
+    (positive) and compression (negative), m/s, ``force_out`` and ``force_in`` the forces at those moments less the mean force
+    of the record, N.
+    """
+
+    start_s: float
+    period_s: float
+    stroke_m: float
+    least_force: float
+    largest_force: float
+    energy: float
+    speed_out: float
+    force_out: float
+    speed_in: float
+    force_in: float
+
+
+def cycle_table(record: Record) -> list[Cycle]:
+    """The whole cycles in their order; the velocity is derived as :func:`~dampyr.records.measure` derives it.
+
+    Raises InputError where there is no whole cycle.
+    """
+    found = require_cycles(record, "a table of cycles")
+    speed = differentiate(record.time, record.displacement, default_bandwidth(record))
+    energies, mean = cycle_energies(record, found), mean_force(record)
+    table = []
+    for (i0, i1), energy in zip(found, energies, strict=True):
+        x, f, v = record.displacement[i0 : i1 + 1], record.force[i0 : i1 + 1], speed[i0 : i1 + 1]
+        out, back = int(np.argmax(v)), int(np.argmin(v))
+        table.append(
+            Cycle(
+                start_s=float(record.time[i0]),
+                period_s=float(record.time[i1] - record.time[i0]),
+                stroke_m=float(np.ptp(x)),
+                least_force=float(f.min()),
+                largest_force=float(f.max()),
+                energy=float(energy),
+                speed_out=float(v[out]),
+                force_out=float(f[out] - mean),
+                speed_in=float(v[back]),
+                force_in=float(f[back] - mean),
+            )
+        )
+    return table
