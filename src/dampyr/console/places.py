@@ -68,3 +68,8 @@ def check_quota(root: Path, more: int, quota: int) -> None:
         raise InputError(
             f"the data folder would pass its {quota / 2**20:.0f} MiB; delete what is not needed, or start with a larger --quota"
         )
+
+
+def data_of(job: Path) -> Path:
+    """The data folder that a job's folder lies in."""
+    return job.parents[2]

@@ -48,7 +48,8 @@ def end_with_the_console() -> None:
     """End this process and what it started when standard input is closed."""
 
     def wait() -> None:
-        sys.stdin.buffer.read()
+        while os.read(0, 1024):  # not sys.stdin: its lock would be held when this process ends
+            pass
         if os.name == "posix":
             os.killpg(os.getpgid(0), signal.SIGKILL)
         os._exit(1)

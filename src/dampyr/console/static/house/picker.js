@@ -1,0 +1,59 @@
+// Records to choose from, with boxes to tick, by source.
+import { get, query as asQuery } from "./api.js";
+import { button, choice, field, h, number } from "./dom.js";
+import { attempt } from "./notice.js";
+import { table } from "./table.js";
+
+const short = (key) => key.split("/").at(-1).replace(/\.(mat|csv|txt|h5)$/, "");
+
+/** picker(chosen keys, changed): an element, and `chosen()` the keys. */
+export async function picker(start, changed) {
+  const sources = await get("records/sources");
+  const taken = new Set(start);
+  let listed = [];
+  const first = start[0]?.split("/")[0];
+  const source = choice(sources.map((one) => [one.name, one.title]), { value: first ?? sources.at(-1).name, onchange: load });
+  const filter = h("input", { type: "search", oninput: fill });
+  const list = h("div");
+  const count = h("span", { class: "soft", role: "status" });
+  const element = h("div", {}, h("div", { class: "fields" }, field("From", source), field("Filter", filter)),
+    h("div", { class: "row" }, button("All shown", () => mark(true)), button("None", () => mark(false)), count), list);
+
+  const shown = () => listed.filter((one) => !one.problem && `${one.key} ${one.about.input_value} ${one.about.role}`.toLowerCase().includes(filter.value.toLowerCase()));
+
+  function mark(on) {
+    if (!on) taken.clear();
+    else for (const one of shown()) taken.add(one.key);
+    fill();
+    tell();
+  }
+
+  function tell() {
+    count.textContent = `${taken.size} chosen`;
+    changed([...taken]);
+  }
+
+  function fill() {
+    list.replaceChildren(table({
+      caption: "Records; those for validation are predicted, never fitted",
+      columns: [{ words: "Chosen", plain: true }, { name: "record" }, { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "role" }],
+      rows: shown().map(({ key, about }) => {
+        const box = h("input", { type: "checkbox", checked: taken.has(key), "aria-label": `Choose ${short(key)}`,
+          onchange: () => (box.checked ? taken.add(key) : taken.delete(key), tell()) });
+        const [low, high] = about.input_range ?? [null, null];
+        const input = low === null ? null : { key: low, show: low === high ? `${number(low, 5)} ${about.input}` : `${number(low, 3)} to ${number(high, 3)} ${about.input}` };
+        return [{ key: Number(!taken.has(key)), show: box }, short(key), input, about.measured?.frequency_hz ?? null, about.role === "fit" ? "fit" : "validation"];
+      }),
+      empty: "No records are here.",
+    }));
+    count.textContent = `${taken.size} chosen`;
+  }
+
+  async function load() {
+    list.replaceChildren(h("p", { class: "soft" }, "Reading the records …"));
+    listed = (await attempt(() => get(`records/list?${asQuery({ source: source.value })}`))) ?? [];
+    fill();
+  }
+  await load();
+  return { element, chosen: () => [...taken] };
+}

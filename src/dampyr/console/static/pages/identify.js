@@ -1,0 +1,134 @@
+// Identify: records and a model on the left, what was found on the right. A fit is a job: it goes on without the page.
+import { get, post, query as asQuery } from "../house/api.js";
+import { chart } from "../house/chart.js";
+import { button, choice, field, h, number, section, tick } from "../house/dom.js";
+import { watch } from "../house/jobs.js";
+import { attempt, say } from "../house/notice.js";
+import { picker } from "../house/picker.js";
+import { table } from "../house/table.js";
+
+const FORCE = { words: "force", unit: "N" };
+
+export async function show(root, query) {
+  let stop = null;
+  let charts = [];
+  const known = await get("identify/models");
+  const records = await picker(query.getAll("record"), () => {});
+  const model = choice(known.models, { value: "dahl" });
+  const ons = known.add_ons.map((name) => [name, tick(name)]);
+  const loss = choice([["squares", "least squares"], ["huber", "huber: bears wild samples"], ["l1", "l1: bears wild samples"]]);
+  const predict = choice([["", "no"], ["record", "by record"], ["input", "by input"], ["frequency", "by frequency"], ["amplitude", "by amplitude"], ["time", "the last part of each"]]);
+  const bandwidth = h("input", { type: "text", inputmode: "decimal" });
+  const progress = h("div");
+  const sheet = h("div");
+  const past = h("div");
+  root.append(h("div", { class: "split" },
+    h("div", { class: "side" },
+      records.element,
+      h("fieldset", {}, h("legend", {}, "Model"), field("Hysteresis", model),
+        h("div", { class: "row", role: "group", "aria-label": "Added to it" }, ons.map(([, box]) => box))),
+      h("details", {}, h("summary", {}, "How it is fitted"), h("div", { class: "fields" }, field("Loss", loss), field("Validate", predict, "on records left out"), field("Velocity bandwidth, Hz", bandwidth, "derived; empty takes the recorded"))),
+      h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried: minutes" })),
+      past),
+    h("div", {}, progress, sheet)));
+  await list();
+  const open = query.get("job");
+  if (open) follow(open);
+  else sheet.append(h("p", { class: "blank" }, "Choose records and a model, then identify. What was found stands here."));
+
+  const composed = () => [model.value, ...ons.filter(([, box]) => box.firstChild.checked).map(([name]) => name)].join(" + ");
+
+  async function start(wanted) {
+    const asked = { records: records.chosen(), model: wanted, loss: loss.value, predict: predict.value };
+    const width = bandwidth.value.trim().replace(",", ".");
+    if (width) asked.bandwidth = Number(width);
+    if (!asked.records.length) return say("Choose one record or more first.", "bad");
+    const job = await attempt(() => post("identify/jobs", asked));
+    if (job) {
+      follow(job.id);
+      list();
+    }
+  }
+
+  async function list() {
+    const jobs = ((await attempt(() => get("jobs"))) ?? []).filter((one) => one.kind === "identify").slice(0, 8);
+    past.replaceChildren(...(jobs.length ? [section("Before", h("ul", {}, jobs.map((one) => h("li", {}, h("a", { href: `#/identify?job=${one.id}`, onclick: (event) => (event.preventDefault(), follow(one.id)) }, one.title), ` ${one.state}`))))] : []));
+  }
+
+  function follow(id) {
+    history.replaceState(null, "", `#/identify?${asQuery({ job: id })}`);
+    stop?.();
+    clear();
+    sheet.replaceChildren();
+    stop = watch(progress, id, (job) => {
+      list();
+      if (job.state === "done") found(job);
+    });
+  }
+
+  function clear() {
+    for (const one of charts) one.clear();
+    charts = [];
+  }
+
+  function found({ id, result: r }) {
+    const name = h("input", { type: "text", maxlength: "80", value: r.model.replaceAll(" + ", "-") });
+    const keep = async () => {
+      const kept = await attempt(() => post(`identify/jobs/${id}/card`, { name: name.value }));
+      if (kept) say(`The card ${kept.name} is kept.`);
+    };
+    const plots = h("div");
+    const which = choice(r.records, { onchange: () => draw(which.value) });
+    sheet.replaceChildren(
+      section(r.model,
+        h("p", { class: `verdict ${r.converged ? "good" : "bad"}` }, `${r.converged ? "The search" : "It did not converge: the search"} ${r.reason}. L1 ${number(100 * r.mean_l1, 3)} % on average over what it was fitted to.`),
+        r.predictions.map((one) => h("p", {}, `It predicts ${one.records} records that it was not fitted on, by ${one.split}, with an L1 of ${number(100 * one.mean_l1, 3)} %.`)),
+        r.held.map((one) => h("p", {}, one.problem || `Validation record ${one.record}: L1 ${number(100 * one.l1, 3)} %, predicted.`)),
+        h("div", { class: "row" }, r.card ? [field("Name of the card", name), button("Save the card", keep, { class: "main" })] : h("span", {}, "There is no damper to save."),
+          h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
+        r.doubts.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.doubts.map((one) => h("li", {}, one)))) : null),
+      r.leaderboard ? board(r.leaderboard) : "",
+      section("Measured and modelled", field("Record", which), plots),
+      section("Parameters", table({
+        caption: "95 % intervals; errors allow for correlated residuals, the naive ones do not", columns: r.parameters.columns.map((words) => ({ name: words })), rows: r.parameters.rows })),
+      section("How well it describes each record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: "From 2 s after the motion starts, each record's own offset taken" })),
+      section("What the model leaves", r.findings.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`))),
+    );
+    draw(which.value);
+
+    async function draw(record) {
+      const lines = await attempt(() => get(`identify/jobs/${id}/curves?${asQuery({ record })}`));
+      if (!lines) return;
+      clear();
+      const pair = (over, words, unit, factor, height) => plot({ words, unit }, FORCE, `Measured and modelled force of ${record} over ${words}`, height, [
+        { name: "measured", colour: "muted", width: 2.4, ...scaled(lines[over].measured, factor) }, { name: r.model, colour: "vermillion", ...scaled(lines[over].model, factor) }]);
+      plots.replaceChildren(
+        pair("time", "time", "s", 1, 260),
+        plot({ words: "time", unit: "s" }, { words: "residual", unit: "N" }, `What the model leaves of the force of ${record}`, 150, [{ name: "measured less modelled", colour: "blue", always: true, ...lines.residual }]),
+        h("div", { class: "charts" }, pair("displacement", "displacement", "mm", 1e3, 340), pair("velocity", "velocity", "mm/s", 1e3, 340)));
+    }
+  }
+
+  function plot(x, y, label, height, series) {
+    const made = chart({ label, x, y, height, series });
+    charts.push(made);
+    return made.element;
+  }
+
+  return () => {
+    stop?.();
+    clear();
+  };
+}
+
+const scaled = ({ x, y }, factor) => ({ x: x.map((value) => factor * value), y });
+
+function board(entries) {
+  const percent = (value) => (typeof value === "number" ? 100 * value : value);
+  return section("Which model predicts best", table({
+    caption: "Every score is of a prediction: 3/4 of the error over records left out, 1/4 over inputs left out",
+    columns: [{ name: "model" }, { name: "error", unit: "%", digits: 3 }, { name: "L1", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
+      { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "BIC" }, { name: "fit", unit: "s", digits: 3 }],
+    rows: entries.map((e) => [e.model, percent(e.error), percent(e.l1), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.bic, e.seconds]),
+  }));
+}
