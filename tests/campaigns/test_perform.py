@@ -155,7 +155,7 @@ def test_abort_acts_at_once(two: Path, tmp_path: Path) -> None:
     control = Control()
     with pytest.raises((RigFault, Stopped)):
         perform(two, rig(), tmp_path / "out", pressing(control, "abort", 30), control)  # type: ignore[arg-type]
-    assert read_journal(tmp_path / "out")[0][0].state == "failed"
+    assert read_journal(tmp_path / "out")[0][0].state == "stopped"
 
 
 def test_pause_waits_between_tests(two: Path, tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from dampyr.errors import FileError, InputError
 
 NAME = "journal.sqlite"
 SCHEMA = 1
-TestState = Literal["planned", "running", "complete", "failed"]
+TestState = Literal["planned", "running", "complete", "stopped", "failed"]
 
 TABLES = """
 CREATE TABLE IF NOT EXISTS campaign (key TEXT PRIMARY KEY, value TEXT NOT NULL);

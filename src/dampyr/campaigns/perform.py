@@ -179,7 +179,8 @@ class _Run:
 
             take(table, test, self.plan.campaign, file_of(self.folder, test.name, attempt), attempt, seen)
         except BaseException as problem:
-            self.journal.end(test.name, "failed", reason(problem)["reason"])
+            told = reason(problem)
+            self.journal.end(test.name, "failed" if told["exit_status"] == "failed" else "stopped", told["reason"])
             raise
         self.journal.end(test.name, "complete")
 

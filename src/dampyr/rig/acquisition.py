@@ -122,8 +122,7 @@ class Acquisition:
                 self._judge(samples)
                 self._feed()
         except RigFault as problem:
-            self.halt(problem)
-            raise
+            raise self.halt(problem) from None
         return samples
 
     def _samples(self, volts: Array, counts: NDArray[np.int64], status: Status) -> Samples:
@@ -178,8 +177,8 @@ class Acquisition:
             )
         return needed
 
-    def halt(self, why: RigFault) -> None:
-        """Brake the table and take the coil to 0 V, now; every step is tried whatever fails."""
+    def halt(self, why: RigFault) -> RigFault:
+        """Brake the table and take the coil to 0 V, now; every step is tried whatever fails. The first reason is kept."""
         with self.lock:
             self.stopped = self.stopped or why
             self.player = None
@@ -188,6 +187,7 @@ class Acquisition:
                     step()
                 except RigFault as problem:
                     self.stopped.add_note(str(problem))
+            return self.stopped
 
     def cut(self) -> None:
         """The coil to 0 V."""
