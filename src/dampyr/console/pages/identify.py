@@ -35,11 +35,11 @@ class Wanted(BaseModel):
     records: list[str] = Field(
         min_length=1, max_length=200, description="Keys of records; validation records are predicted."
     )
-    model: str | None = Field(None, max_length=120, description="Such as dahl + spring.")
+    model: str | None = Field(default=None, max_length=120, description="Such as dahl + spring.")
     tried: list[Annotated[str, Field(max_length=120)]] = Field(default=[], max_length=30)
     predict: Literal["", "record", "input", "frequency", "amplitude", "time"] = ""
     loss: Literal["squares", "huber", "l1"] = "squares"
-    bandwidth: float | None = Field(None, gt=0, le=1e5, allow_inf_nan=False, description="Of the velocity, Hz.")
+    bandwidth: float | None = Field(default=None, gt=0, le=1e5, allow_inf_nan=False, description="Of the velocity, Hz.")
 
 
 class Card(BaseModel):

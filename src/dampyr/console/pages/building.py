@@ -1,0 +1,108 @@
+"""Building: with and without a damper in an earthquake, and in many."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from typing import Any
+
+from fastapi import APIRouter
+from fastapi.responses import FileResponse, Response
+from pydantic import BaseModel
+
+from dampyr import models, structures
+from dampyr.console import places
+from dampyr.console.common import CARDS, Id, JobState, told
+from dampyr.console.house import Here
+from dampyr.console.site import MOTION_SUFFIXES, MOTIONS, THESIS, DamperAsked, EnsembleAsked, ResponseAsked
+from dampyr.errors import DampyrError, MissingData
+
+TITLE, ORDER = "Building", 50
+RESPONSE, ENSEMBLE, PAGE, CURVES = "respond", "ensemble", "page.html", "curves.json"
+
+router = APIRouter()
+
+
+class DamperLink(BaseModel):
+    """A damper that can stand in a building: its input's unit, and the range it was calibrated on."""
+
+    name: str
+    title: str
+    unit: str
+    low: float
+    high: float
+
+
+class Choices(BaseModel):
+    """What can be chosen."""
+
+    dampers: list[DamperLink]
+    laws: list[str]
+    motions: list[str]
+
+
+@router.get("/choices")
+def list_choices(here: Here) -> Choices:
+    """Dampers, control laws and ground motions that can be chosen."""
+    found = []
+    cards = [f"{CARDS}/{name}" for name in places.files(here.data / CARDS, (".toml",))]
+    for name in [*cards, THESIS, *models.published.names()]:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                damper = DamperAsked(name=name).damper(here.data)
+            low, high = damper.range
+        except DampyrError:
+            continue
+        title = name.removeprefix(f"{CARDS}/").removesuffix(".toml") if name in cards else f"published: {name}"
+        found.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high))
+    motions = places.files(here.data / MOTIONS, MOTION_SUFFIXES)
+    return Choices(dampers=found, laws=structures.control_laws(), motions=motions)
+
+
+@router.post("/responses", status_code=202)
+def respond(here: Here, asked: ResponseAsked) -> JobState:
+    """Start to compute a response; bare, and with the damper at each input."""
+    _check(here.data, asked)
+    title = (
+        f"{asked.building.kind.replace('_', '-')}, {asked.motion.kind.replace('_', ' ')}, {_shown(asked.damper.name)}"
+    )
+    return told(here.jobs.submit(RESPONSE, asked.model_dump(), title))
+
+
+@router.post("/ensembles", status_code=202)
+def run_ensemble(here: Here, asked: EnsembleAsked) -> JobState:
+    """Start an ensemble; its result holds fragility curves."""
+    _check(here.data, asked)
+    title = f"ensemble, {asked.motions} motions, {len(asked.scales)} scales, {_shown(asked.damper.name)}"
+    return told(here.jobs.submit(ENSEMBLE, asked.model_dump(), title))
+
+
+@router.get("/responses/{id}/curves")
+def read_curves(here: Here, id: Id) -> dict[str, Any]:
+    """The histories of every case, SI, and the frames of the animation."""
+    here.jobs.result(id)
+    if here.jobs.job(id).kind != RESPONSE:
+        raise MissingData("that job is no response")
+    return dict(json.loads((here.jobs.place(id) / CURVES).read_text("utf-8")))
+
+
+@router.get("/jobs/{id}/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
+def give_page(here: Here, id: Id) -> FileResponse:
+    """The page as `dampyr simulate --report` or `dampyr ensemble --report` writes it, as a file to keep."""
+    here.jobs.result(id)
+    if here.jobs.job(id).kind not in (RESPONSE, ENSEMBLE):
+        raise MissingData("that job is no response and no ensemble")
+    return FileResponse(here.jobs.place(id) / PAGE, media_type="text/html", filename=f"{here.jobs.job(id).kind}.html")
+
+
+def _check(data: Any, asked: ResponseAsked | EnsembleAsked) -> None:
+    """Say at once what is wrong with the question, rather than in the job."""
+    asked.building.building()
+    if asked.motion.kind == "file":
+        asked.motion.motion(data)
+    asked.damper.all_inputs(asked.damper.damper(data))
+
+
+def _shown(name: str) -> str:
+    return name.removeprefix(f"{CARDS}/").removesuffix(".toml")

@@ -1,0 +1,213 @@
+// Building: what stands in which earthquake on the left; how it moved on the right. Responses and ensembles are jobs.
+import { get, post, query as asQuery } from "../house/api.js";
+import { chart, COLOURS } from "../house/chart.js";
+import { button, choice, field, h, number, section, tick } from "../house/dom.js";
+import { watch } from "../house/jobs.js";
+import { attempt, say } from "../house/notice.js";
+import { storeys } from "../house/storeys.js";
+import { table } from "../house/table.js";
+
+const G = 9.80665;
+const TIME = { words: "time", unit: "s" };
+const KINDS = ["respond", "ensemble"];
+
+export async function show(root, query) {
+  const known = await get("building/choices");
+  let stop = null;
+  let live = [];
+  const progress = h("div");
+  const sheet = h("div");
+  const past = h("div");
+  const form = asking(known);
+  root.append(h("div", { class: "split" },
+    h("div", { class: "side" }, form.element,
+      h("div", { class: "row" }, button("Shake it", () => start("building/responses", form.response), { class: "main" })),
+      h("details", {}, h("summary", {}, "Many earthquakes"), form.many, h("div", { class: "row" }, button("Run the ensemble", () => start("building/ensembles", form.ensemble)))),
+      past),
+    h("div", {}, progress, sheet)));
+  await list();
+  if (query.get("job")) follow(query.get("job"));
+  else sheet.append(h("p", { class: "blank" }, "Choose a building, a motion and a damper, then shake it. The response stands here."));
+
+  async function start(path, question) {
+    let asked;
+    try {
+      asked = question();
+    } catch (problem) {
+      return say(problem.message, "bad");
+    }
+    const job = await attempt(() => post(path, asked));
+    if (job) {
+      follow(job.id);
+      list();
+    }
+  }
+
+  async function list() {
+    const jobs = ((await attempt(() => get("jobs"))) ?? []).filter((one) => KINDS.includes(one.kind)).slice(0, 8);
+    past.replaceChildren(...(jobs.length ? [section("Before", h("ul", {}, jobs.map((one) => h("li", {}, h("a", { href: `#/building?job=${one.id}`, onclick: (event) => (event.preventDefault(), follow(one.id)) }, one.title), ` ${one.state}`))))] : []));
+  }
+
+  function follow(id) {
+    history.replaceState(null, "", `#/building?${asQuery({ job: id })}`);
+    stop?.();
+    clear();
+    sheet.replaceChildren();
+    stop = watch(progress, id, async (job) => {
+      list();
+      if (job.state === "done") await (job.kind === "respond" ? response(job) : ensemble(job));
+    });
+  }
+
+  function clear() {
+    for (const one of live) one.clear();
+    live = [];
+  }
+
+  const plot = (settings) => {
+    const made = chart(settings);
+    live.push(made);
+    return made.element;
+  };
+
+  const page = (id) => h("a", { class: "button", href: `/api/building/jobs/${id}/page`, download: "" }, "Save the whole page");
+
+  async function response({ id, result: r }) {
+    const curves = await attempt(() => get(`building/responses/${id}/curves`));
+    if (!curves) return;
+    const moving = storeys(curves.frames);
+    live.push(moving);
+    const names = r.cases.map((one) => one.name);
+    const over = (which, k, words, unit, factor, height = 220) => plot({
+      label: `${words} over time, ${names.join(", ")}`, x: TIME, y: { words, unit }, height,
+      series: names.map((name, c) => ({ name, colour: c ? COLOURS[c - 1] : "muted", x: curves.cases[name][which][k].x, y: curves.cases[name][which][k].y.map((v) => factor * v) })) });
+    const floor = choice(r.floors.map((name, k) => [k, `floor ${name}`]), { value: String(r.floors.length - 1), onchange: () => histories() });
+    const lines = h("div");
+    const chosen = choice(names, { value: names.at(-1), onchange: () => energies() });
+    const energy = h("div");
+    const histories = () => {
+      const k = Number(floor.value);
+      lines.replaceChildren(over("displacement", k, "displacement", "mm", 1e3), over("acceleration", k, "acceleration", "m/s²", 1), over("drift", k, `drift of storey ${k + 1}`, "mm", 1e3));
+    };
+    const energies = () => energy.replaceChildren(plot({ label: `Energies over time, ${chosen.value}`, x: TIME, y: { words: "energy", unit: "J" }, height: 260, zero: true,
+      series: Object.entries(curves.cases[chosen.value].energy).map(([name, line]) => ({ name: { input: "put in by the ground", viscous: "taken by viscous damping", dampers: "taken by the damper", moving: "still in motion" }[name], ...line })) }));
+    const damped = names.filter((name) => curves.cases[name].loops.length);
+    const ruled = damped.filter((name) => new Set(curves.cases[name].inputs[0].y).size > 1);
+    sheet.replaceChildren(
+      section(r.title, r.cases.flatMap((one) => [...one.outside, ...(one.converged ? [] : [one.reason])].map((words) => h("p", { class: "verdict bad" }, `${one.name}: ${words}.`))), moving.element),
+      section("Peaks", peaks(r), h("div", { class: "row" }, page(id))),
+      section("Histories", field("Floor", floor), lines),
+      damped.length ? section("The damper", h("div", { class: "charts" }, plot({ label: `Damper force over stroke, ${damped.join(", ")}`, x: { words: "stroke", unit: "mm", pad: 0.04 }, y: { words: "force", unit: "N" }, height: 340,
+        series: damped.map((name, c) => ({ name, always: true, colour: COLOURS[c], y: curves.cases[name].loops[0].y, x: curves.cases[name].loops[0].x.map((v) => 1e3 * v) })) }),
+      ruled.length ? plot({ label: `Input over time, ${ruled.join(", ")}`, x: TIME, y: { words: "input", unit: r.unit }, height: 340,
+        series: ruled.map((name) => ({ name, always: true, colour: COLOURS[damped.indexOf(name)], ...curves.cases[name].inputs[0] })) }) : null)) : "",
+      section("Energy", field("Case", chosen), energy, energyTable(r)),
+      section("The ground", plot({ label: "Ground acceleration over time", x: TIME, y: { words: "acceleration", unit: "m/s²" }, height: 180, series: [{ name: "ground", colour: "muted", ...curves.ground }] })));
+    histories();
+    energies();
+  }
+
+  function ensemble({ id, result: r }) {
+    const series = r.curves.flatMap((one, k) => {
+      const colour = COLOURS[k % COLOURS.length];
+      const line = (y, more) => (y ? [{ colour, x: one.x.map((v) => v / G), y: y.map((v) => 100 * v), ...more }] : []);
+      return [...line(one.y, { name: one.name, always: true, width: 2.2 }), ...line(one.low, { dash: [5, 5], width: 1 }), ...line(one.high, { dash: [5, 5], width: 1 }),
+        { colour, points: true, x: one.counted.x.map((v) => v / G), y: one.counted.y.map((v) => 100 * v) }];
+    });
+    const shown = (one, digits) => table({ columns: one.columns.map((name, k) => ({ name, unit: one.units[k], digits })), rows: one.rows, caption: one.caption });
+    sheet.replaceChildren(
+      section(`Fragility: ${r.limit}`, plot({ label: `Probability of ${r.limit} over peak ground acceleration`, x: { words: "peak ground acceleration", unit: "g" }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
+        h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dashed: 90 % bands over the motions; points: the shares that were counted.`),
+        shown({ ...r.table, caption: "Median and spread of each curve" }, 4), r.remarks.map((one) => h("p", {}, `${one}.`)), h("div", { class: "row" }, page(id))),
+      section("Peaks", shown({ ...r.peaks, caption: "Across motions, of the worst storey and floor" }, 4)),
+      section("How far to trust it", r.trust.map((one) => h("p", {}, one))));
+  }
+
+  return () => {
+    stop?.();
+    clear();
+  };
+}
+
+function peaks(r) {
+  const rows = r.cases.map((one) => [one.name, ...one.peak_displacement.map((v) => 1e3 * v), 1e3 * Math.max(...one.peak_drift), Math.max(...one.peak_acceleration), one.peak_base_shear,
+    one.peak_force.length ? Math.max(...one.peak_force) : null, one.mean_input.length ? one.mean_input[0] : null, -100 * (1 - one.peak_displacement.at(-1) / r.cases[0].peak_displacement.at(-1)) || null]);
+  return table({ caption: "Peaks inside the step; displacements relative to the ground, accelerations absolute", rows,
+    columns: [{ name: "case" }, ...r.floors.map((name) => ({ name: `floor ${name}`, unit: "mm" })), { name: "largest drift", unit: "mm" }, { name: "largest acceleration", unit: "m/s²" }, { name: "base shear", unit: "N" },
+      { name: "damper force", unit: "N" }, { name: "mean input", unit: r.unit }, { name: "top against bare", unit: "%", digits: 3 }] });
+}
+
+function energyTable(r) {
+  return table({ caption: "Where the energy went by the end; the residual is the error of the balance", rows: r.cases.map(({ name, energy: e }) => [name, e.input, e.viscous, e.dampers, e.moving, e.residual]),
+    columns: [{ name: "case" }, ...["input", "viscous", "damper", "still in motion", "residual"].map((name) => ({ name, unit: "J" }))] });
+}
+
+/** The form, and the questions that it holds. */
+function asking(known) {
+  const text = (value, more = {}) => h("input", { type: "text", inputmode: "decimal", value, ...more });
+  const building = choice([["two_storey", "two storeys (chapter 5)"], ["shear", "a shear building"]], { onchange: () => (own.hidden = building.value !== "shear") });
+  const masses = text("1000 1000 1000");
+  const stiffnesses = text("1e6 1e6 1e6");
+  const damping = text("3");
+  const own = h("div", { class: "fields", hidden: true }, field("Masses, kg", masses, "from the ground up"), field("Stiffnesses, N/m", stiffnesses), field("Damping, %", damping));
+  const motion = choice([["el_centro", "El Centro 1940, NS"], ["kanai_tajimi", "synthetic, by a seed"], ...known.motions.map((file) => [`file:${file}`, file])], { onchange: () => shift() });
+  const pga = text("", { placeholder: "as it is" });
+  const seed = text("1");
+  const unit = choice([["", "as the file says"], ["g", "g"], ["m/s^2", "m/s²"], ["cm/s^2", "cm/s²"]]);
+  const seeded = field("Seed", seed);
+  const united = field("Unit of the file", unit);
+  const shift = () => ((seeded.hidden = motion.value !== "kanai_tajimi"), (united.hidden = !motion.value.startsWith("file:")));
+  shift();
+  const damper = choice(known.dampers.map((one) => [one.name, one.title]), { onchange: () => told() });
+  const storey = text("1");
+  const inputs = text("0 1.98");
+  const range = h("p", { class: "soft" });
+  const laws = known.laws.map((name) => [name, tick(name.replaceAll("_", " "))]);
+  const beyond = tick("beyond the calibrated range");
+  const told = () => {
+    const one = known.dampers.find(({ name }) => name === damper.value);
+    range.textContent = one ? `Calibrated from ${number(one.low)} to ${number(one.high)} ${one.unit}.` : "";
+    if (one) inputs.value = [one.low, number((one.low + one.high) / 2, 3), number(one.high)].join(" ");
+  };
+  told();
+  const count = text("30");
+  const scales = text("0.1 0.2 0.3 0.4 0.5 0.7 1 1.3 1.6 2 2.5 3");
+  const quantity = choice([["drift", "drift, mm"], ["acceleration", "acceleration, g"]]);
+  const limit = text("12");
+  const element = h("div", {},
+    h("fieldset", {}, h("legend", {}, "Building"), field("Which", building), own),
+    h("fieldset", {}, h("legend", {}, "Ground motion"), field("Which", motion), h("div", { class: "fields" }, field("Peak, g", pga), seeded, united)),
+    h("fieldset", {}, h("legend", {}, "Damper"), field("Which", damper), range, h("div", { class: "fields" }, field("Storey", storey), field("Inputs", inputs, "one case each")),
+      h("div", { class: "row", role: "group", "aria-label": "Control laws" }, laws.map(([, box]) => box)), beyond));
+  const many = h("div", { class: "fields" }, field("Synthetic motions", count), field("Scales", scales), field("Limit of", quantity), field("Limit", limit));
+
+  const common = () => {
+    const file = motion.value.startsWith("file:") ? motion.value.slice(5) : "";
+    const found = { kind: file ? "file" : motion.value, file, unit: file ? unit.value : "", seed: one("Seed", seed) };
+    if (pga.value.trim()) found.pga = G * one("Peak", pga);
+    return {
+      building: building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: one("Damping", damping) / 100 } : {},
+      motion: found,
+      damper: { name: damper.value, storey: one("Storey", storey), inputs: several("Inputs", inputs), laws: laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name), allow_extrapolation: beyond.firstChild.checked },
+    };
+  };
+  const ensemble = () => {
+    const asked = common();
+    if (asked.motion.kind === "el_centro") asked.motion.kind = "kanai_tajimi";
+    const factor = quantity.value === "drift" ? 1e-3 : G;
+    return { ...asked, motions: one("Synthetic motions", count), scales: several("Scales", scales), quantity: quantity.value, limit: factor * one("Limit", limit), seed: one("Seed", seed) };
+  };
+  return { element, many, response: common, ensemble };
+}
+
+function several(words, control) {
+  const found = control.value.trim().split(/[\s;]+/).filter(Boolean).map((part) => Number(part.replace(",", ".").replace("−", "-")));
+  if (found.some(Number.isNaN)) throw new Error(`${words}: ${control.value} is not numbers; write them with spaces between.`);
+  return found;
+}
+
+function one(words, control) {
+  const found = several(words, control);
+  if (found.length !== 1) throw new Error(`${words}: ${control.value || "nothing"} is not one number.`);
+  return found[0];
+}
