@@ -58,7 +58,7 @@ class Jobs:
         self._closed = False
         folder.mkdir(parents=True, exist_ok=True)
         self._remember()
-        for _ in range(at_once or max(1, min(4, (os.cpu_count() or 2) - 1))):
+        for _ in range(max(1, min(4, (os.cpu_count() or 2) - 1)) if at_once is None else at_once):
             threading.Thread(target=self._serve, daemon=True).start()
 
     def submit(self, kind: str, request: dict[str, Any], title: str) -> Job:

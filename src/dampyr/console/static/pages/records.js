@@ -33,8 +33,6 @@ export async function show(root, query) {
         uploads((key) => ((state.source = source.value = "data"), (state.open = [key]), load(true)))),
       sheet),
   );
-  await load();
-  await draw();
 
   async function load(again = false) {
     list.replaceChildren(h("p", { class: "soft" }, "Reading the records …"));
@@ -214,6 +212,8 @@ export async function show(root, query) {
     await load(true);
   }
 
+  await load();
+  await draw();
   return () => charts.forEach((one) => one.clear());
 }
 

@@ -1,0 +1,104 @@
+"""Jobs: they end well, fail in a sentence, can be cancelled, and outlive neither their console nor a reload of it."""
+
+import time
+
+import pytest
+
+pytest.importorskip("fastapi")
+from fastapi.testclient import TestClient
+
+from dampyr.console import app
+from dampyr.console.jobs import Jobs
+from dampyr.errors import InputError, MissingData
+
+SMALL = {"damper": {"inputs": [1.98]}}
+LONG = {"motions": 400, "scales": [0.1 * k for k in range(1, 41)], "damper": {"laws": ["skyhook", "on_off"]}}
+
+
+def ended(jobs, id):
+    for _ in range(1200):
+        if jobs.job(id).ended is not None and id not in jobs._running:
+            return jobs.job(id)
+        time.sleep(0.05)
+    raise AssertionError(jobs.job(id))
+
+
+def begun(client, id):
+    while client.get(f"/api/jobs/{id}").json()["stage"] in ("", "starting"):
+        time.sleep(0.05)
+
+
+def test_a_wrong_question_is_refused_at_once(client):
+    for asked, words in (
+        ({"damper": {"inputs": []}}, "no input"),
+        ({"damper": {"laws": ["magic"]}}, "magic"),
+        ({"damper": {"name": "nobody_1900", "inputs": [1]}}, "nobody_1900"),
+        ({"damper": {"name": "cards/../x.toml", "inputs": [1]}}, "is no name"),
+        ({"building": {"kind": "shear"}, **SMALL}, "masses"),
+        ({"motion": {"kind": "file", "file": "none.at2"}, **SMALL}, "no such file"),
+    ):
+        answer = client.post("/api/building/responses", json=asked)
+        assert answer.status_code in (400, 404)
+        assert words in answer.json()["detail"]
+    assert client.get("/api/jobs").json() == []
+
+
+def test_what_fails_in_the_job_is_a_sentence(client, finished, data):
+    job = client.post("/api/building/responses", json={"damper": {"inputs": [9.0]}}).json()
+    done = finished(job["id"])
+    assert done["state"] == "failed"
+    assert "9 V" in done["reason"]
+    assert "Traceback" not in str(done)
+    assert str(data) not in str(done)
+    assert client.get(f"/api/building/responses/{job['id']}/curves").status_code == 404
+
+
+def test_a_job_is_cancelled_and_its_processes_are_gone(client, finished):
+    job = client.post("/api/building/ensembles", json=LONG).json()
+    begun(client, job["id"])
+    jobs = client.app.inner.state.house.jobs
+    process = jobs._running[job["id"]]
+    assert client.post(f"/api/jobs/{job['id']}/cancel").json()["state"] == "cancelled"
+    process.wait(10)
+    assert process.returncode != 0
+    assert ended(jobs, job["id"]).state == "cancelled"
+    assert client.delete(f"/api/jobs/{job['id']}").status_code == 204
+    assert client.get(f"/api/jobs/{job['id']}").status_code == 404
+
+
+def test_jobs_wait_for_one_another_and_the_waiting_can_be_cancelled(data):
+    with TestClient(app(data, at_once=1), base_url="http://localhost") as client:
+        first, second = (client.post("/api/building/ensembles", json=LONG).json()["id"] for _ in range(2))
+        begun(client, first)
+        assert client.get(f"/api/jobs/{second}").json()["state"] == "waiting"
+        assert client.post(f"/api/jobs/{second}/cancel").json()["state"] == "cancelled"
+        assert client.delete(f"/api/jobs/{first}").status_code == 400
+        client.post(f"/api/jobs/{first}/cancel")
+
+
+def test_a_job_ends_with_its_console_and_is_told_when_it_starts_again(data):
+    with TestClient(app(data), base_url="http://localhost") as client:
+        id = client.post("/api/building/ensembles", json=LONG).json()["id"]
+        begun(client, id)
+        process = client.app.inner.state.house.jobs._running[id]
+    process.wait(10)
+    with TestClient(app(data), base_url="http://localhost") as client:
+        job = client.get(f"/api/jobs/{id}").json()
+    assert job["state"] == "failed"
+
+
+def test_a_result_is_there_after_the_console_was_started_again(client, finished, data):
+    id = client.post("/api/building/responses", json=SMALL).json()["id"]
+    before = finished(id)
+    assert before["state"] == "done", before["reason"]
+    with TestClient(app(data), base_url="http://localhost") as later:
+        assert later.get(f"/api/jobs/{id}").json() == before
+
+
+def test_a_kind_that_is_none_and_a_job_that_is_not_there(tmp_path):
+    jobs = Jobs(tmp_path / "jobs")
+    with pytest.raises(InputError, match="kinds of work"):
+        jobs.submit("os", {}, "")
+    with pytest.raises(MissingData, match="no job"):
+        jobs.job("../../etc")
+    jobs.close()

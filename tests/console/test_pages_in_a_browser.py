@@ -1,0 +1,121 @@
+"""The pages in a real browser: what a person does, from the first click to the kept card."""
+
+import re
+
+import pytest
+
+pytest.importorskip("fastapi")
+
+from dampyr import records
+
+
+@pytest.fixture
+def page(address, new_page):
+    """A page of the console."""
+    return new_page(address)
+
+
+def go(page, name, query=""):
+    page.get_by_role("heading", level=1).wait_for()
+    page.evaluate("where => location.assign(where)", f"#/{name}{query}")
+    page.get_by_role("heading", level=1, name=name.capitalize()).wait_for()
+
+
+def test_a_record_is_uploaded_fitted_and_its_card_saved(page, data, campaign_folder, tmp_path, accessible):
+    record = records.read_campaign(campaign_folder)[0]
+    records.write(record, tmp_path / "from the lab.csv")
+    go(page, "records", "?source=data")
+    page.get_by_text("No records are here yet").wait_for()
+    page.get_by_text("Upload a record").click()
+    page.get_by_label("File", exact=True).set_input_files(tmp_path / "from the lab.csv")
+    page.get_by_role("button", name="Upload").click()
+    page.get_by_label("Show from the lab").wait_for()
+    for view in ("Loops", "Spectra", "Cycles", "Time", "About"):
+        page.get_by_role("tab", name=view).click()
+        page.get_by_role("tabpanel").locator("canvas, table, dl").first.wait_for()
+    page.get_by_label("Note").fill("bolts were loose")
+    page.get_by_role("button", name="Keep the note").click()
+    page.get_by_text("The note is kept").wait_for()
+    accessible(page)
+
+    go(page, "identify")
+    page.get_by_label("From").select_option("data")
+    page.get_by_label("Choose from the lab").check()
+    page.get_by_role("button", name="Identify", exact=True).click()
+    page.wait_for_url(re.compile("job="))
+    page.reload()  # in the middle of it
+    page.get_by_role("button", name="Save the card").wait_for(timeout=120_000)
+    page.get_by_role("heading", name="Measured and modelled").wait_for()
+    page.get_by_label("Name of the card").fill("lab 1")
+    page.get_by_role("button", name="Save the card").click()
+    page.get_by_text("The card lab 1.toml is kept").wait_for()
+    assert (data / "cards/lab 1.toml").is_file()
+    accessible(page)
+
+
+def test_records_are_filtered_and_overlaid_from_the_keyboard(page, campaign_folder):
+    go(page, "records", "?source=labcontrol")
+    page.get_by_text("39 of 39 records").wait_for()
+    page.get_by_label("Filter").focus()
+    page.keyboard.type("ensaio.B.")
+    page.get_by_text("8 of 39 records").wait_for()
+    page.get_by_label("Show ensaio.B.3").focus()
+    page.keyboard.press("Space")
+    page.get_by_label("Show ensaio.B.5").focus()
+    page.keyboard.press("Space")
+    page.get_by_role("img", name=re.compile("ensaio.B.3, ensaio.B.5")).first.wait_for()
+    page.get_by_role("tab", name="Time").focus()
+    page.keyboard.press("ArrowRight")
+    page.get_by_role("img", name=re.compile("Force over velocity")).wait_for()
+    assert page.evaluate("document.activeElement.textContent") == "Loops"
+    kept = page.url
+    page.reload()
+    page.get_by_role("img", name=re.compile("Force over velocity of ensaio.B.3, ensaio.B.5")).wait_for()
+    assert page.url == kept
+
+
+def test_the_table_sorts_by_its_numbers(page, campaign_folder):
+    go(page, "records", "?source=labcontrol")
+    page.get_by_role("button", name=re.compile("stroke")).click()
+    column = page.locator("tbody tr td:nth-child(6)").all_inner_texts()
+    assert [float(text) for text in column] == sorted(float(text) for text in column)
+
+
+def test_a_building_is_shaken_and_the_response_survives_a_reload(page, accessible):
+    go(page, "building")
+    page.get_by_label("Inputs").fill("1.98")
+    page.get_by_role("button", name="Shake it").click()
+    page.get_by_role("heading", name="Peaks").wait_for(timeout=180_000)
+    assert page.locator("tr", has_text="no damper").first.locator("td").nth(1).inner_text() == "45.53"
+    page.reload()
+    page.get_by_role("heading", name="Peaks").wait_for()
+    before = page.get_by_label("Time", exact=True).input_value()
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function("was => document.querySelector('input[type=range]').value !== was", arg=before)
+    page.get_by_role("button", name="Stop").click()
+    accessible(page)
+
+
+def test_a_wrong_number_is_told_and_nothing_is_sent(page, client):
+    go(page, "building")
+    page.get_by_label("Inputs").fill("some")
+    page.get_by_role("button", name="Shake it").click()
+    page.get_by_text("Inputs: some is not numbers").wait_for()
+
+
+def test_work_is_cancelled_from_the_page(page):
+    go(page, "building")
+    page.get_by_text("Many earthquakes").click()
+    page.get_by_label("Synthetic motions").fill("400")
+    page.get_by_role("button", name="Run the ensemble").click()
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_text("Cancelled.").wait_for()
+
+
+@pytest.mark.parametrize("name", ["records", "identify", "building"])
+def test_every_page_can_be_read_in_the_dark_and_on_a_phone(address, new_page, accessible, name):
+    page = new_page(f"{address}#/{name}", color_scheme="dark", viewport={"width": 390, "height": 800})
+    page.get_by_role("heading", level=1, name=name.capitalize()).wait_for()
+    page.get_by_role("table" if name != "building" else "group").first.wait_for()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    accessible(page)
