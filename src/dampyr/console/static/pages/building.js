@@ -110,7 +110,7 @@ export async function show(root, query) {
   function ensemble({ id, result: r }) {
     const series = r.curves.flatMap((one, k) => {
       const colour = COLOURS[k % COLOURS.length];
-      const line = (y, more) => (y ? [{ colour, x: one.x.map((v) => v / G), y: y.map((v) => 100 * v), ...more }] : []);
+      const line = (y, more) => (y ? [{ colour, x: one.x.map((v) => v / G), y: y.map((v) => (v === null ? null : 100 * v)), ...more }] : []);
       return [...line(one.y, { name: one.name, always: true, width: 2.2 }), ...line(one.low, { dash: [5, 5], width: 1 }), ...line(one.high, { dash: [5, 5], width: 1 }),
         { colour, points: true, x: one.counted.x.map((v) => v / G), y: one.counted.y.map((v) => 100 * v) }];
     });

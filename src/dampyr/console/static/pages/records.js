@@ -51,7 +51,7 @@ export async function show(root, query) {
     });
     list.replaceChildren(table({
       caption: `${shown.length} of ${listed.length} records; up to ${MOST} are overlaid`,
-      columns: [{ words: "Shown", plain: true }, { name: "record" }, { name: "to look at" }, { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" },
+      columns: [{ words: "Shown", plain: true }, { name: "record" }, { name: "to look at", align: "left" }, { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" },
         { name: "peak speed", unit: "mm/s" }],
       rows,
       empty: state.source === "data" ? "No records are here yet; upload one below, or run a campaign." : "Nothing passes the filter.",
@@ -257,8 +257,8 @@ export function inputOf(about) {
 
 function flags(one) {
   const marks = [];
-  if (one.problem) marks.push(h("span", { class: "badge bad", title: one.problem }, one.problem.length > 60 ? "cannot be read" : one.problem));
-  else if (one.about.notes.length) marks.push(h("span", { title: one.about.notes.join("; ") }, one.about.notes[0] + (one.about.notes.length > 1 ? ` and ${one.about.notes.length - 1} more` : "")));
+  if (one.problem) marks.push(h("span", { class: "badge bad", title: one.problem }, "cannot be read"));
+  else if (one.about.notes.length) marks.push(h("span", { class: "badge bad", title: one.about.notes.join("; ") }, one.about.notes.length > 1 ? `${one.about.notes.length} things` : "1 thing"));
   if (one.about?.role === "validation") marks.push(h("span", { class: "badge" }, "validation"));
   if (one.note) marks.push(h("span", { class: "badge", title: one.note }, "note"));
   return { key: one.problem || one.about.notes.length, show: h("span", {}, marks.flatMap((mark) => [mark, " "])) };
