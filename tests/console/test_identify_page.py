@@ -69,6 +69,7 @@ def test_only_validation_records_are_refused(client, finished, campaign_folder):
     assert "only validation records" in finished(job["id"])["reason"]
 
 
+@pytest.mark.prove
 def test_a_leaderboard_of_two(client, finished, campaign_folder):
     keys = [f"labcontrol/ensaio.{name}.mat" for name in ("A.1", "A.4", "A.8", "B.3", "B.8")]
     job = client.post("/api/identify/jobs", json={"records": keys, "tried": ["dahl", "bingham"]}).json()
