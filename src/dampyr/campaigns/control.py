@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from dampyr.errors import DampyrError
+from dampyr.errors import DampyrError, RigFault
 from dampyr.rig.interlock import Samples
 
 
@@ -43,6 +43,7 @@ class Control:
     abort_now: Callable[[str], None] | None = None
     _paused: threading.Event = field(default_factory=threading.Event)
     _stopped: threading.Event = field(default_factory=threading.Event)
+    _aborted: str = ""
 
     def pause(self) -> None:
         """Wait, armed and at rest, after the test under way."""
@@ -58,9 +59,14 @@ class Control:
 
     def abort(self, why: str = "by the operator") -> None:
         """Brake and cut the coil, now."""
-        self._stopped.set()
+        self._aborted = why
         if self.abort_now:
             self.abort_now(why)
+
+    @property
+    def aborted(self) -> bool:
+        """Whether abort was asked for."""
+        return bool(self._aborted)
 
     @property
     def paused(self) -> bool:
@@ -68,6 +74,8 @@ class Control:
         return self._paused.is_set()
 
     def check(self) -> None:
-        """Raise :class:`Stopped` where it was asked for."""
+        """Raise :class:`Stopped` or :class:`~dampyr.errors.RigFault` where stop or abort was asked for."""
+        if self._aborted:
+            raise RigFault(f"aborted: {self._aborted}", "operator")
         if self._stopped.is_set():
             raise Stopped("the campaign was stopped by its operator; run it again to go on")

@@ -16,7 +16,7 @@ from dampyr.campaigns.journal import Journal
 from dampyr.campaigns.plan import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
 from dampyr.campaigns.taking import as_json, file_of, reason, take
-from dampyr.campaigns.watching import Watch, crossings, time_left
+from dampyr.campaigns.watching import Watch, time_left
 from dampyr.errors import FileError
 from dampyr.records.formats.h5 import state
 from dampyr.rig.interlock import Samples
@@ -128,6 +128,8 @@ class _Run:
         try:
             with self.rig.armed() as table:
                 self.control.abort_now = table.abort
+                table.check = self.control.check
+                self.control.check()
                 self._prepare(table)
                 for k, test in enumerate(left):
                     self._between(table, k, left)
@@ -171,7 +173,6 @@ class _Run:
             first: list[int] = []
 
             def seen(samples: Samples) -> None:
-                self.control.check()
                 watch.take(samples)
                 first[:] = first or [samples.first]
                 gone = (samples.first + samples.n - first[0]) / self.rig.settings.board.rate
@@ -196,7 +197,7 @@ class _Run:
                 min(1.0, gone / max(test.duration, 1e-9)),
                 max(0.0, time_left(self.plan, remaining, gone)),
                 watch.cycles,
-                crossings(test.drive.displacement),
+                watch.planned,
                 float(samples.force[-1]),
                 watch.stroke,
                 table.temperature,

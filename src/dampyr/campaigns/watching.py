@@ -23,16 +23,20 @@ class Watch:
     cycles: float = 0.0
     _past: Array = field(default_factory=lambda: np.empty(0))
     _side: int = 0
+    planned: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.planned = crossings(self.test.drive.displacement)
 
     def take(self, samples: Samples) -> None:
         """Count the crossings of the middle, with a hysteresis of a fifth of the amplitude."""
         keep = max(8, round(SEEN * self.rate))
         self._past = np.concatenate([self._past, samples.displacement])[-keep:]
-        threshold = 0.2 * self.test.peak_position
-        for x in samples.displacement:
-            side = 1 if x > threshold else -1 if x < -threshold else self._side
-            self.cycles += 0.5 * (side != self._side and self._side != 0)
-            self._side = side
+        found = _sides(samples.displacement, 0.2 * self.test.peak_position)
+        if found.size:
+            before = self._side or found[0]
+            self.cycles += 0.5 * float(np.count_nonzero(np.diff(found, prepend=before)))
+            self._side = int(found[-1])
 
     @property
     def stroke(self) -> float:
@@ -50,7 +54,10 @@ def time_left(plan: Plan, remaining: int, within: float = 0.0) -> float:
 
 def crossings(x: Array, fraction: float = 0.2) -> float:
     """Cycles of a planned path."""
-    threshold = fraction * float(np.abs(x).max(initial=0.0))
-    sides = np.sign(np.where(np.abs(x) > threshold, x, 0.0))
-    sides = sides[sides != 0.0]
-    return 0.5 * float(np.count_nonzero(np.diff(sides)))
+    return 0.5 * float(np.count_nonzero(np.diff(_sides(x, fraction * float(np.abs(x).max(initial=0.0))))))
+
+
+def _sides(x: Array, threshold: float) -> NDArray[np.int8]:
+    """1 and -1 where the path is beyond the threshold, the rest left out."""
+    sides = (x > threshold).astype(np.int8) - (x < -threshold).astype(np.int8)
+    return sides[sides != 0]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import queue
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -26,6 +26,7 @@ from dampyr.rig.warmth import Warmth
 
 Array = NDArray[np.float64]
 AHEAD = 2  # blocks by which the command runs ahead of the reading
+AHEAD_OF_CLOCK = 5  # the same where a clock runs that does not wait for a host that was busy
 HELD = 10.0  # s of blocks that may wait for whoever stores them
 
 WORDS = {
@@ -59,15 +60,18 @@ class Acquisition:
         interlock: Interlock | None,
         warmth: Warmth,
         threaded: bool,
+        watchers: Sequence[Callable[[Samples], None]] = (),
     ) -> None:
         self.rig, self.uno, self.board, self.calibration = rig, uno, board, calibration
         self.interlock, self.warmth, self.threaded = interlock, warmth, threaded
+        self.watchers = watchers
         self.lock = threading.RLock()
         self.player: Player | None = None
         self.next = 0
         self.stopped: RigFault | None = None
         self.status: Status = uno.heartbeat()
         self._command = np.zeros(0)  # coil volts of samples not read yet
+        self._ahead = rig.block_samples * (AHEAD_OF_CLOCK if threaded else AHEAD)
         self._timed = False
         self._over = threading.Event()
         self._blocks: queue.Queue[Samples | RigFault] = queue.Queue(max(4, round(HELD / rig.board.block)))
@@ -75,7 +79,7 @@ class Acquisition:
 
     def begin(self) -> None:
         """Start sampling with the coil at 0 V."""
-        self._command = np.zeros(AHEAD * self.rig.block_samples)
+        self._command = np.zeros(self._ahead)
         self.board.start(self.rig.board.rate, self._command)
         self._timed = True
         if self._thread:
@@ -107,6 +111,8 @@ class Acquisition:
                 self.halt(RigFault(f"blocks waited for {HELD:g} s to be stored; is the disk too slow?", "interlock"))
             except RigFault as problem:
                 self.halt(problem)
+            except Exception as problem:  # whatever it is: a thread that died would leave the table to the watchdog
+                self.halt(RigFault(f"reading the rig failed: {type(problem).__name__}: {problem}", "interlock"))
             if self.stopped:
                 with suppress(queue.Full):
                     self._blocks.put_nowait(self.stopped)
@@ -123,6 +129,8 @@ class Acquisition:
                 self._feed()
         except RigFault as problem:
             raise self.halt(problem) from None
+        for watch in self.watchers:
+            watch(samples)
         return samples
 
     def _samples(self, volts: Array, counts: NDArray[np.int64], status: Status) -> Samples:
@@ -159,7 +167,7 @@ class Acquisition:
         if self.player:
             self.player.feed(self.next, self.status)
         if self._timed:
-            n = self.rig.block_samples * AHEAD - len(self._command)
+            n = self._ahead - len(self._command)
             volts = self.player.voltage(self.queued, n) if self.player else np.zeros(n)
             if n > 0:
                 self.board.queue(self._compensated(volts) / self.rig.supply.gain)

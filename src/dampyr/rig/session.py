@@ -32,7 +32,10 @@ HOMING = 120.0  # s that looking for the index may take
 
 @dataclass
 class Rig:
-    """A rig that is connected and not armed; see `dampyr.rig.connect` and `dampyr.rig.simulated`."""
+    """A rig that is connected and not armed; see `dampyr.rig.connect` and `dampyr.rig.simulated`.
+
+    Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick.
+    """
 
     settings: RigSettings
     uno: Uno
@@ -42,6 +45,7 @@ class Rig:
     interlocked: bool = True
     folder: Path | None = None
     on_close: list[Callable[[], None]] = field(default_factory=list)
+    watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     warmth: Warmth = field(init=False)
 
     def __post_init__(self) -> None:
@@ -94,15 +98,19 @@ class Rig:
 
 
 class Table:
-    """An armed rig. Everything is in m, s, N and V; displacement from the middle of the stroke, extension positive."""
+    """An armed rig. Everything is in m, s, N and V; displacement from the middle of the stroke, extension positive.
+
+    ``check`` is called for every block while something is waited for; what it raises ends the waiting, and `stop` the motion.
+    """
 
     def __init__(self, rig: Rig) -> None:
         assert rig.calibration is not None
         self.rig = rig
         guard = Interlock(rig.settings) if rig.interlocked else None
         self.loop = Acquisition(
-            rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, threaded=rig.threaded
+            rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers
         )
+        self.check: Callable[[], None] = _go_on
 
     def begin(self) -> None:
         """Start sampling and arm."""
@@ -110,7 +118,7 @@ class Table:
         with self.loop.lock:
             self.rig.uno.heartbeat()
             self.rig.uno.arm()
-            self._align(next(self.loop.blocks()))
+        self._align(next(self.loop.blocks()))  # without the lock: the thread that reads needs it for a block
 
     def leave(self, problem: BaseException | None) -> None:
         """Stop, coil to 0 V, rest, disarm; each is tried, and what fails is told with ``problem`` or raised."""
@@ -170,10 +178,12 @@ class Table:
             else:
                 self.rig.uno.home(INDEX, index)
         for samples in self._for(HOMING):
-            if samples.status.state is State.ARMED and samples.status.homed:
-                self._align(next(self.loop.blocks()))
-                return
-        raise RigFault(f"no index mark was found in {HOMING:g} s; look at the encoder, or home by hand in the middle")
+            if samples.status.state is State.ARMED:
+                if samples.status.homed:
+                    self._align(next(self.loop.blocks()))
+                    return
+                break
+        raise RigFault("no index mark was found; look at the encoder, or home by hand in the middle")
 
     def _align(self, samples: Samples) -> None:
         """Make the board's counts mean what the Uno's mean, at rest."""
@@ -184,22 +194,31 @@ class Table:
 
     def zero_force(self, seconds: float = 1.0) -> float:
         """Take the mean signal at rest for no force; the volts."""
-        volts = float(np.mean(np.concatenate([samples.volts[0] for samples in self._for(seconds)])))
-        self.loop.calibration = self.rig.calibration = self.loop.calibration.zeroed(volts)
+        volts = self.signal(seconds)
+        self.calibrate(self.loop.calibration.zeroed(volts))
         return volts
+
+    def signal(self, seconds: float = 1.0) -> float:
+        """The load cell's mean signal [V]."""
+        return float(np.mean(np.concatenate([samples.volts[0] for samples in self._for(seconds)])))
+
+    def calibrate(self, calibration: Calibration) -> None:
+        """Read by ``calibration`` from here on."""
+        with self.loop.lock:
+            self.loop.calibration = self.rig.calibration = calibration
 
     def rest(self, seconds: float) -> None:
         """Let time pass."""
         for _ in self._for(seconds):
             pass
 
-    def jog(self, speed: float, seconds: float = 0.2) -> None:
-        """Move at ``speed`` [m/s] for a while, at most 0.5 s."""
+    def jog(self, speed: float, seconds: float = 0.2, wait: bool = True) -> None:
+        """Move at ``speed`` [m/s] for a while, at most 0.5 s; without ``wait`` return at once, so that it can be renewed."""
         if not 0.0 < seconds <= 0.5:
             raise InputError(f"seconds = {seconds:g} is not allowed; a jog lasts at most 0.5 s, and is asked for again")
         with self.loop.lock:
             self.rig.uno.jog(round(speed / self.rig.settings.encoder.count), round(seconds * 1000))
-        for samples in self._for(seconds + 0.2):
+        for samples in self._for(seconds + 0.2) if wait else ():
             if samples.status.state is State.ARMED:
                 return
 
@@ -235,6 +254,7 @@ class Table:
     def _played(self, player: Player, drive: Drive) -> Iterator[tuple[Samples, slice]]:
         for samples in self.loop.blocks():
             yield samples, player.kept(samples.first, samples.n)
+            self.check()
             if self._early(drive, samples):
                 self.stop()
                 return
@@ -270,11 +290,20 @@ class Table:
         self.loop.halt(RigFault(f"aborted: {why}", "operator"))
 
     def _for(self, seconds: float) -> Iterator[Samples]:
-        last = self.loop.next + round(seconds * self.rig.settings.board.rate)
+        """Blocks that are read from here on: those that wait already tell of a time before."""
+        begin = self.loop.next
+        last = begin + round(seconds * self.rig.settings.board.rate)
         for samples in self.loop.blocks():
+            self.check()
+            if samples.first < begin:
+                continue
             yield samples
             if samples.first + samples.n >= last:
                 return
+
+
+def _go_on() -> None:
+    """No reason to stop."""
 
 
 @contextmanager

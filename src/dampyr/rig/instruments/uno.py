@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import threading
 import time
 from dataclasses import dataclass
 
@@ -52,6 +53,7 @@ class Uno:
     def __init__(self, wire: Wire, wait: float = 0.02, tries: int = 4) -> None:
         self.wait, self.tries = wait, tries
         self._wire, self._reader = wire, Reader()
+        self._lock = threading.Lock()
         self._number = random.randrange(256)  # so that a new host is not taken for the one before it
 
     @property
@@ -126,6 +128,10 @@ class Uno:
         self._wire.close()
 
     def _ask(self, kind: Request, *values: int) -> Frame:
+        with self._lock:  # one question at a time: an abort comes from any thread
+            return self._asked(kind, *values)
+
+    def _asked(self, kind: Request, *values: int) -> Frame:
         self._number = (self._number + 1) % 256
         request = encode(Frame(kind, self._number, values))
         for _ in range(self.tries):

@@ -1,0 +1,73 @@
+"""Waiting at an armed rig: what looks on, what ends it, and that nothing is taken for news that is not."""
+
+import numpy as np
+import pytest
+
+from dampyr.campaigns import Control, Stopped, perform, read
+from dampyr.errors import RigFault
+from dampyr.rig import simulated
+from dampyr.rig.interlock import Samples
+
+
+class Enough(Exception):
+    """Raised by a check."""
+
+
+def test_a_watcher_sees_every_sample_once() -> None:
+    seen: list[Samples] = []
+    with simulated(in_process=True) as rig:
+        rig.watchers.append(seen.append)
+        with rig.armed() as table:
+            table.home(here=True)
+            table.go(0.002)
+    numbers = np.concatenate([np.arange(each.first, each.first + each.n) for each in seen])
+    assert np.array_equal(numbers, np.arange(numbers[-1] + 1))
+
+
+@pytest.mark.parametrize("motion", ["home", "go", "rest"])
+def test_a_check_ends_what_is_waited_for(motion: str) -> None:
+    blocks = 0
+
+    def check() -> None:
+        nonlocal blocks
+        blocks += 1
+        if blocks > 5:
+            raise Enough
+
+    with simulated(in_process=True) as rig, rig.armed() as table:
+        table.home(here=True)
+        table.check = check
+        with pytest.raises(Enough):
+            {"home": table.home, "go": lambda: table.go(0.02), "rest": lambda: table.rest(60.0)}[motion]()
+        table.check = lambda: None
+        table.stop()
+        assert blocks == 6
+
+
+def test_a_reader_that_fails_stops_the_rig_and_says_so() -> None:
+    def broken(_: Samples) -> None:
+        raise KeyError("x")
+
+    with simulated(real_time=True) as rig:
+        rig.watchers.append(broken)
+        with pytest.raises(RigFault, match="reading the rig failed: KeyError"), rig.armed() as table:
+            table.rest(5.0)
+
+
+def test_a_campaign_that_was_aborted_before_it_armed_moves_nothing(tmp_path) -> None:
+    campaign = read({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
+    control = Control()
+    control.abort("by a test")
+    with simulated(in_process=True) as rig, pytest.raises(RigFault, match="aborted: by a test"):
+        perform(campaign, rig, tmp_path, control=control)
+
+
+def test_stop_is_heard_while_the_table_looks_for_its_index(tmp_path) -> None:
+    campaign = read({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
+    control, phases = Control(), []
+
+    with simulated(in_process=True) as rig:
+        rig.watchers.append(lambda samples: control.stop() if phases == ["homing"] and samples.time[-1] > 0.5 else None)
+        with pytest.raises(Stopped):
+            perform(campaign, rig, tmp_path, lambda progress: phases.append(progress.phase), control)
+    assert phases == ["homing"]
