@@ -16,6 +16,7 @@ from pathlib import Path
 from threading import Thread
 
 from dampyr.errors import DampyrError
+from dampyr.models import Damper
 from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.keeper import BlackBox, Keeper
@@ -77,9 +78,16 @@ def built(told: argparse.Namespace) -> Keeper:
     faults = [FaultSpec.parse(text) for text in told.fault]
     specimen = specimen_of(settings, Path(told.rig).parent if told.rig else None)
     box = BlackBox(told.black_box)
+    _warm_up(settings, specimen)
     rig = Simulator(settings, told.seed, faults, specimen, told=box)
-    rig.advance_to(0.001)  # compiles the plant before anyone waits
     return Keeper(rig, box, told.real_time, told.once)
+
+
+def _warm_up(settings: RigSettings, specimen: Damper) -> None:
+    """Compile and import what the first samples need, before a host waits that gives up after 80 ms."""
+    other = Simulator(settings, 0, (), specimen)
+    other.start(settings.board.rate)
+    other.advance_to(0.05)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
