@@ -18,12 +18,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.errors import InputError
 from dampyr.rig import Drive
 
 Array = NDArray[np.float64]
 RAMP = 0.1  # s from rest to a constant speed
 GLIDE = 0.010  # m/s from the middle to a test's centre and back
 AFTER = 0.5  # s of rest after a test
+LONGEST = 36_000.0  # s of a path that is worth drawing; the check of a test is stricter
 
 
 @dataclass(frozen=True)
@@ -93,6 +95,8 @@ def around(pieces: Sequence[Piece], centre: float, rest_before: float) -> list[P
 def sampled(pieces: Sequence[Piece], period: float) -> Array:
     """The positions at 0, period, 2 period ...; the last set point is at or after the end, and at rest."""
     edges = np.concatenate(([0.0], np.cumsum([piece.duration for piece in pieces])))
+    if edges[-1] > LONGEST:
+        raise InputError(f"the path takes {edges[-1] / 60:.4g} min, at most {LONGEST / 60:g} min are drawn; shorten it")
     t = np.arange(math.ceil(edges[-1] / period - 1e-9) + 1) * period
     which = np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(pieces) - 1)
     x = np.empty(t.size)

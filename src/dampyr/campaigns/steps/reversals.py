@@ -14,8 +14,9 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from dampyr.campaigns.paths import AFTER
+from dampyr.campaigns.paths import AFTER, LONGEST
 from dampyr.campaigns.step import Peaks, Period, Rest, Volts, at_least, check_ranges
+from dampyr.errors import InputError
 from dampyr.rig import Drive, RigSettings
 from dampyr.rig import Reversals as Timed
 from dampyr.units import Quantity
@@ -44,6 +45,10 @@ class Reversals:
     def drive(self, rig: RigSettings) -> Drive:
         """How long it takes, the voltage, and the reversals; its set points of the table are all 0."""
         length = self.rest_before + self.count * (self.half_period + self.pause) + AFTER
+        if length > LONGEST:
+            raise InputError(
+                f"the reversals take {length / 60:.4g} min, at most {LONGEST / 60:g} min are drawn; shorten them"
+            )
         n = round(length / self.period) + 1
         timed = Timed(self.duty, self.half_period, self.pause, self.count)
         return Drive(self.period, np.zeros(n), np.full(n, self.voltage), reversals=timed)
