@@ -1,0 +1,143 @@
+"""What the bench tells of itself: plain values for a page, SI."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from dampyr.campaigns import Progress
+from dampyr.console.guided import Guided
+from dampyr.rig.acquisition import fault_in_words
+from dampyr.rig.firmware.protocol import Fault, State, Status
+from dampyr.rig.settings import RigSettings
+
+Phase = Literal[
+    "disconnected",
+    "connecting",
+    "idle",
+    "arming",
+    "armed",
+    "homing",
+    "measuring",
+    "campaign",
+    "disarming",
+    "disconnecting",
+]
+RingState = Literal["off", "watching", "acted"]
+Outcome = Literal["running", "complete", "stopped", "aborted", "failed"]
+
+
+@dataclass(frozen=True)
+class Ring:
+    """A ring of safety, and what it says."""
+
+    name: str
+    state: RingState
+    words: str
+
+
+@dataclass(frozen=True)
+class Run:
+    """A campaign that runs or ran: ``name`` of its file, ``folder`` of its records; times in s, stroke in m, force in N."""
+
+    name: str
+    folder: str
+    tests: int
+    outcome: Outcome = "running"
+    reason: str = ""
+    phase: str = "arming"
+    test: str = ""
+    done: int = 0
+    fraction: float = 0.0
+    time_left: float = 0.0
+    cycles: float = 0.0
+    planned_cycles: float = 0.0
+    stroke: float = 0.0
+    paused: bool = False
+
+
+@dataclass(frozen=True)
+class Live:
+    """The last sample: position m, force N, voltage V at the coil, temperature degC (an estimate where none is measured)."""
+
+    position: float
+    force: float
+    voltage: float
+    temperature: float
+
+
+@dataclass(frozen=True)
+class Known:
+    """The rig that is connected."""
+
+    name: str
+    simulated: bool
+    identity: str
+    rate: float
+    stroke: float
+    scale: float
+    zero: float
+    calibrated: str
+    jog_speed: float
+
+
+@dataclass(frozen=True)
+class BenchState:
+    """Everything that a page shows besides the strips. ``note`` is the last thing worth saying, ``fault`` whether it is bad."""
+
+    phase: Phase
+    note: str
+    fault: bool
+    armed: bool
+    homed: bool
+    jogging: bool
+    rig: Known | None
+    live: Live | None
+    rings: tuple[Ring, ...]
+    guided: Guided | None
+    run: Run | None
+    clients: int
+    holder: str
+
+
+def advanced(progress: Progress, paused: bool) -> dict[str, object]:
+    """What a progress changes of a run."""
+    return {
+        "phase": progress.phase,
+        "test": progress.name,
+        "done": progress.done,
+        "fraction": progress.fraction,
+        "time_left": progress.time_left,
+        "cycles": progress.cycles,
+        "planned_cycles": progress.planned_cycles,
+        "stroke": progress.stroke,
+        "paused": paused,
+    }
+
+
+def firmware_ring(status: Status | None) -> Ring:
+    """The Uno's own limits and its watchdog."""
+    if status is None:
+        return Ring("firmware", "off", "no rig is connected")
+    if status.state is State.FAULT and status.faults != Fault.RESTARTED:
+        return Ring("firmware", "acted", f"{fault_in_words(status.faults)}; arm to go on")
+    words = {State.FAULT: "started; the first arming clears it"}.get(status.state, status.state.name.lower())
+    return Ring("firmware", "watching", f"{words}, {'energy on' if status.enabled else 'energy off'}")
+
+
+def interlock_ring(rig: RigSettings | None, armed: bool, acted: str) -> Ring:
+    """The judge of every block of samples."""
+    if acted:
+        return Ring("interlock", "acted", acted)
+    if rig is None or not armed:
+        return Ring("interlock", "off", "watches while the rig is armed")
+    limits = rig.limits
+    words = f"{limits.force:g} N, ±{limits.stroke * 500:g} mm, {limits.speed * 1e3:g} mm/s, {limits.temperature:g} °C"
+    return Ring("interlock", "watching", words)
+
+
+def check_ring(checked: str, refused: str) -> Ring:
+    """The check of a campaign before it moves."""
+    if refused:
+        return Ring("campaign check", "acted", refused)
+    return Ring("campaign check", "watching" if checked else "off", checked or "no campaign was checked yet")

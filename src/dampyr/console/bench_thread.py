@@ -1,0 +1,248 @@
+"""The thread that owns the rig: everything that touches it happens here, one thing after another, but for an abort."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+from dampyr.campaigns import Control, Plan, Progress, Stopped, perform
+from dampyr.console.bench_state import Live, Outcome, Phase, Run, advanced
+from dampyr.console.clients import Clients
+from dampyr.console.decimation import Strips
+from dampyr.console.guided import Guided, Step
+from dampyr.console.jogging import Jogging
+from dampyr.console.warm import warm_up
+from dampyr.errors import DampyrError, InputError, RigFault
+from dampyr.rig import Rig, Table
+from dampyr.rig.calibrating import Calibrating
+from dampyr.rig.firmware.protocol import Status
+from dampyr.rig.interlock import Samples
+
+GRACE = 4.0  # s that an armed rig waits for a page that is loaded anew
+POLL = 0.25  # s between two looks at an idle rig
+
+
+class Cancelled(DampyrError):
+    """A motion was ended because whoever asked for it is gone, or asked for something else."""
+
+
+class BenchThread:
+    """What is known of the rig, and the jobs that wait for it."""
+
+    def __init__(self, clients: Clients, clock: Callable[[], float]) -> None:
+        self.clients, self.clock, self.born = clients, clock, clock()
+        self.lock = threading.RLock()
+        self.phase: Phase = "disconnected"
+        self.note, self.fault, self.tripped = "", False, ""
+        self.rig: Rig | None = None
+        self.table: Table | None = None
+        self.identity = ""
+        self.status: Status | None = None
+        self.live: Live | None = None
+        self.strips: Strips | None = None
+        self.guided: Guided | None = None
+        self.steps: Calibrating | None = None
+        self.run: Run | None = None
+        self.control, self.jogging = Control(), Jogging(clock)
+        self.leave, self.aborted, self.closing = threading.Event(), threading.Event(), threading.Event()
+        self.jobs: queue.Queue[Callable[[], None]] = queue.Queue()
+        self._motions: queue.Queue[tuple[str, Callable[[Table], None]]] = queue.Queue()
+        self._mover = ""
+        self._thread = threading.Thread(target=self._work, name="bench", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop, disarm and let go of the rig, in order."""
+        self.closing.set()
+        self.control.stop()
+        self._thread.join(timeout=20.0)
+
+    def say(self, note: str, fault: bool = False) -> None:
+        """Something worth telling."""
+        with self.lock:
+            self.note, self.fault = note, fault
+
+    def enter(self, phase: Phase, unless: tuple[Phase, ...] = ()) -> None:
+        """Another phase begins."""
+        with self.lock:
+            if self.phase not in unless:
+                self.phase = phase
+
+    def move(self, client: str, motion: Callable[[Table], None]) -> None:
+        """Do ``motion`` with the armed table, for as long as ``client`` holds control."""
+        self._motions.put((client, motion))
+
+    def progressed(self, **changes: object) -> None:
+        """The campaign has come farther."""
+        with self.lock:
+            if self.run is not None:
+                self.run = replace(self.run, **changes)  # type: ignore[arg-type]
+
+    # Jobs.
+
+    def connect(self, opener: Callable[[], Rig]) -> None:
+        """Open a rig and see who answers."""
+        try:
+            warm_up()
+            rig = opener()
+        except DampyrError:
+            self.enter("disconnected")
+            raise
+        rig.watchers.append(self._seen)
+        self.strips = Strips(rig.settings.board.rate, self.clock() - self.born)
+        self.rig, self.identity, self.status = rig, rig.identity, rig.uno.heartbeat()
+        self.tripped = ""
+        self.enter("idle")
+        self.say("connected")
+
+    def disconnect(self) -> None:
+        """Let go of the rig."""
+        rig, self.rig, self.status, self.live, self.guided, self.steps = self.rig, None, None, None, None, None
+        if rig is not None:
+            rig.close()
+        self.enter("disconnected")
+
+    def arm(self) -> None:
+        """Stay armed, and do what is asked for, until there is a reason to leave."""
+        rig = self._begun()
+        try:
+            with rig.armed() as table:
+                table.check, self.table = self._check, table
+                if self.aborted.is_set():
+                    table.abort()
+                self.enter("armed")
+                while not (self.leave.is_set() or self.closing.is_set()):
+                    self._step(table)
+        finally:
+            self.table = None
+            while not self._motions.empty():
+                self._motions.get_nowait()
+            self._look(rig)
+            self.enter("idle", unless=("campaign", "disconnecting"))
+
+    def perform(self, found: Plan, folder: Path) -> None:
+        """Run a campaign to its end, whatever the end is."""
+        rig = self._begun()
+        try:
+            self.control.check()
+            perform(found, rig, folder, self._progress, self.control)
+            self.progressed(outcome="complete", fraction=1.0, done=len(found.tests), time_left=0.0)
+        except BaseException as problem:
+            self.progressed(outcome=outcome_of(problem), reason=str(problem) or type(problem).__name__)
+            raise
+        finally:
+            self._look(rig)
+            self.enter("idle")
+
+    def read(self, step: Step, read: Callable[[], float]) -> None:
+        """A guided step of the calibration."""
+        try:
+            read()
+            if self.steps is not None:
+                self.guided = (self.guided or Guided()).after(step, self.steps)
+            self.say("")
+        finally:
+            self.enter("idle")
+
+    def _begun(self) -> Rig:
+        assert self.rig is not None
+        self.leave.clear()
+        self.jogging.forget()
+        self.tripped, self.guided, self.steps = "", None, None
+        self.say("")
+        return self.rig
+
+    # The thread.
+
+    def _work(self) -> None:
+        while not self.closing.is_set():
+            try:
+                job = self.jobs.get(timeout=POLL)
+            except queue.Empty:
+                job = self._poll
+            try:
+                job()
+            except Exception as problem:  # told on the page; the thread goes on, or nothing could be disarmed any more
+                self._tell(problem)
+        with suppress(RigFault):
+            self.disconnect()
+
+    def _poll(self) -> None:
+        self.clients.silent()
+        if self.rig is not None:
+            try:
+                self.status = self.rig.uno.heartbeat()
+            except RigFault:
+                self.disconnect()
+                raise
+
+    def _look(self, rig: Rig) -> None:
+        """See how the rig was left; one that does not answer is told of by the next poll."""
+        with suppress(RigFault):
+            self.status = rig.uno.heartbeat()
+
+    def _step(self, table: Table) -> None:
+        """One motion if one is asked for, else one block."""
+        try:
+            self._mover, motion = self._motions.get_nowait()
+        except queue.Empty:
+            next(table.loop.blocks())
+            self.jogging.steer(table, self.clients.holder)
+            self._look_after()
+            return
+        try:
+            motion(table)
+        except (Cancelled, InputError) as problem:
+            with table.loop.lock:
+                table.rig.uno.stop()
+            self._tell(problem)
+        finally:
+            self.enter("armed", unless=("disarming", "disconnecting", "campaign"))
+
+    def _look_after(self) -> None:
+        """Disarm a rig that nobody looks at."""
+        self.clients.silent()
+        if self.clients.alone > GRACE:
+            self.say("disarmed: no page was open any more")
+            self.enter("disarming")
+            self.leave.set()
+
+    def _check(self) -> None:
+        """Whether what moves may go on."""
+        self.clients.silent()
+        if self.leave.is_set() or self.closing.is_set():
+            raise Cancelled("ended: the rig is disarmed")
+        if self._mover != self.clients.holder:
+            raise Cancelled("ended: whoever asked for it does not hold control any more")
+
+    def _progress(self, progress: Progress) -> None:
+        self.progressed(**advanced(progress, self.control.paused))
+
+    def _seen(self, samples: Samples) -> None:
+        """A block, by the thread that reads them."""
+        rig, strips = self.rig, self.strips
+        if rig is None or strips is None:
+            return
+        measured = samples.temperature
+        warm = rig.warmth.temperature if measured is None else float(measured[-1])
+        strips.take(samples, warm, self.clock() - self.born)
+        self.status = samples.status
+        self.live = Live(float(samples.displacement[-1]), float(samples.force[-1]), float(samples.voltage[-1]), warm)
+
+    def _tell(self, problem: Exception) -> None:
+        if isinstance(problem, RigFault) and problem.ring == "interlock":
+            self.tripped = str(problem)
+        known = isinstance(problem, DampyrError)
+        words = str(problem) if known else f"an error of dampyr: {type(problem).__name__}: {problem}"
+        self.say(words, fault=not isinstance(problem, Cancelled | Stopped))
+
+
+def outcome_of(problem: BaseException) -> Outcome:
+    """How a campaign ended."""
+    if isinstance(problem, Stopped):
+        return "stopped"
+    return "aborted" if isinstance(problem, RigFault) and problem.ring == "operator" else "failed"

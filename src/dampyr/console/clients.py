@@ -1,0 +1,122 @@
+"""Who looks at the bench, and who of them holds control: one at a time, seen by all, taken over only explicitly."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from dampyr.errors import InputError
+
+SILENCE = 3.0  # s after which a client that says nothing has vanished
+MOST = 16
+
+
+@dataclass
+class _Client:
+    name: str
+    streams: int
+    heard: float
+
+
+@dataclass
+class Clients:
+    """The clients by their ids; ``clock`` gives s."""
+
+    clock: Callable[[], float]
+    holder: str | None = None
+    _known: dict[str, _Client] = field(default_factory=dict)
+    _numbered: int = 0
+    _lock: threading.RLock = field(default_factory=threading.RLock)
+
+    def __post_init__(self) -> None:
+        self.alone_since: float | None = self.clock()
+
+    def join(self, client: str) -> None:
+        """A client opens a stream; it gets control where nobody has it."""
+        with self._lock:
+            known = self._known.get(client)
+            if known is None and len(self._known) >= MOST:
+                raise InputError(f"{MOST} pages look at the bench already; close one of them")
+            if known is None:
+                self._numbered += 1
+                known = self._known[client] = _Client(f"page {self._numbered}", 0, self.clock())
+            known.streams, known.heard, self.alone_since = known.streams + 1, self.clock(), None
+            self.holder = self.holder or client
+
+    def hear(self, client: str) -> None:
+        """A client says that it lives."""
+        with self._lock:
+            if client in self._known:
+                self._known[client].heard = self.clock()
+
+    def leave(self, client: str) -> bool:
+        """A client closes a stream; whether it lost control by that."""
+        with self._lock:
+            known = self._known.get(client)
+            if known is None:
+                return False
+            known.streams -= 1
+            return known.streams <= 0 and self._forget(client)
+
+    def silent(self) -> bool:
+        """Forget who has said nothing for `SILENCE`; whether the holder of control was among them."""
+        with self._lock:
+            late = [each for each, known in self._known.items() if self.clock() - known.heard > SILENCE]
+            lost = [each for each in late if self._forget(each)]
+            return bool(lost)
+
+    def take(self, client: str) -> None:
+        """Take control, from whoever has it."""
+        with self._lock:
+            self._require_stream(client)
+            self.holder = client
+
+    def release(self, client: str) -> None:
+        """Give control back."""
+        with self._lock:
+            if self.holder == client:
+                self.holder = None
+
+    def require(self, client: str) -> None:
+        """Raise :class:`~dampyr.errors.InputError` where ``client`` does not hold control."""
+        with self._lock:
+            self._require_stream(client)
+            if self.holder is None:
+                raise InputError("nobody holds control; take control first")
+            if self.holder != client:
+                raise InputError(f"{self.name(self.holder)} holds control; take control first")
+
+    def name(self, client: str | None) -> str:
+        """How others see a client; empty for none."""
+        with self._lock:
+            return self._known[client].name if client in self._known else ""
+
+    def knows(self, client: str) -> bool:
+        """Whether a client has an open stream."""
+        with self._lock:
+            return client in self._known
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self._known)
+
+    @property
+    def alone(self) -> float:
+        """s since the last client left; 0 while there is one."""
+        since = self.alone_since
+        return 0.0 if since is None else self.clock() - since
+
+    def _require_stream(self, client: str) -> None:
+        if client not in self._known:
+            raise InputError("this page has no open stream, so it cannot hold control; reload it")
+
+    def _forget(self, client: str) -> bool:
+        del self._known[client]
+        if not self._known:
+            self.alone_since = self.clock()
+        if self.holder != client:
+            return False
+        self.holder = None
+        return True

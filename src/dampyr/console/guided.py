@@ -1,0 +1,31 @@
+"""The guided steps of calibrating the load cell: read it without load, then with a known one, look at it, keep it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from dampyr.rig.calibrating import Calibrating
+
+Step = Literal["unloaded", "loaded", "shunted"]
+
+
+@dataclass(frozen=True)
+class Guided:
+    """How far it is: whether the cell was read without load and with one, the scale N/V, its noise N, and a doubt in words."""
+
+    zeroed: bool = False
+    scaled: bool = False
+    zero: float | None = None
+    scale: float | None = None
+    noise: float | None = None
+    doubt: str = ""
+
+    def after(self, step: Step, steps: Calibrating) -> Guided:
+        """The same one step on."""
+        found, noise = steps.found, steps.noise
+        scaled = step != "unloaded"
+        return Guided(
+            True, scaled, found.zero, found.scale, None if math.isnan(noise) else noise, steps.doubt if scaled else ""
+        )

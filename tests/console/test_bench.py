@@ -1,0 +1,373 @@
+"""The bench without a web: a rig simulated in real time, commands, control, abort from any thread, a server that dies."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dampyr.campaigns import read_journal
+from dampyr.console import bench_thread
+from dampyr.console.bench import Bench
+from dampyr.errors import InputError
+from dampyr.records import read
+from dampyr.rig import Rig, RigSettings, simulated
+
+CAMPAIGN = """
+name = "short"
+rest_between = "0.2 s"
+check_amplitude = 0.0
+[[step]]
+kind = "sine"
+amplitude = "4 mm"
+frequency = "1 Hz"
+voltage = ["0 V", "0.8712 V"]
+cycles = 2
+rest_before = "0.2 s"
+"""
+
+
+def until(found: Callable[[], object], seconds: float = 30.0) -> None:
+    """Wait for something; fail where it does not come."""
+    end = time.monotonic() + seconds
+    while not found():
+        assert time.monotonic() < end, f"waited in vain for {found}"
+        time.sleep(0.01)
+
+
+def phase(bench: Bench, name: str, seconds: float = 30.0) -> None:
+    until(lambda: bench.state().phase == name, seconds)
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[Bench]:
+    """A bench whose page "a" holds control, nothing connected; it stays awake while the test runs."""
+    (tmp_path / "short.toml").write_text(CAMPAIGN)
+    made = Bench(tmp_path)
+    awake = threading.Event()
+
+    def speak() -> None:
+        while not awake.wait(0.3):
+            made.clients.hear("a")
+            made.clients.hear("b")
+
+    made.clients.join("a")
+    threading.Thread(target=speak, daemon=True).start()
+    yield made
+    awake.set()
+    made.close()
+
+
+@pytest.fixture
+def armed(bench: Bench) -> Bench:
+    """A bench that is armed and homed."""
+    bench.connect("a")
+    phase(bench, "idle")
+    bench.arm("a")
+    phase(bench, "armed")
+    bench.home("a", here=True)
+    phase(bench, "armed")
+    assert bench.state().homed
+    return bench
+
+
+def run(bench: Bench, folder: str = "run") -> None:
+    bench.start("a", "short", bench.data / "short.toml", bench.data / folder)
+
+
+def outcome(bench: Bench) -> str:
+    found = bench.state().run
+    return found.outcome if found else ""
+
+
+def reason(bench: Bench) -> str:
+    found = bench.state().run
+    return found.reason if found else ""
+
+
+def position(bench: Bench) -> float:
+    live = bench.state().live
+    assert live is not None
+    return live.position
+
+
+def test_connect_arm_home_jog_disarm(armed: Bench) -> None:
+    assert [ring.state for ring in armed.state().rings] == ["watching", "watching", "off"]
+    assert armed.state().live is not None
+    for _ in range(10):
+        armed.jog("a", 0.005)
+        time.sleep(0.05)
+    armed.jog("a", 0.0)
+    until(lambda: not armed.state().jogging)
+    assert 0.001 < position(armed) < 0.006
+    armed.disarm("a")
+    phase(armed, "idle")
+    state = armed.state()
+    assert not state.armed
+    assert state.rings[0].words == "idle, energy off"
+    armed.disconnect("a")
+    phase(armed, "disconnected")
+    assert armed.state().rig is None
+
+
+def test_a_jog_that_is_not_asked_for_again_stops(armed: Bench) -> None:
+    armed.jog("a", 0.005)
+    until(lambda: armed.state().jogging)
+    until(lambda: not armed.state().jogging, 2.0)
+    assert position(armed) < 0.005 * 1.5
+
+
+def test_a_jog_stops_with_its_page(armed: Bench) -> None:
+    armed.clients.join("b")
+    armed.jog("a", 0.005)
+    until(lambda: armed.state().jogging)
+    armed.clients.leave("a")
+    until(lambda: not armed.state().jogging, 2.0)
+    assert armed.state().holder == ""
+    assert armed.state().phase == "armed"  # "b" still looks on
+
+
+def test_homing_stops_when_another_page_takes_control(armed: Bench) -> None:
+    armed.clients.join("b")
+    armed.home("a")
+    until(lambda: armed.state().rings[0].words.startswith("homing"))
+    armed.clients.take("b")
+    phase(armed, "armed", 2.0)
+    assert "does not hold control" in armed.state().note
+    until(lambda: armed.state().rings[0].words.startswith("armed"), 2.0)
+
+
+def test_a_table_is_homed_by_its_index(bench: Bench) -> None:
+    bench.connect("a")
+    phase(bench, "idle")
+    bench.arm("a")
+    phase(bench, "armed")
+    with pytest.raises(InputError, match="at most 2 mm/s; home the table to go faster"):
+        bench.jog("a", 0.005)
+    bench.home("a")
+    phase(bench, "armed")
+    assert bench.state().homed
+
+
+def test_an_armed_rig_that_nobody_looks_at_is_disarmed(armed: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_thread, "GRACE", 0.3)
+    armed.clients.leave("a")
+    phase(armed, "idle", 5.0)
+    assert "no page was open" in armed.state().note
+
+
+def test_a_page_loaded_anew_finds_the_rig_armed(armed: Bench) -> None:
+    armed.clients.leave("a")
+    time.sleep(0.2)
+    armed.clients.join("a")
+    time.sleep(0.2)
+    assert armed.state().phase == "armed"
+    armed.disarm("a")
+
+
+def test_commands_are_refused_in_the_wrong_state_and_from_the_wrong_page(bench: Bench) -> None:
+    with pytest.raises(InputError, match="the bench is disconnected; for this it has to be idle"):
+        bench.arm("a")
+    with pytest.raises(InputError, match="the bench is disconnected"):
+        run(bench)
+    bench.clients.join("b")
+    with pytest.raises(InputError, match="page 1 holds control"):
+        bench.connect("b")
+    bench.connect("a", "no such rig")
+    until(lambda: bench.state().fault)
+    assert "is not known" in bench.state().note
+    assert bench.state().phase == "disconnected"
+
+
+def test_the_ends_of_the_stroke_are_not_jogged_into(armed: Bench) -> None:
+    def on() -> None:
+        while True:
+            armed.jog("a", 0.010)
+            time.sleep(0.05)
+
+    with pytest.raises(InputError, match="before the end of its stroke; jog the other way"):
+        on()
+    until(lambda: not armed.state().jogging)
+    assert 0.030 < position(armed) < 0.037
+    assert armed.state().phase == "armed"
+
+
+def test_abort_while_armed_and_on_the_way_to_it(armed: Bench) -> None:
+    armed.jog("a", 0.005)
+    until(lambda: armed.state().jogging)
+    armed.abort("page 2")
+    table_rests = armed.state().rings[0]
+    phase(armed, "idle", 5.0)
+    assert armed.state().note == "aborted: by page 2"
+    assert table_rests.state in ("watching", "acted")
+    until(lambda: armed.state().rings[0].state == "acted", 2.0)
+    armed.arm("a")
+    armed.abort()
+    phase(armed, "idle", 5.0)
+    assert not armed.state().armed
+    armed.arm("a")  # and it can be armed again
+    phase(armed, "armed", 5.0)
+
+
+def test_the_load_cell_is_zeroed(armed: Bench) -> None:
+    armed.zero("a")
+    phase(armed, "armed", 5.0)
+    rig = armed.rig
+    assert rig is not None
+    assert rig.calibration is not None
+    assert abs(rig.calibration.zero) > 0.01  # the simulated damper pushes
+    until(lambda: (live := armed.state().live) is not None and abs(live.force) < 5.0, 2.0)
+
+
+def test_the_guided_steps_of_a_calibration(bench: Bench) -> None:
+    bench.connect("a")
+    phase(bench, "idle")
+    with pytest.raises(InputError, match="no calibration is under way"):
+        bench.calibrate_step("a", "unloaded")
+    bench.calibrate("a")
+    bench.calibrate_step("a", "loaded", "20 kg")
+    until(lambda: bench.state().fault)
+    assert "read it first, without load" in bench.state().note
+    bench.calibrate_step("a", "unloaded")
+    until(lambda: (guided := bench.state().guided) is not None and guided.zeroed)
+    phase(bench, "idle")
+    bench.calibrate_step("a", "loaded", "20 kg")
+    until(lambda: "mV only" in bench.state().note)  # nothing hangs on the cell
+    phase(bench, "idle")
+    bench.calibrate_end("a", keep=True)
+    state = bench.state()
+    assert state.guided is None
+    assert state.rig is not None
+    assert state.rig.calibrated == "zero read, scale as before"
+    assert abs(state.rig.zero) > 0.01
+
+
+def test_a_campaign_to_its_end_survives_its_page(armed: Bench) -> None:
+    run(armed)
+    phase(armed, "campaign")
+    armed.clients.leave("a")
+    until(lambda: (found := armed.state().run) is not None and found.cycles > 0.5)
+    armed.clients.join("a")
+    phase(armed, "idle")
+    found = armed.state().run
+    assert found is not None
+    assert (found.outcome, found.done, found.tests, found.fraction) == ("complete", 2, 2, 1.0)
+    assert found.planned_cycles > 1.9
+    assert found.cycles == pytest.approx(found.planned_cycles, abs=0.51)
+    record = read(armed.data / "run" / "01-sine-4mm-1Hz-0V.h5")
+    assert np.ptp(record.displacement) == pytest.approx(0.008, rel=0.05)
+    assert armed.state().rings[2].words == "short: all of its 2 tests passed"
+
+
+def test_pause_resume_and_stop(armed: Bench) -> None:
+    run(armed)
+    armed.pause("a", True)
+    until(lambda: (found := armed.state().run) is not None and found.phase == "paused")
+    armed.pause("a", False)
+    until(lambda: (found := armed.state().run) is not None and found.phase == "testing")
+    armed.stop("a")
+    phase(armed, "idle", 5.0)
+    assert outcome(armed) == "stopped"
+    run(armed)  # goes on
+    phase(armed, "idle")
+    assert outcome(armed) == "complete"
+
+
+def test_a_campaign_is_aborted_and_its_record_says_so(armed: Bench) -> None:
+    run(armed)
+    until(lambda: (found := armed.state().run) is not None and found.phase == "testing")
+    armed.abort()
+    phase(armed, "idle", 5.0)
+    assert outcome(armed) == "aborted"
+    assert reason(armed) == "aborted: by the operator"
+    assert read_journal(armed.data / "run")[0][0].reason == "aborted: by the operator"
+
+
+def test_abort_before_a_campaign_arms_lets_nothing_move(bench: Bench) -> None:
+    bench.connect("a")
+    phase(bench, "idle")
+    run(bench)
+    bench.abort()
+    phase(bench, "idle", 10.0)
+    assert outcome(bench) == "aborted"
+    folder = bench.data / "run"
+    assert not folder.is_dir() or not list(folder.glob("*.h5"))
+
+
+def test_stop_acts_while_the_table_is_homed(bench: Bench) -> None:
+    bench.connect("a")
+    phase(bench, "idle")
+    run(bench)
+    until(lambda: (found := bench.state().run) is not None and found.phase == "homing")
+    time.sleep(0.1)
+    bench.stop("a")
+    phase(bench, "idle", 3.0)
+    assert outcome(bench) == "stopped"
+
+
+def test_a_campaign_that_the_rig_cannot_do_is_refused_before_it_arms(bench: Bench) -> None:
+    (bench.data / "short.toml").write_text(CAMPAIGN.replace("4 mm", "30 mm"))
+    bench.connect("a")
+    phase(bench, "idle")
+    with pytest.raises(InputError, match="lower the amplitude to"):
+        run(bench)
+    assert bench.state().phase == "idle"
+    assert bench.state().rings[2].state == "acted"
+
+
+def test_the_interlock_is_seen(tmp_path: Path) -> None:
+    def faulty(data: Path, name: str, simulate: bool) -> Rig:
+        return simulated(RigSettings(), real_time=True, faults=["broken-cell@1s"])
+
+    bench = Bench(tmp_path, faulty)
+    try:
+        bench.clients.join("a")
+        bench.connect("a")
+        phase(bench, "idle")
+        bench.arm("a")
+        until(lambda: bench.state().rings[1].state == "acted", 10.0)
+        phase(bench, "idle", 5.0)
+        assert "interlock" in bench.state().note
+        assert bench.state().fault
+    finally:
+        bench.close()
+
+
+DYING = """
+import sys, time
+from pathlib import Path
+from dampyr.console.bench import Bench
+from dampyr.rig import simulated
+bench = Bench(Path("."), lambda *_: simulated(real_time=True, black_box=sys.argv[1]))
+bench.clients.join("a")
+bench.connect("a")
+while bench.state().phase != "idle": time.sleep(0.01)
+bench.arm("a")
+while bench.state().phase != "armed": time.sleep(0.01)
+bench.home("a", here=True)
+while bench.state().phase != "armed" or not bench.state().homed: time.sleep(0.01)
+while True:
+    bench.clients.hear("a"); bench.jog("a", 0.005); time.sleep(0.05)
+    if bench.state().jogging: print("jogs", flush=True)
+"""
+
+
+def test_when_the_server_dies_the_rig_comes_to_rest(tmp_path: Path) -> None:
+    box = tmp_path / "box.jsonl"
+    server = subprocess.Popen([sys.executable, "-c", DYING, str(box)], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    assert server.stdout is not None
+    assert server.stdout.readline() == "jogs\n"
+    os.kill(server.pid, signal.SIGKILL)
+    server.wait()
+    server.stdout.close()
+    until(lambda: '"ends"' in box.read_text(), 15.0)
+    told = [json.loads(line)["event"] for line in box.read_text().splitlines()]
+    closed = told.index("serial closed")
+    assert any("HEARTBEAT" in event for event in told[closed:]), told[closed:]
