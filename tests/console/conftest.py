@@ -81,6 +81,12 @@ def served(data: Path, *options: str) -> Iterator[str]:
 
 
 @pytest.fixture
+def serving() -> Callable[..., Any]:
+    """``with serving(data, *options) as address``: a console that ends with its block."""
+    return served
+
+
+@pytest.fixture
 def address(data: Path) -> Iterator[str]:
     """Where the console over ``data`` is served."""
     with served(data) as found:
@@ -94,12 +100,19 @@ def _chromium() -> str:
     return found
 
 
+def _yielding(folder: pytest.TempPathFactory) -> str:
+    script = folder.mktemp("browser") / "chromium"
+    script.write_text(f'#!/bin/sh\nexec nice -n 10 {_chromium()} "$@"\n')
+    script.chmod(0o755)
+    return str(script)
+
+
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    """A browser, or a skip that says what is missing."""
+def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """A browser, or a skip that says what is missing. It yields to a rig that is simulated in real time beside it."""
     api = pytest.importorskip("playwright.sync_api")
     with api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=_chromium(), args=QUIET)
+        browser = playwright.chromium.launch(executable_path=_yielding(tmp_path_factory), args=QUIET)
         yield browser
         browser.close()
 

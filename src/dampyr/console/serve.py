@@ -63,7 +63,7 @@ def _listening(host: str, port: int) -> socket.socket:
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind((host, port))
-        found.listen(128)
+        found.listen(128)  # before the address is told
     except (OSError, OverflowError) as problem:
         found.close()
         raise InputError(f"{host}, port {port} cannot be had ({problem}); choose another --port or --host") from None

@@ -61,7 +61,7 @@ export function chart({ label, x, y, series = [], height = 260, zero = false }) 
   function set(given) {
     drawn = given.map((one, k) => ({ ...one, stroke: colour(one.colour ?? COLOURS[k % COLOURS.length]) }));
     const looks = JSON.stringify(drawn.map(({ name, stroke, width, dash }) => [name, stroke, width, dash]));
-    if (!box.isConnected) return;
+    if (!box.isConnected || (plot === null && !drawn.length)) return;
     if (plot === null || looks !== fixed) {
       fixed = looks;
       write();
