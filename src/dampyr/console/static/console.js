@@ -83,6 +83,7 @@ async function start() {
     document.getElementById("pages").append(
       ...pages.map((one) => h("a", { href: `#/${one.name}`, "data-name": one.name }, one.title)),
     );
+    if (pages.some((one) => one.name === "bench")) (await import("./house/abort.js")).begin(document.getElementById("aside"));
     document.querySelector(".brand").title = `dampyr ${about.version}`;
   } catch (problem) {
     say(problem.message, "bad");

@@ -1,0 +1,162 @@
+"""The editor of campaigns: a grid, the rig's envelope, and the dry run beside it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter
+from fastapi import Path as InPath
+from pydantic import BaseModel, Field
+
+from dampyr.console import places
+from dampyr.console.grid import (
+    FOLDER,
+    Envelope,
+    Grid,
+    envelope_of,
+    grid_of,
+    grid_text,
+    notes_of,
+    place_of,
+    planned_text,
+)
+from dampyr.console.house import Here
+from dampyr.console.rigs import rig_file, rig_settings
+from dampyr.errors import InputError
+from dampyr.whole import write_whole
+
+TITLE, ORDER = "Campaigns", 20
+LONGEST = 65536
+
+router = APIRouter()
+Name = Annotated[str, InPath(max_length=100)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Values = Annotated[list[Number], Field(max_length=100)]
+
+
+class Text(BaseModel):
+    """A campaign's TOML."""
+
+    text: str = Field(max_length=LONGEST)
+
+
+class Asked(Text):
+    """A campaign's TOML on a rig; the original one without a name."""
+
+    rig: str = Field("", max_length=100)
+
+
+class GridForm(BaseModel):
+    """Every amplitude [mm] with every frequency [Hz] and every voltage [V] at the coil."""
+
+    name: str = Field("", max_length=100)
+    operator: str = Field("", max_length=100)
+    note: str = Field("", max_length=1000)
+    amplitude: Values
+    frequency: Values
+    voltage: Values
+    cycles: int = Field(20, ge=1, le=100_000)
+    repeats: int = Field(1, ge=1, le=1000)
+    random: bool = False
+    seed: int = Field(0, ge=0, le=2**31)
+
+
+class File(Text):
+    """A file, and the grid that it is, if it is one."""
+
+    name: str
+    grid: GridForm | None
+
+
+class TestPlan(BaseModel):
+    """A test as it would run, in the units of the page; force and refusal as expected."""
+
+    __test__ = False
+    name: str
+    words: str
+    duration_s: float
+    speed_mm_s: float
+    position_mm: float
+    force_N: float | None
+    voltage_V: float
+    frequency_Hz: float
+    refusal: str
+
+
+class PlanAnswer(BaseModel):
+    """The dry run."""
+
+    name: str
+    rig: str
+    duration_s: float
+    tests: list[TestPlan]
+    notes: list[str]
+    refusals: list[str]
+    envelope: Envelope
+
+
+@router.get("/files")
+def files(here: Here) -> list[str]:
+    """The campaigns of the data folder."""
+    return [name.removesuffix(".toml") for name in places.files(here.data / FOLDER, (".toml",)) if "/" not in name]
+
+
+@router.get("/files/{name}")
+def load(name: Name, here: Here) -> File:
+    """A campaign."""
+    path = places.existing(here.data, f"{FOLDER}/{name}.toml")
+    try:
+        text = path.read_text("utf-8")
+    except UnicodeDecodeError:
+        raise InputError(f"{name}.toml is no text in UTF-8; write it anew") from None
+    return File(name=name, text=text, grid=_grid(text))
+
+
+@router.put("/files/{name}")
+def save(name: Name, asked: Asked, here: Here) -> File:
+    """Save a campaign that can be read; what the rig cannot do may be saved."""
+    path = places.inside(here.data, f"{FOLDER}/{name}.toml")
+    if path.parent != here.data / FOLDER:
+        raise InputError(f"{name!r} is no name of a campaign; leave / out")
+    _plan(asked, here)
+    places.check_quota(here.data, len(asked.text), here.quota)
+    path.parent.mkdir(exist_ok=True)
+    write_whole(path, asked.text)
+    return File(name=name, text=asked.text, grid=_grid(asked.text))
+
+
+@router.post("/text")
+def text(grid: GridForm) -> Text:
+    """A grid as TOML."""
+    return Text(text=grid_text(Grid(**grid.model_dump())))
+
+
+@router.post("/plan")
+def dry_run(asked: Asked, here: Here) -> PlanAnswer:
+    """What a campaign would ask of a rig, and all that it cannot do; nothing moves."""
+    return _plan(asked, here)
+
+
+def _grid(text: str) -> GridForm | None:
+    try:
+        found = grid_of(text)
+        return None if found is None else GridForm(**vars(found))
+    except (ValueError, TypeError):
+        return None  # no grid: the page shows the text alone
+
+
+def _plan(asked: Asked, here: Here) -> PlanAnswer:
+    settings, path = rig_settings(here.data, asked.rig), rig_file(here.data, asked.rig)
+    found = planned_text(asked.text, here.data, settings, None if path is None else path.parent)
+    tests = [
+        TestPlan(
+            name=each.name, words=each.words, duration_s=each.duration, speed_mm_s=1e3 * each.peak_speed,
+            position_mm=1e3 * each.peak_position, force_N=each.peak_force, voltage_V=each.peak_voltage,
+            frequency_Hz=place_of(each.peak_speed, each.peak_position)[0], refusal=each.refusal,
+        )
+        for each in found.tests
+    ]  # fmt: skip
+    return PlanAnswer(
+        name=found.campaign.header.name, rig=found.rig.name, duration_s=found.duration, tests=tests,
+        notes=notes_of(found), refusals=list(found.refusals), envelope=envelope_of(found),
+    )  # fmt: skip

@@ -1,0 +1,32 @@
+// Abort, on every page: a button in the head and the Escape key. What it did is said.
+import { abort, bench, listen, open } from "./bench.js";
+import { button, h } from "./dom.js";
+import { say } from "./notice.js";
+
+export function begin(place) {
+  const told = h("span", { class: "badge", id: "bench-state" }, "bench");
+  const knob = button([h("span", {}, "Abort"), h("kbd", {}, "Esc")], now, { class: "abort", "aria-keyshortcuts": "Escape" });
+  place.append(told, knob);
+  addEventListener("keydown", (event) => {
+    if (event.key !== "Escape" || event.repeat) return;
+    event.preventDefault();
+    now();
+  }, { capture: true });
+  listen(() => {
+    const words = !bench.connected ? "no connection" : bench.state?.phase ?? "bench";
+    if (told.textContent !== words) told.textContent = words;
+    const hot = bench.connected && bench.state?.armed;
+    told.classList.toggle("bad", Boolean(hot) || !bench.connected);
+  });
+  open();
+}
+
+async function now() {
+  try {
+    const took = await abort();
+    document.documentElement.dataset.aborted = took.toFixed(0);
+    say(`aborted: the table is braked and the coil is off, after ${took.toFixed(0)} ms`, "bad");
+  } catch (problem) {
+    say(`${problem.message} — use the switch on the rig`, "bad");
+  }
+}

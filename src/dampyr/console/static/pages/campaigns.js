@@ -1,0 +1,160 @@
+// The editor of campaigns: a grid or its text, the rig's envelope, and the dry run beside it.
+import { get, post, put } from "../house/api.js";
+import { button, choice, field, h, number, section, tick } from "../house/dom.js";
+import { envelope } from "../house/envelope.js";
+import { attempt, say } from "../house/notice.js";
+import { table } from "../house/table.js";
+
+const LATER = 350; // ms after the last key until the plan is made anew
+const FIRST = { name: "", operator: "", note: "", amplitude: [2, 4, 8], frequency: [0.5, 1, 2], voltage: [0, 0.8712, 1.98], cycles: 20, repeats: 1, random: false, seed: 0 };
+const COLUMNS = [{ name: "test" }, { name: "what" }, { name: "duration", unit: "s" }, { name: "peak speed", unit: "mm/s" }, { name: "position", unit: "mm" },
+  { name: "force", unit: "N" }, { name: "coil", unit: "V" }, { name: "", words: "the rig's answer", plain: true }];
+
+export async function show(root, query) {
+  const [files, rigs] = await Promise.all([get("campaigns/files"), get("bench/rigs")]);
+  const form = gridForm();
+  const source = h("textarea", { class: "source", spellcheck: "false", id: "source", maxlength: "65536" });
+  const rig = choice(rigs.map((one) => [one.name, one.title]), { id: "plan-rig" });
+  const name = h("input", { type: "text", id: "file", maxlength: "100", required: true });
+  const open = choice([["", "a new one"], ...files], { id: "open" });
+  const beyond = h("p", { class: "soft", hidden: true }, "This campaign is more than a grid of sines: edit its text.");
+  const plan = h("div", { id: "plan", "aria-live": "polite" });
+  const run = h("a", { class: "button", href: "#/bench", hidden: true, id: "to-bench" }, "To the bench");
+  let timer = 0;
+  let turn = 0;
+
+  const soon = (work) => {
+    clearTimeout(timer);
+    timer = setTimeout(work, LATER);
+  };
+
+  async function fromGrid() {
+    const asked = form.read();
+    const mine = ++turn;
+    if (typeof asked === "string") return wrong(asked);
+    try {
+      const made = await post("campaigns/text", asked);
+      if (mine !== turn) return undefined;
+      source.value = made.text;
+    } catch (problem) {
+      return wrong(problem.message);
+    }
+    return dryRun();
+  }
+
+  async function dryRun() {
+    const mine = ++turn;
+    try {
+      const found = await post("campaigns/plan", { text: source.value, rig: rig.value });
+      if (mine === turn) plan.replaceChildren(...told(found));
+    } catch (problem) {
+      if (mine === turn) wrong(problem.message);
+    }
+  }
+
+  const wrong = (sentence) => plan.replaceChildren(h("p", { class: "verdict bad" }, sentence));
+
+  function take(file) {
+    source.value = file.text;
+    form.element.hidden = !file.grid;
+    beyond.hidden = Boolean(file.grid);
+    if (file.grid) form.write(file.grid);
+  }
+
+  async function load() {
+    run.hidden = true;
+    name.value = open.value;
+    if (!open.value) {
+      take({ text: "", grid: FIRST });
+      return fromGrid();
+    }
+    const file = await attempt(() => get(`campaigns/files/${encodeURIComponent(open.value)}`));
+    if (file) take(file);
+    return dryRun();
+  }
+
+  async function save() {
+    if (!name.reportValidity()) return;
+    clearTimeout(timer);
+    const kept = await attempt(() => put(`campaigns/files/${encodeURIComponent(name.value)}`, { text: source.value, rig: rig.value }));
+    if (!kept) return;
+    if (![...open.options].some((one) => one.value === kept.name)) open.append(h("option", { value: kept.name }, kept.name));
+    open.value = kept.name;
+    run.href = `#/bench?campaign=${encodeURIComponent(kept.name)}`;
+    run.hidden = false;
+    take(kept);
+    say(`saved: ${kept.name}`);
+    dryRun();
+  }
+
+  form.element.addEventListener("input", () => soon(fromGrid));
+  source.addEventListener("input", () => soon(async () => {
+    form.element.hidden = true;
+    beyond.hidden = false;
+    await dryRun();
+  }));
+  open.addEventListener("change", load);
+  rig.addEventListener("change", dryRun);
+  const files_ = h("div", { class: "fields" }, field("Open", open), field("Save as", name), field("Rig", rig));
+  root.append(h("div", { class: "split wide" },
+    h("div", { class: "side" }, files_, h("div", { class: "row" }, button("Save", save, { class: "main", id: "save" }), run), form.element, beyond,
+      h("details", { open: true }, h("summary", {}, "As TOML"), field("Text", source, "what is planned, saved and run"))),
+    plan));
+  const asked = query.get("open");
+  if (asked && files.includes(asked)) open.value = asked;
+  await load();
+  return () => clearTimeout(timer);
+}
+
+function gridForm() {
+  const text = (id, attributes = {}) => h("input", { type: "text", id, maxlength: "1000", ...attributes });
+  const whole = (id, max) => h("input", { type: "number", id, min: "1", max, step: "1" });
+  const parts = {
+    name: text("g-name"), operator: text("g-operator"), note: text("g-note"), amplitude: text("g-amplitude"), frequency: text("g-frequency"),
+    voltage: text("g-voltage"), cycles: whole("g-cycles", "100000"), repeats: whole("g-repeats", "1000"),
+    seed: h("input", { type: "number", id: "g-seed", min: "0", max: "2147483648", step: "1" }),
+  };
+  const random = tick("in random order", { id: "g-random" });
+  const box = random.querySelector("input");
+  const element = h("fieldset", {}, h("legend", {}, "A grid of sines"),
+    h("div", { class: "fields" }, field("Amplitudes, mm", parts.amplitude, "half of the stroke"), field("Frequencies, Hz", parts.frequency), field("Coil, V", parts.voltage),
+      field("Cycles", parts.cycles), field("Repeats", parts.repeats), field("Seed", parts.seed), field("Name", parts.name), field("Operator", parts.operator), field("Note", parts.note)),
+    h("div", { class: "row" }, random));
+
+  /** The grid, or a sentence of what is wrong. */
+  function read() {
+    const found = { random: box.checked };
+    for (const key of ["name", "operator", "note"]) found[key] = parts[key].value;
+    for (const key of ["amplitude", "frequency", "voltage"]) {
+      found[key] = parts[key].value.split(/[\s,;]+/).filter(Boolean).map(Number);
+      if (!found[key].length || found[key].some((one) => !Number.isFinite(one))) return `${key} must be numbers parted by commas, such as 2, 4, 8`;
+    }
+    for (const key of ["cycles", "repeats", "seed"]) {
+      if (!parts[key].value || !parts[key].checkValidity()) return `${key} must be a whole number from ${parts[key].min} to ${parts[key].max}`;
+      found[key] = Number(parts[key].value);
+    }
+    return found;
+  }
+
+  function write(grid) {
+    for (const [key, part] of Object.entries(parts)) part.value = Array.isArray(grid[key]) ? grid[key].join(", ") : String(grid[key]);
+    box.checked = grid.random;
+  }
+  return { element, read, write };
+}
+
+function told(plan) {
+  const minutes = plan.duration_s >= 60 ? `${number(plan.duration_s / 60)} min` : `${number(plan.duration_s)} s`;
+  const refused = plan.refusals.length;
+  const verdict = refused ? `The rig cannot do ${refused === 1 ? "one thing" : `${refused} things`} of this campaign; nothing of it would run.`
+    : `The rig can do all of it: ${plan.tests.length} tests, ${minutes}.`;
+  const rows = plan.tests.map((one) => [one.name, one.words, one.duration_s, one.speed_mm_s, one.position_mm, one.force_N, one.voltage_V,
+    { key: one.refusal ? 1 : 0, show: h("span", { class: `badge ${one.refusal ? "bad" : "good"}` }, one.refusal ? "refused" : "can") }]);
+  return [
+    h("p", { class: `verdict ${refused ? "bad" : "good"}`, id: "verdict" }, verdict),
+    refused ? h("ul", { class: "refusals" }, plan.refusals.map((one) => h("li", {}, one))) : "",
+    plan.tests.some((one) => one.frequency_Hz > 0) ? section("Within what the rig can do", envelope(plan)) : "",
+    section("Dry run", table({ caption: `${plan.tests.length} tests on ${plan.rig}, ${minutes}, in the order in which they run`, columns: COLUMNS, rows })),
+    ...plan.notes.map((one) => h("p", { class: "soft" }, one)),
+  ];
+}
