@@ -1,0 +1,105 @@
+"""Ten minutes at 10 kHz on two channels, two pages looking on: nothing lost, memory flat, little work."""
+
+import json
+import resource
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("fastapi")
+
+from fastapi.testclient import TestClient
+
+from dampyr.console import app
+from dampyr.records import read
+from dampyr.rig import Rig, RigSettings, simulated
+from dampyr.rig.settings import Board, Wires
+
+HERE = "http://127.0.0.1:8077"
+RATE, SECONDS = 10_000.0, 600
+CAMPAIGN = f"""
+name = "long"
+check_amplitude = 0.0
+[[step]]
+kind = "sine"
+amplitude = "6 mm"
+frequency = "1 Hz"
+cycles = {SECONDS - 2}
+voltage = "0.8712 V"
+"""
+
+
+def fast(data: Path, name: str, simulate: bool) -> Rig:
+    """Two channels at 10 kHz, in real time."""
+    settings = RigSettings(board=Board(rate=RATE), wires=Wires(temperature="ai1"))
+    return simulated(settings, real_time=True)
+
+
+class Page(threading.Thread):
+    """A page that looks on: hears, and counts."""
+
+    def __init__(self, client: TestClient, id: str) -> None:
+        super().__init__(daemon=True)
+        self.client, self.id, self.bins, self.frames, self.over = client, id, 0, 0, threading.Event()
+
+    def run(self) -> None:
+        place = f"/api/bench/stream?client={self.id}"
+        with self.client.websocket_connect(place, headers={"host": HERE[7:]}) as socket:
+            while not self.over.is_set():
+                told = json.loads(socket.receive_text())
+                if "frame" in told:
+                    self.frames += 1
+                    self.bins += len(told["strips"]["time"]) if told["strips"] else 0
+                    socket.send_text(json.dumps({"heard": told["frame"]}))
+
+
+def memory() -> int:
+    """Bytes that this process holds now."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+@pytest.mark.prove
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
+def test_ten_minutes_at_10_khz(data: Path) -> None:
+    (data / "long.toml").write_text(CAMPAIGN)
+    with TestClient(app(data), base_url=HERE) as client:
+        bench = client.app.inner.state.house.own["bench"]  # type: ignore[attr-defined]
+        bench._opener = fast
+        pages = [Page(client, f"page-number-{k}") for k in range(2)]
+        for page in pages:
+            page.start()
+        while bench.clients.count < 2:
+            time.sleep(0.05)
+        holder = bench.clients.holder
+        bench.connect(holder)
+        while bench.state().phase != "idle":
+            time.sleep(0.05)
+        begun, work = time.monotonic(), time.process_time()
+        bench.start(holder, "long", data / "long.toml", data / "runs" / "long")
+        held: list[int] = []
+        while bench.state().phase == "campaign":
+            time.sleep(0.5)
+            held.append(memory())
+        work, wall = time.process_time() - work, time.monotonic() - begun
+        run = bench.state().run
+        for page in pages:
+            page.over.set()
+    assert run is not None
+    assert run.outcome == "complete", run.reason
+    [path] = (data / "runs" / "long").glob("*.h5")
+    record = read(path)
+    assert np.ptp(np.diff(record.time)) < 1e-9  # no sample is missing
+    assert record.time.size >= SECONDS * RATE
+    settled = held[len(held) // 4]
+    grown = (max(held[len(held) // 4 : -4]) - settled) / 2**20
+    share = work / record.time[-1]
+    frames = [page.frames for page in pages]
+    print(
+        f"{record.time.size} samples in {wall:.0f} s; {share:.1%} of a core at real time; memory grew {grown:.1f} MiB; {frames}"
+    )
+    assert min(frames) > 10 * wall
+    assert grown < 32.0
+    assert share < 0.30
