@@ -1,5 +1,7 @@
 """Waiting at an armed rig: what looks on, what ends it, and that nothing is taken for news that is not."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,15 @@ def test_a_reader_that_fails_stops_the_rig_and_says_so() -> None:
         rig.watchers.append(broken)
         with pytest.raises(RigFault, match="reading the rig failed: KeyError"), rig.armed() as table:
             table.rest(5.0)
+
+
+def test_the_rig_is_read_on_while_a_long_record_is_finished() -> None:
+    with simulated() as rig, rig.armed() as table:
+        table.home(here=True)
+        table.meanwhile(lambda: time.sleep(1.5))  # in lockstep the watchdog acts after half a second of silence
+        table.go(0.001)
+        with pytest.raises(KeyError):
+            table.meanwhile(lambda: {}["x"])
 
 
 def test_a_campaign_that_was_aborted_before_it_armed_moves_nothing(tmp_path) -> None:

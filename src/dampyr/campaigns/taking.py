@@ -70,9 +70,8 @@ def ended(recording: Recording, table: Table, started: dict[str, str]) -> Iterat
         raise
     told = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
     rig = table.rig.settings
-    recording.finish(
-        told | {"exit_status": "complete", "reason": ""}, history(rig), refine=lambda values: refined(values, rig)
-    )
+    told |= {"exit_status": "complete", "reason": ""}
+    table.meanwhile(lambda: recording.finish(told, history(rig), refine=lambda values: refined(values, rig)))
 
 
 def refined(values: dict[str, Array], rig: RigSettings) -> dict[str, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -27,6 +28,7 @@ from dampyr.rig.warmth import Warmth
 Array = NDArray[np.float64]
 GENTLE = 0.010  # m/s, the speed of a table on its way to where a test begins
 SETTLED = 0.3  # s in which a table that was told to stop is at rest
+QUICK = 0.2  # s of work that a rig does not notice
 HOMING = 120.0  # s that looking for the index may take
 
 
@@ -211,6 +213,15 @@ class Table:
         """Let time pass."""
         for _ in self._for(seconds):
             pass
+
+    def meanwhile(self, work: Callable[[], object]) -> None:
+        """Do slow work, such as finishing a long record, and read on: a rig whose host is silent stops."""
+        with ThreadPoolExecutor(1, "meanwhile") as pool:
+            done = pool.submit(work)
+            wait([done], timeout=QUICK)
+            while not done.done():
+                next(self.loop.blocks())
+        done.result()
 
     def jog(self, speed: float, seconds: float = 0.2, wait: bool = True) -> None:
         """Move at ``speed`` [m/s] for a while, at most 0.5 s; without ``wait`` return at once, so that it can be renewed."""
