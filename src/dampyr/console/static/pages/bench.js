@@ -215,7 +215,7 @@ function progress(parts, run, phase) {
       ["time left", clock(run.time_left)]);
   }
   parts.facts.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
-  const now = `${run.folder} ${run.done} ${run.outcome} ${run.test}`;
+  const now = `${run.folder} ${run.done} ${run.outcome} ${run.test} ${run.phase}`;
   if (parts.done !== now) {
     parts.done = now;
     tests(parts, run.folder);
