@@ -63,7 +63,8 @@ test: $(READY) compiler chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) -m "not prove"
 
 prove: $(READY) compiler chromium axe
-	$(BIN)/python -m pytest -n $(WORKERS) -m prove
+	$(BIN)/python -m pytest -n $(WORKERS) -m "prove and not quiet"
+	$(BIN)/python -m pytest -m quiet
 
 check: $(READY)
 	$(BIN)/ruff check .
