@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import queue
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 
@@ -20,6 +21,7 @@ from dampyr.rig.firmware.protocol import Fault, State, Status
 from dampyr.rig.instruments.board import Board
 from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.interlock import Interlock, Samples
+from dampyr.rig.lateness import Lateness
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.warmth import Warmth
@@ -73,6 +75,7 @@ class Acquisition:
         self._command = np.zeros(0)  # coil volts of samples not read yet
         self._ahead = rig.block_samples * (AHEAD_OF_CLOCK if threaded else AHEAD)
         self._timed = False
+        self._late = Lateness(rig.board.rate)
         self._over = threading.Event()
         self._blocks: queue.Queue[Samples | RigFault] = queue.Queue(max(4, round(HELD / rig.board.block)))
         self._thread = threading.Thread(target=self._run, name="acquisition", daemon=True) if threaded else None
@@ -123,9 +126,10 @@ class Acquisition:
         n = self.rig.block_samples if n is None else n
         try:
             volts, counts = self.board.read(n)
+            waiting = self._late.of(self.next + n, time.monotonic()) if self.threaded else 0.0
             with self.lock:
                 samples = self._samples(volts, counts, self.uno.heartbeat())
-                self._judge(samples)
+                self._judge(samples, waiting)
                 self._feed()
         except RigFault as problem:
             raise self.halt(problem) from None
@@ -152,10 +156,10 @@ class Acquisition:
             status,
         )
 
-    def _judge(self, samples: Samples) -> None:
+    def _judge(self, samples: Samples, waiting: float) -> None:
         warm = self.warmth.take(samples)
         if self.interlock is not None:
-            trip = self.interlock.judge(samples)
+            trip = self.interlock.judge(samples, waiting)
             if samples.temperature is None:
                 trip = self.interlock.estimate(warm, float(samples.time[-1]))
             if trip:

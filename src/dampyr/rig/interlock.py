@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 RAIL = 0.995  # of the board's range: a broken wire drives an amplifier against it
 APART = 1.0e-3  # m, by which the board's and the Uno's positions may differ
 WINDOW = 0.010  # s, over which a speed is taken
-LATE = 3  # blocks of samples that may be waiting when one is read
+LATE = 4  # blocks of samples that may be waiting when one is read
 
 
 @dataclass(frozen=True, eq=False)
