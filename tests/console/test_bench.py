@@ -20,6 +20,8 @@ from dampyr.errors import InputError
 from dampyr.records import read
 from dampyr.rig import Rig, RigSettings, simulated
 
+pytestmark = [pytest.mark.prove, pytest.mark.quiet]  # in real time: a starved host trips its own watchdog
+
 CAMPAIGN = """
 name = "short"
 rest_between = "0.2 s"
@@ -345,8 +347,6 @@ import sys, time
 from pathlib import Path
 from dampyr.console.bench import Bench
 from dampyr.rig import simulated
-
-pytestmark = [pytest.mark.prove, pytest.mark.quiet]  # in real time: a starved host trips its own watchdog
 bench = Bench(Path("."), lambda *_: simulated(real_time=True, black_box=sys.argv[1]))
 bench.clients.join("a")
 

@@ -56,12 +56,12 @@ def test_the_demonstration_is_the_same_twice(tmp_path: Path) -> None:
 
 
 def test_predictions_of_records_that_were_not_fitted(campaign_folder: Path) -> None:
-    found = told("identify", campaign_folder, "--predict", "record", "--predict", "input")
+    found = told("identify", campaign_folder, "--model", "dahl", "--predict", "record", "--predict", "input")
     by_record, by_input = found["predictions"]
     assert by_record["split"] == "record"
     assert sum(len(fold["scores"]) for fold in by_record["folds"]) == 38
     assert all(not set(fold["scores"]) & set(fold["fitted_on"]) for fold in by_record["folds"])
     assert len(by_input["folds"]) == 2
-    done = dampyr("identify", campaign_folder, "--predict", "amplitude")
+    done = dampyr("identify", campaign_folder, "--model", "dahl", "--predict", "amplitude")
     assert "How well it predicts records that it was not fitted on, 5 parts by amplitude" in done.stdout
     assert dampyr("identify", campaign_folder, "--predict", "weather").returncode == 2
