@@ -76,6 +76,7 @@ def command(
     """
     records = gather(paths, "fit", reading)
     _check(model, each, bool(save or report or splits), bool(fixed or tied), tried)
+    _check_splits(splits, records)
     options: dict[str, Any] = {"laws": _laws(laws), "fixed": _numbers(fixed), "bandwidth": bandwidth, "loss": loss}
     options |= {"nuisances": ("offset", "state", *nuisances), "tied": pairs(tied), "starts": starts}
     if each:
@@ -111,6 +112,14 @@ def _check(model: str | None, each: bool, written: bool, named: bool, tried: tup
         raise InputError(f"{which} need --model: without it every model is tried; name one, such as --model dahl")
     if model is not None and tried:
         raise InputError("--try says which models are tried where none is named; leave out --try or --model")
+
+
+def _check_splits(splits: tuple[str, ...], records: list[Record]) -> None:
+    """Refuse a split that cannot be made now, not after minutes of fitting."""
+    from dampyr.identification.splits import split_tasks
+
+    for split in splits:
+        split_tasks(records, split)
 
 
 def _fit_each(model: str, records: list[Record], options: dict[str, Any]) -> list[Fit]:
