@@ -84,6 +84,7 @@ def test_the_error_falls_with_the_step_to_the_reference(reference):
     assert np.abs(rigid.displacement - reference[:3]).max() > 50 * errors[0] * size  # the brace does matter here
 
 
+@pytest.mark.prove  # its kernels take long to compile
 def test_energy_closes_with_braces_and_connections():
     worst = []
     for step in (0.002, 0.001, 0.0005):

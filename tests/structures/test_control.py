@@ -185,6 +185,7 @@ def test_the_coil_follows_its_command_by_the_exponential(damper):
     )
 
 
+@pytest.mark.prove  # its kernels take long to compile
 def test_the_lag_of_the_damper_is_that_of_the_coil(damper):
     lagging = Damper("dahl + lag", dict(damper.all_laws) | {"lag.tau": 0.01})
     expected = respond(
@@ -219,6 +220,7 @@ def test_where_the_force_jumps_the_motion_obeys_its_equation(damper):
     assert np.count_nonzero(np.diff(found.input[0])) > 100
 
 
+@pytest.mark.prove  # its kernels take long to compile
 def test_a_mass_in_the_damper_answers_its_jumps(damper):
     """An inertance belongs into the building's mass matrix just as well; a law of one's own sees no difference."""
     b, extra = two_storey(), 40.0
@@ -265,9 +267,8 @@ def test_a_damper_over_the_current_takes_laws_too(damper):
         respond(two_storey(), short(1.0), {1: by_current}, voltage=law)
 
 
-@pytest.mark.parametrize(
-    "parts", ["dahl + delay", "dahl + compliance", pytest.param("hyperbolic_tangent + spring", marks=pytest.mark.prove)]
-)
+@pytest.mark.prove  # its kernels take long to compile
+@pytest.mark.parametrize("parts", ["dahl + delay", "dahl + compliance", "hyperbolic_tangent + spring"])
 def test_other_dampers_settle_with_the_step(damper, parts):
     values = {"delay.tau": 0.0073, "compliance.s": 5e-6, "spring.k0": 900.0}
     tanh = {"hyperbolic_tangent.c": 1500.0, "hyperbolic_tangent.v0": 0.0032, "hyperbolic_tangent.s": 0.13}

@@ -91,6 +91,7 @@ def test_peaks_are_those_of_the_exact_state(n, sigma):
     np.testing.assert_allclose(found.drift, wanted.drift, rtol=2e-6)
 
 
+@pytest.mark.prove  # its kernels take long to compile
 def test_strict_is_respond():
     motion, one = el_centro(), damper(1.5, 0.7)
     found = ensemble(two_storey(), motion, one, [0.0], 1.0, accuracy="strict", quantities=("drift",))
