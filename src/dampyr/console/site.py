@@ -18,7 +18,7 @@ MOTION_SUFFIXES = (".at2", ".csv", ".txt", ".dat", ".mat")
 G = 9.80665
 DT = 0.01
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(ge=1e-6, le=1e15, allow_inf_nan=False)]  # beyond, sums of squares overflow
 
 
 class Strict(BaseModel):
