@@ -4,9 +4,13 @@ import os
 import shutil
 import subprocess
 import sys
+from itertools import count
 from pathlib import Path
 
+import pytest
+
 import dampyr
+from dampyr.models import kernels
 
 PROBE = """
 import sys, numpy as np
@@ -46,3 +50,25 @@ def test_a_cache_that_cannot_be_written_is_no_obstacle(tmp_path: Path) -> None:
     blocked.write_text("")
     force, _, _ = run(Path(dampyr.__file__).parent, blocked)
     assert force > 0
+
+
+def test_two_processes_that_save_at_once_never_exchange_their_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both look before either has written; the second writes its code while the first is about to write its own."""
+
+    def plain() -> None:
+        """A kernel."""
+
+    first, second = (kernels._cache_class()(plain)._cache_file for _ in range(2))
+    first.flush()
+    write, look, looks = first._save_data, second._load_index, count()
+
+    def late(name: str, code: str) -> None:
+        monkeypatch.setattr(second, "_load_index", lambda: look() if next(looks) else {})
+        second.save("float32", "code of float32")
+        write(name, code)
+
+    monkeypatch.setattr(first, "_save_data", late)
+    first.save("float64", "code of float64")
+    for signature in ("float64", "float32"):
+        assert first.load(signature) in (None, f"code of {signature}")
+    assert look()

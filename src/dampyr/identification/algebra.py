@@ -12,7 +12,7 @@ PIVOT = 1e-6  # of Cholesky's factors of a matrix with ones on its diagonal: bel
 NO_ROOM = 1e-12  # between two limits
 
 
-def solved(H, g, free, scale, R, x):  # type: ignore[no-untyped-def]
+def solved(H, g, free, scale, R, x):
     """x = H^-1 g on the free unknowns and 0 elsewhere, by Cholesky's factors; False where H is near singular."""
     n = g.size
     if not factored(H, free, scale, R):
@@ -38,7 +38,7 @@ def solved(H, g, free, scale, R, x):  # type: ignore[no-untyped-def]
     return True
 
 
-def factored(H, free, scale, R):  # type: ignore[no-untyped-def]
+def factored(H, free, scale, R):
     """Cholesky's factor R of the free part of H, scaled to a diagonal of ones; False at a small pivot."""
     for i in range(scale.size):
         if not free[i]:
@@ -61,7 +61,7 @@ def factored(H, free, scale, R):  # type: ignore[no-untyped-def]
     return True
 
 
-def stepped(S, damping, low, high, chosen, H, R, work, free, s):  # type: ignore[no-untyped-def]
+def stepped(S, damping, low, high, chosen, H, R, work, free, s):
     """The minimum of s'Hs/2 - g's inside the box, which holds 0: an active set, one limit at a time.
 
     ``S`` holds H and in its last column g; each diagonal element grows by ``damping`` of it. Unknowns that are not
@@ -92,7 +92,7 @@ def stepped(S, damping, low, high, chosen, H, R, work, free, s):  # type: ignore
     return True
 
 
-def remaining(H, S, s, left):  # type: ignore[no-untyped-def]
+def remaining(H, S, s, left):
     """left = g - H s."""
     n = s.size
     for i in range(n):
@@ -101,7 +101,7 @@ def remaining(H, S, s, left):  # type: ignore[no-untyped-def]
             left[i] -= H[i, j] * s[j]
 
 
-def stopped(low, high, free, s, way):  # type: ignore[no-untyped-def]
+def stopped(low, high, free, s, way):
     """Go along ``way`` to its end (-1), or to the first limit: which unknown stops there, no longer free."""
     reach, k = 1.0, -1
     for i in range(s.size):
@@ -118,7 +118,7 @@ def stopped(low, high, free, s, way):  # type: ignore[no-untyped-def]
     return k
 
 
-def inward(low, high, chosen, free, s, left, largest):  # type: ignore[no-untyped-def]
+def inward(low, high, chosen, free, s, left, largest):
     """The unknown at a limit that the cost would most have leave it; -1 where there is none."""
     best, k = 1e-12 * largest, -1
     for i in range(s.size):
@@ -129,7 +129,7 @@ def inward(low, high, chosen, free, s, left, largest):  # type: ignore[no-untype
     return k
 
 
-def stepped_one(S, damping, low, high, local_low, local_high, linear, local_linear, only_linear, work, free, s):  # type: ignore[no-untyped-def]
+def stepped_one(S, damping, low, high, local_low, local_high, linear, local_linear, only_linear, work, free, s):
     """As `stepped`, for one record: its nuisances are unknowns like the coefficients, and stand before them.
 
     ``work`` (2 n + 5, n) and ``free`` (2, n) are room.
@@ -144,7 +144,7 @@ def stepped_one(S, damping, low, high, local_low, local_high, linear, local_line
     return stepped(S, damping, below, above, chosen, work[:n], work[n : 2 * n], work[2 * n :], free[0], s)
 
 
-def half_of_squares(sums):  # type: ignore[no-untyped-def]
+def half_of_squares(sums):
     """Half the sum of squared residuals; no number where any of the sums is not finite."""
     total, seen = 0.0, 0.0
     for m in range(sums.shape[0]):
@@ -155,7 +155,7 @@ def half_of_squares(sums):  # type: ignore[no-untyped-def]
     return 0.5 * total + seen
 
 
-def gained(sums, theta, local):  # type: ignore[no-untyped-def]
+def gained(sums, theta, local):
     """By how much a step of (G,) coefficients and (M, L) nuisances lowers the cost, as the linear model has it."""
     L, G = local.shape[1], theta.size
     total = 0.0
@@ -169,7 +169,7 @@ def gained(sums, theta, local):  # type: ignore[no-untyped-def]
     return total
 
 
-def shifted(sums, theta, local, out):  # type: ignore[no-untyped-def]
+def shifted(sums, theta, local, out):
     """The sums after such a step, where the derivatives stay."""
     L, G = local.shape[1], theta.size
     last = L + G
@@ -185,7 +185,7 @@ def shifted(sums, theta, local, out):  # type: ignore[no-untyped-def]
         out[m, last, last] = total
 
 
-def walked(sums, theta, logarithmic, low, high, below, above):  # type: ignore[no-untyped-def]
+def walked(sums, theta, logarithmic, low, high, below, above):
     """The sums by the logarithm of what is walked in it, in place, and how far each coefficient may step."""
     L = sums.shape[1] - theta.size - 1
     for k in range(theta.size):
@@ -199,7 +199,7 @@ def walked(sums, theta, logarithmic, low, high, below, above):  # type: ignore[n
                     sums[m, j, L + k] *= theta[k]
 
 
-def moved_to(theta, step, logarithmic, low, high, out, local, local_step, local_low, local_high, local_out):  # type: ignore[no-untyped-def]
+def moved_to(theta, step, logarithmic, low, high, out, local, local_step, local_low, local_high, local_out):
     """Coefficients and nuisances after a step, inside their limits to rounding."""
     for m in range(local.shape[0]):
         for i in range(local.shape[1]):

@@ -45,8 +45,7 @@ def differentiate(time: Array, values: Array, bandwidth_hz: float | None) -> Arr
     steps = np.diff(time)
     dt = float(np.median(steps))
     _check(bandwidth_hz, dt, float(time[-1] - time[0]))
-    width = math.sqrt(2.0 * HALF_POWER) / (2.0 * math.pi * bandwidth_hz)
-    reach = max(math.ceil(REACH * width / dt), 3)
+    width, reach = window(dt, bandwidth_hz)
     if len(time) < 2 * reach + 2 or np.ptp(steps) > 1e-6 * dt:
         return _slopes(time, values, np.arange(len(time)), width, reach)
     kernel = _slopes_kernel(dt, width, reach)
@@ -55,6 +54,12 @@ def differentiate(time: Array, values: Array, bandwidth_hz: float | None) -> Arr
     ends = np.r_[0:reach, len(time) - reach : len(time)]
     out[ends] = _slopes(time, values, ends, width, reach)
     return out
+
+
+def window(dt: float, bandwidth_hz: float) -> tuple[float, int]:
+    """The standard deviation of the weights in s, and how many samples ``dt`` s apart they reach to each side."""
+    width = math.sqrt(2.0 * HALF_POWER) / (2.0 * math.pi * bandwidth_hz)
+    return width, max(math.ceil(REACH * width / dt), 3)
 
 
 def response(frequency_hz: Array | float, bandwidth_hz: float) -> Array:

@@ -17,6 +17,7 @@ import shutil
 import sys
 import tempfile
 import time
+import uuid
 from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
@@ -111,10 +112,38 @@ def _cache_class() -> Any:
     class Implementation(caching.CompileResultCacheImpl):
         _locator_classes = [Locator]  # noqa: RUF012
 
+    class Files(caching.IndexDataCacheFile):
+        """Every saved signature has a file name of its own.
+
+        Numba counts its files. Two processes that save two signatures of a kernel at once then count alike, and the index of
+        one leads to the machine code of the other: what runs is made for other arguments and writes where it may not.
+        """
+
+        def save(self, key: Any, data: Any) -> None:
+            name = self._load_index().get(key, self._data_name(uuid.uuid4().int))
+            self._save_data(name, data)
+            self._save_index(self._load_index() | {key: name})
+
     class Cache(caching.FunctionCache):
         _impl_class = Implementation
 
+        def __init__(self, function: Any) -> None:
+            super().__init__(function)
+            place, stamp = self._impl.locator.get_cache_path(), self._impl.locator.get_source_stamp()
+            self._cache_file = Files(place, self._impl.filename_base, stamp)
+
     return Cache
+
+
+def named(function: FunctionType, module: str, key: str) -> FunctionType:
+    """``function`` with a name that no other one has, if ``key`` tells what it computes apart from what others of its name do.
+
+    Numba makes a symbol of a function's module, name, arguments and a number that it counts in each process. Where two
+    processes each kept a kernel and a third one loads both, the linker takes functions of the same symbol for one function,
+    and one kernel calls what belongs to the other (https://github.com/numba/numba/issues/10486).
+    """
+    function.__module__, function.__qualname__ = module, f"{module}.{function.__name__}.{key}"
+    return function
 
 
 @lru_cache(maxsize=256)
@@ -130,10 +159,10 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more
     names.update((name, getattr(math, name)) for name in _MATH)
     names.update((name, _without_calls(name)) for name in QUICK)
     exec(compile(text, f"<{' | '.join(map(str, compositions))}>", "exec"), names)
+    key = hashlib.sha256(text.encode()).hexdigest()[:16]
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):
-            names[name] = jit(value)
-    key = hashlib.sha256(text.encode()).hexdigest()[:16]
+            names[name] = jit(named(value, __name__, key))
     return _rebound(driver, {name: names[name] for name in (*BOUND, *MORE) if name in names}, key, {}, keep=True)
 
 
@@ -153,9 +182,7 @@ def _rebound(function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any
         if isinstance(called, FunctionType) and called.__module__ in rooms:
             names[name] = _rebound(called, bound, key, done)
     copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
-    copy.__qualname__ = f"{function.__module__}.{function.__qualname__}.{key}"
-    copy.__module__ = function.__module__
-    done[function] = jit(copy, keep, getattr(function, "reordered", False))
+    done[function] = jit(named(copy, function.__module__, key), keep, getattr(function, "reordered", False))
     return done[function]
 
 

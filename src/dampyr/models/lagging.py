@@ -14,7 +14,7 @@ from dampyr.models.kernels import jit
 Array = NDArray[np.float64]
 
 
-def follow(t, command, tau, out):  # type: ignore[no-untyped-def]
+def follow(t, command, tau, out):
     """Fill ``out`` with the first-order lag behind a command that is straight between samples."""
     out[0] = command[0]
     for i in range(1, t.size):

@@ -25,7 +25,7 @@ BLOCK = 128  # rows that are kept while their products are summed
 advance = force = columns = spread = walk = _unbound
 
 
-def march(t, x, v, a, p, s, out):  # type: ignore[no-untyped-def]
+def march(t, x, v, a, p, s, out):
     """Fill ``out`` with the force along the path; ``p`` has one row, or one per sample."""
     last = p.shape[0] - 1
     out[0] = force(0, s, x[0], v[0], a[0], p[0])
@@ -35,7 +35,7 @@ def march(t, x, v, a, p, s, out):  # type: ignore[no-untyped-def]
         out[i] = force(0, s, x[i], v[i], a[i], q)
 
 
-def march_columns(t, x, v, a, p, s, D, out, J):  # type: ignore[no-untyped-def]
+def march_columns(t, x, v, a, p, s, D, out, J):
     """As `march`, and ``J[i]`` = the derivatives of the force by the parameters and the initial states."""
     last = p.shape[0] - 1
     out[0] = force(0, s, x[0], v[0], a[0], p[0])
@@ -47,7 +47,7 @@ def march_columns(t, x, v, a, p, s, D, out, J):  # type: ignore[no-untyped-def]
         columns(0, s, D, x[i], v[i], a[i], q, J[i])
 
 
-def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, room, rows, block, products):  # type: ignore[no-untyped-def]
+def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, room, rows, block, products):
     """Fill ``products[g]`` with the sums of products of all columns over the samples up to ``ends[g]``.
 
     A column of `march_columns`, or the force, or 1, is picked by ``source``, times ``factor`` and the weight ``w``; the last
@@ -65,7 +65,7 @@ def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, room, 
         mirrored(products[group])
 
 
-def walked(first, count, t, x, v, a, p, s, D, room, rows):  # type: ignore[no-untyped-def]
+def walked(first, count, t, x, v, a, p, s, D, room, rows):
     """Walk over ``count`` samples from ``first`` on: together where the parameters are constant, else one by one."""
     m = 0
     while m < count:
@@ -78,7 +78,7 @@ def walked(first, count, t, x, v, a, p, s, D, room, rows):  # type: ignore[no-un
         m += size
 
 
-def march_products_delayed(  # type: ignore[no-untyped-def]
+def march_products_delayed(
     t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, block, products, k, tau, lo, hi
 ):
     """As `march_products` with everything ``tau`` later; ``k`` is where the derivative by tau stands."""
@@ -102,7 +102,7 @@ def march_products_delayed(  # type: ignore[no-untyped-def]
         mirrored(products[group])
 
 
-def reach(i, t, x, v, a, p, s, D, row):  # type: ignore[no-untyped-def]
+def reach(i, t, x, v, a, p, s, D, row):
     """Walk to sample ``i``: its derivatives and, last but one, its force."""
     q = p[min(i, p.shape[0] - 1)]
     if i > 0:
@@ -111,7 +111,7 @@ def reach(i, t, x, v, a, p, s, D, row):  # type: ignore[no-untyped-def]
     columns(0, s, D, x[i], v[i], a[i], q, row)
 
 
-def between(t0, t1, at, start, k, lo, hi, row):  # type: ignore[no-untyped-def]
+def between(t0, t1, at, start, k, lo, hi, row):
     """The row at the time ``at``, and the derivative of its force by the delay."""
     part = min(max((at - t0) / (t1 - t0), 0.0), 1.0)
     for c in range(row.size):
@@ -120,7 +120,7 @@ def between(t0, t1, at, start, k, lo, hi, row):  # type: ignore[no-untyped-def]
     row[k] = -(hi[last] - lo[last]) / (t1 - t0) if at > start else 0.0
 
 
-def picked(first, count, rows, f, w, source, factor, gain, block):  # type: ignore[no-untyped-def]
+def picked(first, count, rows, f, w, source, factor, gain, block):
     """The columns that are asked for, and the residual, of ``count`` rows, each column in one stretch; zeros after."""
     C, last, each = source.size, rows.shape[0] - 2, w.size > 1 or factor.shape[0] > 1
     for c in range(C):
@@ -142,7 +142,7 @@ def picked(first, count, rows, f, w, source, factor, gain, block):  # type: igno
             block[c, m] = 0.0
 
 
-def summed(block, full, total):  # type: ignore[no-untyped-def]
+def summed(block, full, total):
     """Add the products of a block's columns, two by two: each is read half as often."""
     last = total.shape[0] - 1
     for c in range(0, last + 1, 2):
@@ -164,7 +164,7 @@ def summed(block, full, total):  # type: ignore[no-untyped-def]
                 total[e, g] += eg
 
 
-def mirrored(total):  # type: ignore[no-untyped-def]
+def mirrored(total):
     """Products are the same both ways."""
     for c in range(total.shape[0]):
         for d in range(c):
@@ -208,7 +208,7 @@ def products_along(
     return products
 
 
-def march_laws(t, x, v, a, p, source, factor, s, kept, D, none, out, row, base, J):  # type: ignore[no-untyped-def]
+def march_laws(t, x, v, a, p, source, factor, s, kept, D, none, out, row, base, J):
     """Fill ``J[i, c]`` with the derivative by a coefficient that moves parameter ``source[c]`` by ``factor[i, c]``.
 
     The tangent of a state is linear in what it was and in the parameter's share of the piece; ``none`` holds that share, from

@@ -38,7 +38,7 @@ R_PAST = R_QUEUE + QUEUE
 REGISTERS = R_PAST + WINDOW
 
 
-def tick(r, counts, latched, index, glitch):  # type: ignore[no-untyped-def]
+def tick(r, counts, latched, index, glitch):
     """One millisecond: ``counts`` of the encoder, whether the index was passed (``latched``) and at which count, and
     whether both lines changed at once (``glitch``)."""
     r[R_TIME] += 1
@@ -56,7 +56,7 @@ def tick(r, counts, latched, index, glitch):  # type: ignore[no-untyped-def]
     act(r)
 
 
-def observe(r, counts):  # type: ignore[no-untyped-def]
+def observe(r, counts):
     """Position, and speed over the last `WINDOW`."""
     slot = R_PAST + r[R_TIME] % WINDOW
     old = r[slot] if r[R_FILLED] >= WINDOW else counts
@@ -67,7 +67,7 @@ def observe(r, counts):  # type: ignore[no-untyped-def]
     r[R_SPEED] = (counts - old) * (RATE // WINDOW)
 
 
-def watched(r, glitch):  # type: ignore[no-untyped-def]
+def watched(r, glitch):
     """The faults of this moment."""
     found = 0
     if r[R_SINCE] > r[R_HEARTBEAT]:
@@ -87,7 +87,7 @@ def watched(r, glitch):  # type: ignore[no-untyped-def]
     return found
 
 
-def stalled(r):  # type: ignore[no-untyped-def]
+def stalled(r):
     """Whether much duty has moved nothing for too long."""
     if abs(r[R_DUTY]) < STALL_DUTY or abs(r[R_COUNTS] - r[R_STALL_AT]) >= STALL_MOVE:
         r[R_STALLED] = 0
@@ -97,7 +97,7 @@ def stalled(r):  # type: ignore[no-untyped-def]
     return r[R_STALLED] >= r[R_STALL]
 
 
-def fail(r, faults):  # type: ignore[no-untyped-def]
+def fail(r, faults):
     """To FAULT; an encoder that lost its place is no longer homed."""
     r[R_FAULTS] |= faults
     r[R_STATE] = FAULT
@@ -107,13 +107,13 @@ def fail(r, faults):  # type: ignore[no-untyped-def]
     empty(r)
 
 
-def empty(r):  # type: ignore[no-untyped-def]
+def empty(r):
     """Forget the set points."""
     r[R_HEAD] = 0
     r[R_NEXT] = 0
 
 
-def rest(r):  # type: ignore[no-untyped-def]
+def rest(r):
     """Begin to stop."""
     r[R_STATE] = STOPPING
     r[R_LEFT] = STOP_TIME
@@ -121,7 +121,7 @@ def rest(r):  # type: ignore[no-untyped-def]
     empty(r)
 
 
-def act(r):  # type: ignore[no-untyped-def]
+def act(r):
     """The duty of this moment."""
     state = r[R_STATE]
     if state == FOLLOWING:
@@ -139,7 +139,7 @@ def act(r):  # type: ignore[no-untyped-def]
     r[R_DUTY] = max(-r[R_MAX_DUTY], min(r[R_DUTY], r[R_MAX_DUTY]))
 
 
-def follow(r):  # type: ignore[no-untyped-def]
+def follow(r):
     """Towards the set points, straight between them."""
     r[R_PHASE] += 1
     if r[R_PHASE] >= r[R_PERIOD]:
@@ -158,12 +158,12 @@ def follow(r):  # type: ignore[no-untyped-def]
         towards(r, r[R_TARGET], slope(r, head + (r[R_PHASE] + AHEAD) // r[R_PERIOD]))
 
 
-def point(r, number):  # type: ignore[no-untyped-def]
+def point(r, number):
     """A set point by its number."""
     return r[R_QUEUE + number % QUEUE]
 
 
-def slope(r, number):  # type: ignore[no-untyped-def]
+def slope(r, number):
     """Counts per second from a set point to the next; the last known where they have not come yet, 0 after the end."""
     if number >= r[R_LAST]:
         return 0
@@ -171,7 +171,7 @@ def slope(r, number):  # type: ignore[no-untyped-def]
     return (point(r, number + 1) - point(r, number)) * RATE // r[R_PERIOD]
 
 
-def towards(r, target, speed):  # type: ignore[no-untyped-def]
+def towards(r, target, speed):
     """Duty in proportion to the distance, and for the speed that the set points ask for."""
     away = target - r[R_POSITION]
     if speed == 0 and abs(away) <= STILL:
@@ -182,7 +182,7 @@ def towards(r, target, speed):  # type: ignore[no-untyped-def]
     r[R_DUTY] = 0 if wanted == 0 else (DEAD_DUTY + size if wanted > 0 else -DEAD_DUTY - size)
 
 
-def reverse(r):  # type: ignore[no-untyped-def]
+def reverse(r):
     """Duty that rises evenly in half of the half period, pauses at its top, and falls again; then the other way."""
     r[R_PHASE] += 1
     whole = r[R_HALF] + r[R_PAUSE]
@@ -197,7 +197,7 @@ def reverse(r):  # type: ignore[no-untyped-def]
         r[R_DUTY] = r[R_SIGN] * (r[R_RATE] * near // r[R_HALF])
 
 
-def glide(r):  # type: ignore[no-untyped-def]
+def glide(r):
     """Constant speed: the set point moves on from where it was, but never far from the table."""
     r[R_TARGET] += r[R_RATE]
     ahead = (r[R_TARGET] - r[R_POSITION] * RATE) // RATE
@@ -206,7 +206,7 @@ def glide(r):  # type: ignore[no-untyped-def]
     towards(r, r[R_TARGET] // RATE, r[R_RATE])
 
 
-def jog(r):  # type: ignore[no-untyped-def]
+def jog(r):
     """Constant speed until the time is over."""
     r[R_LEFT] -= 1
     if r[R_LEFT] < 0:
@@ -215,7 +215,7 @@ def jog(r):  # type: ignore[no-untyped-def]
         glide(r)
 
 
-def search(r):  # type: ignore[no-untyped-def]
+def search(r):
     """To and fro about the start, each turn twice as far as the one before, until the index is passed."""
     gone = (r[R_TARGET] // RATE - r[R_START]) * r[R_SIGN]
     if gone >= r[R_TURN]:
@@ -229,7 +229,7 @@ def search(r):  # type: ignore[no-untyped-def]
         glide(r)
 
 
-def stop(r):  # type: ignore[no-untyped-def]
+def stop(r):
     """Brake until the table stands."""
     r[R_DUTY] = 0
     r[R_LEFT] -= 1

@@ -82,7 +82,7 @@ tick = control.tick
 BOUND_WITH = (control.__name__,)  # the firmware's control is compiled with the plant
 
 
-def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, counts, truth):  # type: ignore[no-untyped-def]
+def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, counts, truth):
     """Step the plant until step number ``until``, and return how many rows of ``truth`` were written.
 
     ``m`` the `Constants`, ``y`` the plant's state, ``n`` its whole numbers, ``z`` the faults that hold, ``s`` the specimen's
@@ -108,7 +108,7 @@ def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, 
     return rows
 
 
-def drive(m, y, z, r):  # type: ignore[no-untyped-def]
+def drive(m, y, z, r):
     """The motor's speed after a step, and the screw's place."""
     duty, v, load = r[R_DUTY] / 255.0, y[Y_MOTOR], y[Y_FORCE] - (1.0 - STATIC_SHARE) * y[Y_REST]
     if y[Y_V] != 0.0:
@@ -127,7 +127,7 @@ def drive(m, y, z, r):  # type: ignore[no-untyped-def]
     y[Y_MOTOR] = v
 
 
-def coil(m, y, r):  # type: ignore[no-untyped-def]
+def coil(m, y, r):
     """The coil's current after a step at its voltage, and the heat in it."""
     enabled = control_enabled(r[R_STATE]) or not m.cut
     y[Y_COIL] = m.gain * y[Y_COMMAND] if enabled else 0.0
@@ -141,12 +141,12 @@ def coil(m, y, r):  # type: ignore[no-untyped-def]
     y[Y_INPUT] = u + (y[Y_INPUT] - u) * (exp(-m.dt / m.input_lag) if m.input_lag > 0.0 else 0.0)
 
 
-def control_enabled(state):  # type: ignore[no-untyped-def]
+def control_enabled(state):
     """Whether the Uno's enable line is high."""
     return 1 <= state <= 6
 
 
-def move(m, y, n, s, p, table, static, past, before):  # type: ignore[no-untyped-def]
+def move(m, y, n, s, p, table, static, past, before):
     """Screw, table and specimen over a step, the motor's speed ``before`` it given; return where the table was."""
     x0, v0, f0 = y[Y_X], y[Y_V], y[Y_FORCE]
     y[Y_SCREW] += 0.5 * (before + y[Y_MOTOR]) * m.dt
@@ -166,7 +166,7 @@ def move(m, y, n, s, p, table, static, past, before):  # type: ignore[no-untyped
     return x0
 
 
-def look_up(u, low, high, p, table, static):  # type: ignore[no-untyped-def]
+def look_up(u, low, high, p, table, static):
     """Fill ``p`` with the parameters at the input ``u``, and return the static force."""
     place = (u - low) / (high - low) * (table.shape[0] - 1) if high > low else 0.0
     k = min(int(place), table.shape[0] - 2)
@@ -177,7 +177,7 @@ def look_up(u, low, high, p, table, static):  # type: ignore[no-untyped-def]
     return rest
 
 
-def held_back(m, n, p, past, f):  # type: ignore[no-untyped-def]
+def held_back(m, n, p, past, f):
     """The force as it was a delay earlier, where the specimen delays."""
     if m.delay < 0:
         return f
@@ -189,7 +189,7 @@ def held_back(m, n, p, past, f):  # type: ignore[no-untyped-def]
     return late + (early - late) * (back - whole)
 
 
-def settle(m, y, dx, f0, rest):  # type: ignore[no-untyped-def]
+def settle(m, y, dx, f0, rest):
     """Works, warmth, and the load cell's filter after a step."""
     work = 0.5 * (f0 + y[Y_FORCE]) * dx
     cooled = m.cooling * (y[Y_TEMPERATURE] - m.room) * m.dt
@@ -202,7 +202,7 @@ def settle(m, y, dx, f0, rest):  # type: ignore[no-untyped-def]
     y[Y_CELL] = mean + (y[Y_CELL] - mean) * exp(-m.bandwidth * m.dt)
 
 
-def encode(m, y, n, z, x0):  # type: ignore[no-untyped-def]
+def encode(m, y, n, z, x0):
     """The encoder's count after a step, for both who count; a stuck one counts nothing and is behind afterwards."""
     shown = floor(y[Y_X] / m.pulse)
     change = shown - n[N_SHOWN]
@@ -215,7 +215,7 @@ def encode(m, y, n, z, x0):  # type: ignore[no-untyped-def]
     n[N_SHOWN] = shown
 
 
-def sample(m, y, n, x0, cell0, start, period, forces, counts):  # type: ignore[no-untyped-def]
+def sample(m, y, n, x0, cell0, start, period, forces, counts):
     """The samples that fall into the step just made."""
     now = n[N_STEP] * m.dt
     while n[N_TAKEN] < forces.size:
@@ -228,7 +228,7 @@ def sample(m, y, n, x0, cell0, start, period, forces, counts):  # type: ignore[n
         n[N_TAKEN] += 1
 
 
-def note(m, y, n, r, row):  # type: ignore[no-untyped-def]
+def note(m, y, n, r, row):
     """A row of the truth."""
     row[0], row[1], row[2], row[3] = n[N_STEP] * m.dt, y[Y_X], y[Y_V], y[Y_FORCE]
     row[4], row[5], row[6] = y[Y_COIL], y[Y_CURRENT], y[Y_TEMPERATURE]

@@ -1,0 +1,116 @@
+"""Compiled functions whose symbols can be mistaken for one another must be the same function.
+
+Numba makes a symbol of module, name, arguments and a number that it counts in each process; the linker takes what two kept
+kernels have of one symbol for one function. So what shares a name must share its text and all that the text reaches.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba.core.dispatcher import Dispatcher
+
+from dampyr.ground_motions import oscillator
+from dampyr.identification import algebra
+from dampyr.models import march, names, part
+from dampyr.models.composition import compose
+from dampyr.models.kernels import bind, kept
+from dampyr.rig.simulation import plant
+from dampyr.structures import two_storey
+from dampyr.structures.coupling import march as coupled
+from dampyr.structures.lanes.block import compiled
+from dampyr.structures.lanes.engine import engine
+
+PROBE = """
+import sys
+import numpy as np
+from dampyr.models import march, names, part
+from dampyr.models.composition import compose
+t = np.linspace(0.0, 1.0, 200)
+for name in sys.argv[1:]:
+    c = compose(name)
+    path = (t, 0.005 * np.sin(6.28 * t), 0.0314 * np.cos(6.28 * t), np.zeros(200))
+    P = len(c.parameters)
+    given = (np.linspace(1.0, 2.0, P), np.zeros(c.n_states), np.sin(t), np.ones(200), np.arange(P), np.ones((1, P)), 1.0)
+    sums = march.products_along(c, path, *given, np.array([200]))
+    hits = march.bind(march.march_products, (c,)).stats.cache_hits
+    print(repr(float(sums.sum())), sum(hits.values()))
+"""
+
+
+def probed(cache: Path, *names: str) -> list[list[str]]:
+    env = os.environ | {
+        "DAMPYR_CACHE": str(cache),
+        "PYTHONHASHSEED": "0",
+    }  # numba writes a set of flags into its symbols
+    done = subprocess.run([sys.executable, "-c", PROBE, *names], env=env, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return [line.split() for line in done.stdout.splitlines()]
+
+
+def test_kernels_that_processes_kept_apart_are_right_together(tmp_path: Path) -> None:
+    one, other = "dahl", "dahl + spring"
+    (first,), (second,) = probed(tmp_path, one), probed(tmp_path, other)
+    assert first[1] == second[1] == "0"
+    assert probed(tmp_path, one, other) == [[first[0], "1"], [second[0], "1"]]
+    assert probed(tmp_path, other, one) == [[second[0], "1"], [first[0], "1"]]
+
+
+def kernels() -> Iterator[Any]:
+    """Of every kind that is kept, those of several dampers."""
+    drivers = [march.march, march.march_columns, march.march_products, march.march_products_delayed, march.march_laws]
+    dampers = [
+        *(name for name in names() if part(name).force),
+        "dahl + spring",
+        "dahl + delay",
+        "bouc_wen + hyperbolic_tangent",
+        "dahl + compliance",
+    ]
+    for one in map(compose, dampers):
+        yield from (bind(driver, (one,)) for driver in (*drivers, plant.run, coupled))
+        yield bind(coupled, (one, compose("dahl")))
+        yield bind(coupled, (one,), "def decide(v): return v")
+    yield from (kept(f) for _, f in inspect.getmembers(algebra, inspect.isfunction))
+    yield kept(oscillator.march)
+    site = two_storey().connection(1)[None]
+    for name in ("dahl", "dahl + spring", "bouc_wen", "hyperbolic_tangent"):
+        for precision in (64, 32):
+            for together in (False, True):
+                given = engine(two_storey(), site, (compose(name),), 0.02, 4, ("drift",), precision, together)
+                yield compiled(given.text.source, given.compositions, precision, together)
+
+
+def content(function: Any) -> tuple[Any, ...]:
+    """What a function computes: its code, and by name what it reaches."""
+    code, names = function.py_func.__code__, function.py_func.__globals__
+    reached = tuple((name, _told(names[name])) for name in code.co_names if name in names)
+    return code.co_code, code.co_consts, code.co_varnames, repr(function.targetoptions.get("forceinline")), reached
+
+
+def _told(value: Any) -> Any:
+    if isinstance(value, Dispatcher):
+        return content(value)
+    return (type(value).__name__, value.tobytes()) if isinstance(value, np.generic) else repr(value)
+
+
+def everything(function: Any) -> Iterator[Any]:
+    yield function
+    for name in function.py_func.__code__.co_names:
+        if isinstance(called := function.py_func.__globals__.get(name), Dispatcher):
+            yield from everything(called)
+
+
+def test_functions_of_one_symbol_are_one_function() -> None:
+    known: dict[tuple[str, str], Any] = {}
+    for kernel in kernels():
+        for function in everything(kernel):
+            plain = function.py_func
+            assert known.setdefault((plain.__module__, plain.__qualname__), content(function)) == content(function)
+    assert len(known) > 300
