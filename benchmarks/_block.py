@@ -1,4 +1,4 @@
-"""One block of 64 histories of an engine, without what an ensemble does around it."""
+"""One block of histories of an engine, without what an ensemble does around it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import numpy as np
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper
 from dampyr.structures.building import Building
-from dampyr.structures.lanes.arithmetic import LANES
 from dampyr.structures.lanes.engine import Engine, engine
 from dampyr.structures.marching import connections
 from dampyr.structures.placement import place
@@ -19,7 +18,7 @@ from dampyr.structures.placement import place
 
 @dataclass(frozen=True)
 class Block:
-    """64 histories under one motion at scales from 0.5 to 1.5, the damper in storey 1."""
+    """Histories under one motion at scales from 0.5 to 1.5, the damper in storey 1."""
 
     engine: Engine
     run: Callable[[], Any]
@@ -39,7 +38,9 @@ def block(
     sites = place(building, {1: damper}, voltage, None, False)
     rows = connections(building, sites)
     made = engine(building, rows, tuple(site.composition for site in sites), motion.dt, m, quantities, precision)
-    grounds = [motion.acceleration * scale for scale in np.linspace(0.5, 1.5, LANES)]
-    values = [np.tile(site.values, (LANES, 1)) for site in sites]
-    rest = np.zeros((LANES, len(sites)))
-    return Block(made, lambda: made.run(grounds, values, rest), LANES * m * (len(motion.acceleration) - 1))
+    lanes = made.text.lanes
+    grounds, scales = [motion.acceleration] * lanes, np.linspace(0.5, 1.5, lanes)
+    values = [np.tile(site.values, (lanes, 1)) for site in sites]
+    rest = np.zeros((lanes, len(sites)))
+    steps = lanes * m * (len(motion.acceleration) - 1)
+    return Block(made, lambda: made.run(grounds, values, rest, scales=scales), steps)

@@ -101,14 +101,16 @@ def per_step(engine: Engine) -> Counter[str]:
     sheet = Sheet()
     _operators(sheet)
     names, rows = _names(engine, sheet), _Rows(sheet)
-    exec(engine.text.source, names)
+    exec(engine.text.source.replace(f"range({engine.text.lanes})", "range(1)"), names)
     given = {
-        "ag": [_Numbers(sheet, f"ground {k}", shared=False) for k in range(2)],
+        "g": {(k, 0): sheet.given(f"ground {k}", shared=False) for k in range(2)},
+        "who": [0],
+        "scale": [1.0],  # the ground is scaled once for all steps between two samples
         "t": _Numbers(sheet, "step", shared=True),
         "c": _Numbers(sheet, "coefficient", shared=True),
         "b": rows,
     }
-    counts = {"last": 1, "m": 1, "count": 1}  # one step of one history
+    counts = {"last": 1, "m": 1}  # one step of one history
     kernel = names["lanes"]
     kernel(**{name: given.get(name, counts.get(name, 0)) for name in inspect.signature(kernel).parameters})
     return _counted(rows.kept.values())
@@ -160,7 +162,7 @@ class _Numbers:
 
 
 class _Rows:
-    """The block of 64 histories, of which one is looked at."""
+    """The block of histories, of which one is looked at."""
 
     def __init__(self, sheet: Sheet) -> None:
         self.sheet = sheet

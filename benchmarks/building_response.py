@@ -28,9 +28,9 @@ def run(data: Path | None) -> list[Line]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # the published damper was calibrated on smaller motions
         for volts, reference in REFERENCES.items():
-            here: dict[str, Callable[[], float]] = {f"{volts:g} V: dampyr, strict": lambda volts=volts: peak(volts)}  # type: ignore[misc]
+            here: dict[str, Callable[[], float]] = {f"{volts:g} V: dampyr, strict": lambda volts=volts: peak(volts)}
             for rtol in TOLERANCES:
-                here[f"{volts:g} V: solve_ivp Radau, rtol {rtol:g}"] = lambda volts=volts, rtol=rtol: radau(volts, rtol)  # type: ignore[misc]
+                here[f"{volts:g} V: solve_ivp Radau, rtol {rtol:g}"] = lambda volts=volts, rtol=rtol: radau(volts, rtol)
             for name, contender in here.items():
                 found = contender()
                 errors[name] = f"{1e3 * found:.5f} mm, {found / reference - 1:+.0e} of {1e3 * reference:.4f} mm"

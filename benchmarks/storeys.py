@@ -18,7 +18,6 @@ from benchmarks._timing import race
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import el_centro
 from dampyr.structures import respond, shear_building
-from dampyr.structures.lanes.arithmetic import LANES
 from dampyr.studies import raminelli_2020
 
 STOREYS, MASS, STIFFNESS, VOLTAGE = 20, 2e4, 4e7, 1.0  # kg, N/m, V
@@ -44,7 +43,7 @@ def run(data: Path | None) -> list[Line]:
         "64 lanes, dense, stroke only": dense_step.run,
         "respond, one history": single,
     }
-    steps = dict.fromkeys(contenders, modal.steps) | {"respond, one history": modal.steps / LANES}
+    steps = dict.fromkeys(contenders, modal.steps) | {"respond, one history": modal.steps / modal.engine.text.lanes}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # the published damper was calibrated on smaller motions
         errors = _apart(modal.run(), dense.run())

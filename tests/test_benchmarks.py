@@ -10,10 +10,10 @@ import pytest
 from dampyr import catalogue
 
 ROOT = Path(__file__).resolve().parents[1]
-SOURCE = """def lanes(first, last, m, count, ag, t, c, b):
+SOURCE = """def lanes(first, last, m, ag, t, c, b):
     scale = c[0]*t[0]
     for i in range(first, last):
-        for l in range(count):
+        for l in range(64):
             x, y = b[0 + l], b[64 + l]
             low = x*y + scale
             twice = y*x*one
@@ -34,7 +34,7 @@ def bench(name: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 def test_operations_are_counted_once_and_only_if_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """x*y, + scale and the difference; the exponential of 0 is a number of all histories."""
     operations = bench("_operations", monkeypatch)
-    engine = SimpleNamespace(text=SimpleNamespace(source=SOURCE), compositions=())
+    engine = SimpleNamespace(text=SimpleNamespace(source=SOURCE, lanes=64), compositions=())
     assert operations.total(engine) == 3
     assert operations.per_step(engine)["min"] == 1
 
@@ -44,7 +44,7 @@ def test_bits_and_signs_cost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     source = SOURCE.replace("low + zero", "copysign(x, y)").replace(
         "min(twice - low, exp(zero*x))", "whole(real(x).view(whole) + 7).view(real)"
     )
-    engine = SimpleNamespace(text=SimpleNamespace(source=source), compositions=())
+    engine = SimpleNamespace(text=SimpleNamespace(source=source, lanes=64), compositions=())
     assert operations.total(engine) == 0
     assert operations.per_step(engine)["+ of whole numbers"] == 1
 

@@ -63,6 +63,7 @@ def reference() -> np.ndarray:
     return np.array(y).T
 
 
+@pytest.mark.prove  # its kernels take long to compile
 def test_three_dampers_and_a_brace_equal_a_stiff_reference(reference):
     size = np.abs(reference[:3]).max()
     response = respond(BUILDING, MOTION, PLACED, voltage=0.0)
@@ -72,6 +73,7 @@ def test_three_dampers_and_a_brace_equal_a_stiff_reference(reference):
     np.testing.assert_allclose(response.force[0], BRACE * reference[6], atol=1e-3 * BRACE * np.abs(reference[6]).max())
 
 
+@pytest.mark.prove  # its kernels take long to compile
 def test_the_error_falls_with_the_step_to_the_reference(reference):
     size = np.abs(reference[:3]).max()
     errors = [

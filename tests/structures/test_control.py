@@ -235,6 +235,7 @@ def test_a_mass_in_the_damper_answers_its_jumps(damper):
     assert 0.2 < np.mean(found.input > 0) < 0.8
 
 
+@pytest.mark.prove  # its kernels take long to compile
 def test_a_law_of_ones_own_may_not_leave_its_bounds(damper):
     with pytest.raises(
         InputError, match=r"the law in storey 1 asked for 3.312; it must stay between its low = 0 and high"
@@ -242,6 +243,7 @@ def test_a_law_of_ones_own_may_not_leave_its_bounds(damper):
         respond(two_storey(), short(2.0), {1: damper}, voltage=Follow(bias=0.1))
 
 
+@pytest.mark.prove  # its kernels take long to compile
 def test_laws_numbers_and_clocks_side_by_side(damper):
     """Each site has its own: a law with nothing to choose, at another period, beside a number changes nothing."""
     slow = control_law("skyhook", low=1.0, high=1.0, period=0.04)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from mmap import mmap
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -13,12 +17,14 @@ from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.models.composition import compose
-from dampyr.structures import ensemble, respond, shear_building, two_storey
+from dampyr.structures import Building, control_law, ensemble, read_ensemble, respond, shear_building, two_storey
 from dampyr.structures.cases import cases
 from dampyr.structures.ensemble import run
+from dampyr.structures.lanes.coordinates import classical_modes
 from dampyr.structures.lanes.engine import engine
 from dampyr.structures.marching import connections
 from dampyr.structures.shards import run_shard
+from dampyr.structures.store import progress_of
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.DampyrWarning")
 
@@ -80,8 +86,29 @@ def test_bit_identical_however_it_is_cut(cubics: Damper, motions: list[GroundMot
             np.testing.assert_array_equal(np.concatenate([p[quantity] for p in parts]), values)
 
 
-def test_modal_and_dense_agree(monkeypatch: pytest.MonkeyPatch, cubics: Damper) -> None:
-    building = shear_building([1e3] * 5, [2e6] * 5, damping_ratio=0.03)
+@pytest.mark.parametrize(
+    ("lines", "scales", "shards"), [(1, 100_000, 1), (21, 2400, 21), (100, 10, 1), (1000, 10, 4), (10_000, 100, 123)]
+)
+def test_shards_are_many_enough_to_share_out_and_worth_their_beginning(lines: int, scales: int, shards: int) -> None:
+    what = cases(two_storey(), el_centro(), [None] * lines, None, np.linspace(0.1, 2.0, scales))
+    assert what.shards() == shards
+    found = [what.lines_of(k, shards) for k in range(shards)]
+    assert all(found)
+    assert sum(map(len, found)) == lines
+
+
+def test_shards_under_laws_are_small(cubics: Damper) -> None:
+    """A case under a law takes as long as thousands without."""
+    laws = [control_law("on_off", high=2.0), 0.0]
+    assert cases(two_storey(), el_centro(), [cubics] * 20, laws, [1.0, 2.0]).shards() == 10
+
+
+@pytest.mark.parametrize("dashpot", [0.0, 2e3])  # in the second storey: with it the modes are complex
+def test_modal_and_dense_agree(monkeypatch: pytest.MonkeyPatch, cubics: Damper, dashpot: float) -> None:
+    classical = shear_building([1e3] * 5, [2e6] * 5, damping_ratio=0.03)
+    row = classical.connection(2)
+    building = Building(classical.M, classical.C + dashpot * np.outer(row, row), classical.K)
+    assert (classical_modes(building) is None) == bool(dashpot)
     given = (building, el_centro(), {1: cubics, 3: cubics}, [1.0], [1.0, 2.0])
     modal = ensemble(*given)
     monkeypatch.setattr("dampyr.structures.lanes.engine.basis_of", lambda _: None)
@@ -105,11 +132,61 @@ def test_a_killed_run_goes_on(cubics: Damper, tmp_path: Path, monkeypatch: pytes
             ensemble(*given, pool, out=tmp_path / "e.h5", progress=killed)
         assert told == [(8, 32), (16, 32)]
         again: list[tuple[int, int]] = []
+        monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 16)  # the file goes on as it was begun
         found = ensemble(*given, pool, out=tmp_path / "e.h5", progress=lambda *now: again.append(now))
     assert again == [(24, 32), (32, 32)]
+    monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 8)  # the error is measured in every shard
     assert found.identical(ensemble(*given))
     with pytest.raises(FileError, match="holds another ensemble"):
         ensemble(*given[:3], [0.0], out=tmp_path / "e.h5")
+
+
+RUN = """
+import sys
+from concurrent.futures import ThreadPoolExecutor
+import numpy as np
+from dampyr.ground_motions import kanai_tajimi
+from dampyr.structures import cases, ensemble, two_storey
+cases.CASES_PER_SHARD = 16
+print("ready", flush=True)
+found = ensemble(
+    two_storey(), [kanai_tajimi(9.0, 0.02, seed=k, pga=3.0) for k in range(300)], scales=np.linspace(0.1, 2.0, 16),
+    executor=ThreadPoolExecutor(1), out=sys.argv[1], progress=lambda done, size: print(done, flush=True),
+)
+print(found.drift.sum().item(), found.attrs["error_estimate"])
+"""
+
+
+@pytest.mark.prove
+def test_a_run_that_is_killed_again_and_again_ends_like_any_other(tmp_path: Path) -> None:
+    """Kills 0 to 20 ms after the file is begun or a shard is told: while files are made, values written, shards marked."""
+    expected = subprocess.run([sys.executable, "-c", RUN, str(tmp_path / "whole.h5")], capture_output=True, text=True)
+    path, rng, before = tmp_path / "e.h5", np.random.default_rng(3), 0
+    for k in range(25):
+        with subprocess.Popen([sys.executable, "-c", RUN, str(path)], stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout.readline() == "ready\n"
+            first = int(process.stdout.readline()) if k >= 5 else 0  # the file is there
+            time.sleep(rng.uniform(0.0, 0.02))
+            process.kill()
+        assert first >= before, "what was there is done again"
+        before = max(first, before)
+    done, shards = progress_of(path)
+    assert 0 < done < shards
+    ended = subprocess.run([sys.executable, "-c", RUN, str(path)], capture_output=True, text=True)
+    assert ended.stdout.splitlines()[-1] == expected.stdout.splitlines()[-1] != "", ended.stderr
+    assert not list(tmp_path.glob(".*.part"))
+
+
+def test_large_results_stay_in_their_file(
+    cubics: Damper, motions: list[GroundMotion], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = (two_storey(), motions, [cubics, None], [0.0, 1.0], [0.5, 2.0])
+    small = ensemble(*given, out=tmp_path / "small.h5")
+    monkeypatch.setattr("dampyr.structures.store.MAPPED", 0)
+    large, again = ensemble(*given, out=tmp_path / "large.h5"), read_ensemble(tmp_path / "small.h5")
+    for found in (large, again):
+        assert found.identical(small)
+        assert all(isinstance(found[q].variable._data.base, np.memmap | mmap) for q in found.data_vars)
 
 
 HELD = {
@@ -156,6 +233,7 @@ def test_a_delay_of_nothing_is_no_delay() -> None:
     np.testing.assert_array_equal(found.drift[:, 0], found.drift[:, 1])
 
 
+@pytest.mark.prove  # its kernels take long to compile
 def test_several_dampers_of_different_kinds() -> None:
     placement = {1: [of("dahl"), of("hyperbolic_tangent")], 2: of("dahl + delay")}
     motion = GroundMotion(el_centro().acceleration[:400], 0.02)

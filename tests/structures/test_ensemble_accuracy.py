@@ -7,7 +7,7 @@ import pytest
 
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
-from dampyr.structures import respond, two_storey
+from dampyr.structures import ensemble, respond, two_storey
 from dampyr.structures.cases import STEPS, cases
 from dampyr.structures.lanes.engine import engine
 from dampyr.structures.marching import connections
@@ -79,3 +79,24 @@ def test_strict_holds_in_thousands_of_random_cases(cubics: Damper) -> None:
         error, k = worst(cubics, given, "strict")
         print(f"{motion.name[:40]}: {error:.2e} at {given[k][1]:.3f} V x {given[k][2]:.3f}")
         assert error < LIMIT, given[k]
+
+
+@pytest.mark.prove
+def test_how_far_single_cases_of_many_are_off(cubics: Damper, monkeypatch: pytest.MonkeyPatch) -> None:
+    """10,000 cases as of a million: drawn dampers, noise that holds their resonance, strong and weak. What the docs say."""
+    spread = np.exp(0.1 * np.random.default_rng(1).standard_normal((100, 3)))
+    values = cubics.values(1.0, static=False)
+    drawn = [Damper("dahl", dict(zip(cubics.laws, map(float, values * row)))) for row in spread]
+    motions = [kanai_tajimi(30.0, 0.02, seed=k, pga=4.0, rest=0.0) for k in range(20)]
+    given = (two_storey(), motions, drawn, 0.0, [0.05, 0.15, 0.45, 1.0, 2.0])
+    found = {accuracy: ensemble(*given, accuracy=accuracy) for accuracy in STEPS}
+    monkeypatch.setitem(STEPS, "strict", 0.05)
+    reference = ensemble(*given, accuracy="strict")
+    limits = {"fast": (1e-3, 0.015, 0.015, 0.12), "strict": (1e-4, 2e-3, 1e-3, 0.025)}
+    for accuracy, bounds in limits.items():
+        for names, typical, most in ((JUDGED, *bounds[:2]), (("acceleration",), *bounds[2:])):
+            errors = np.concatenate([np.abs(found[accuracy][q] / reference[q] - 1.0).values.ravel() for q in names])
+            ninety, largest = np.quantile(errors, 0.9), errors.max()
+            print(f"{accuracy}, {' and '.join(names)}: 90 % of cases within {ninety:.1e}, the worst {largest:.1e}")
+            assert ninety < typical
+            assert largest < most

@@ -73,6 +73,7 @@ def test_two_dampers_side_by_side_are_one_twice_as_strong(cubics):
     assert pair.base_shear == pytest.approx(one.base_shear, abs=1e-6)
 
 
+@pytest.mark.prove
 def test_rate_dependent_damper_equals_a_stiff_reference(tangent, stiff_reference):
     c, ft, v0, s = tangent.values(0.0)
     motion = short(2.6)
@@ -138,6 +139,7 @@ def delayed_reference(building, motion, damper, until, h):
     return top
 
 
+@pytest.mark.prove
 def test_delayed_damper_equals_the_method_of_steps(late):
     motion = short(3.0)
     expected = delayed_reference(two_storey(), motion, late, 3.0, 0.0001)
@@ -151,6 +153,7 @@ def test_delayed_damper_equals_the_method_of_steps(late):
     assert abs(other.peak_displacement[0] / expected[0] - 1) > 0.01  # the delay does matter here
 
 
+@pytest.mark.prove
 def test_delay_may_differ_between_dampers(late, cubics):
     response = respond(two_storey(), short(2.0), {1: late, 2: cubics}, voltage=0.0)
     fine = respond(two_storey(), short(2.0), {1: late, 2: cubics}, voltage=0.0, step=0.0001)

@@ -57,6 +57,7 @@ def test_the_laboratory_model_has_storey_elements():
     assert model.frequencies == pytest.approx([1.687, 4.626], abs=5e-4)
 
 
+@pytest.mark.prove
 def test_twenty_storeys_with_several_dampers(cubics, tangent):
     building = shear_building([2e4] * 20, np.linspace(40e6, 15e6, 20), damping_ratio=(0.02, 0.03), modes=(1, 4))
     motion = GroundMotion(np.asarray(el_centro().acceleration)[:151], 0.02, "start of El Centro")

@@ -75,7 +75,7 @@ class Building:
     @property
     def frequencies(self) -> Array:
         """Undamped natural frequencies (n,) [Hz], rising."""
-        return np.sqrt(np.maximum(self._modes()[0], 0.0)) / (2 * np.pi)
+        return np.sqrt(np.maximum(self.modes()[0], 0.0)) / (2 * np.pi)
 
     @property
     def damping_ratios(self) -> Array:
@@ -85,12 +85,13 @@ class Building:
         Off-diagonal modal damping, which a C that is not classical has, is left out of this figure (never
         out of a response). A mode without stiffness has none: nan.
         """
-        square, modes = self._modes()
+        square, modes = self.modes()
         modal = np.einsum("ij,ik,kj->j", modes, np.asarray(self.C), modes)
         free = square <= 1e-12 * square[-1]
         return np.where(free, np.nan, modal / (2 * np.sqrt(np.where(free, 1.0, square))))
 
-    def _modes(self) -> tuple[Array, Array]:
+    def modes(self) -> tuple[Array, Array]:
+        """Squared angular frequencies (n,) [rad2/s2], rising, and mass-normalised undamped modes (n, n) as columns."""
         from scipy.linalg import eigh
 
         values, vectors = eigh(self.K, self.M)

@@ -28,6 +28,7 @@ from dampyr.structures.placement import Site, place
 Array = NDArray[np.float64]
 STEPS = {"fast": 1.0, "strict": 0.4}  # of the longest step that the rule allows
 CASES_PER_SHARD = 8192
+SHARDS, FEWEST_CASES, FEWEST_UNDER_LAWS = 32, 2048, 8  # shards to share out, where each has so many cases or more
 AXES = ("building", "damper", "input", "motion", "scale")
 
 
@@ -81,8 +82,11 @@ class Cases:
         return tuple(int(k) for k in np.unravel_index(number, self.shape[:-1]))  # type: ignore[return-value]
 
     def shards(self) -> int:
-        """Into how many pieces the work is cut by default."""
-        return max(1, -(-self.size // (CASES_PER_SHARD if self.device == "cpu" else 8 * CASES_PER_SHARD)))
+        """Into how many pieces the work is cut by default: so many that cores end together, each worth its beginning."""
+        if self.device == "gpu":
+            return min(self.lines, -(-self.size // (8 * CASES_PER_SHARD)))
+        fewest = FEWEST_UNDER_LAWS if any(map(is_control_law, self.inputs)) else FEWEST_CASES
+        return min(self.lines, max(-(-self.size // CASES_PER_SHARD), min(SHARDS, self.size // fewest)))
 
     def lines_of(self, shard: int, shards: int) -> range:
         """The lines of one of ``shards`` pieces."""

@@ -56,14 +56,16 @@ def ensemble(
     scales : factors of the motions, one or a list.
     executor : anything with ``submit`` of :class:`concurrent.futures.Executor`; default: one thread per core (the kernels
         need no lock). The numbers are the same to the last bit, whoever runs them.
-    accuracy : "fast" (below 0.1 % of the peak in the standard suite, up to 0.5 % for small motions at high voltage) or
-        "strict" (below 0.1 % in 6,000 random cases; 2.5 times as long). Under control laws the step of each
-        case is halved until its peaks stand still, as `respond` does to the same words. Peak accelerations are less sharp.
+    accuracy : "fast" (below 0.1 % of the peak in the standard suite, about 1 % in the worst of small motions) or "strict"
+        (below 0.1 % in 6,000 random cases, 0.2 % in the worst of small motions; 2.5 times as long). Peak accelerations are
+        less sharp. Under control laws the step of each case is halved until its peaks stand still, as `respond` does to the
+        same words.
     quantities : which of displacement, drift [m], acceleration [m/s2] (absolute), force [N], stroke [m] and energy [J] (what
         a damper took) are kept. Fewer are faster.
     precision : 64 or 32 bits; 32 runs twice as fast and is good for about four digits.
     device : "cpu", or "gpu" for a graphics card with CUDA (extra ``gpu``; buildings of up to two floors).
-    out : write to this HDF5 file as shards are done; a run that was interrupted goes on where it stopped.
+    out : write to this HDF5 file as shards are done; a run that was interrupted goes on where it stopped. Where a quantity has
+        more than 256 MB its values stay in the file and are read where they are looked at.
     progress : called with the number of cases that are done and of all.
 
     Peaks are those of the motion itself, between steps too. ``attrs`` hold the measured error, how many cases it was

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from dampyr.errors import FileError, InputError
 from dampyr.structures.cases import Cases
 from dampyr.structures.ensemble import Progress, completed, warn_of
 from dampyr.structures.labels import Labels
-from dampyr.structures.store import FORMAT, TOLD, attributes, describe
+from dampyr.structures.store import FORMAT, TOLD, attributes, describe, read_ensemble, room
 from dampyr.whole import whole_file
 
 Array = NDArray[np.float64]
@@ -103,38 +103,47 @@ def collect(folder: str | Path, out: str | Path | None = None) -> Any:
     paths = _all_there(Path(folder))
     with _opened(paths[0]) as first:
         digest, labels = first.attrs["digest"], Labels.read(first["labels"].asstr()[()])
-        quantities = [str(quantity) for quantity in first.attrs["quantities"]]
+        shapes = {str(q): (int(np.prod(labels.shape[:-1])), *first[q].shape[1:]) for q in first.attrs["quantities"]}
         made = (str(first.attrs["accuracy"]), int(first.attrs["precision"]))
-    rows: dict[str, list[Array]] = {quantity: [] for quantity in quantities}
-    told = []
     for path in paths:
         with _opened(path) as file:
             if file.attrs["digest"] != digest:
                 raise FileError(path, f"does not belong to {paths[0].name}: its cases are others; compute it again")
-            told.append(file["told"][:])
-            for quantity in quantities:
-                rows[quantity].append(file[quantity][:])
-    values = {quantity: np.concatenate(each) for quantity, each in rows.items()}
-    sums = np.concatenate(told)
     if out is not None:
-        _write_whole(Path(out), paths[0], values, sums)
-    found = labels.dataset(values, attributes(sums, *made, int(np.prod(labels.shape))))
+        _write_whole(Path(out), paths, shapes)
+        found = read_ensemble(out)
+    else:
+        values = {quantity: np.empty(shape) for quantity, shape in shapes.items()}
+        found = labels.dataset(values, attributes(_joined(paths, values), *made, int(np.prod(labels.shape))))
     warn_of(found)
     return found
 
 
-def _write_whole(out: Path, like: Path, values: dict[str, Array], told: Array) -> None:
+def _joined(paths: Sequence[Path], values: Mapping[str, Any]) -> Array:
+    """Put what the parts hold into ``values`` (arrays or datasets), a part at a time; what was told of all shards."""
+    told, first = [], 0
+    for path in paths:
+        with _opened(path) as file:
+            told.append(file["told"][:])
+            for quantity, all_rows in values.items():
+                rows = file[quantity][:]
+                all_rows[first : first + len(rows)] = rows
+            first += len(rows)
+    return np.concatenate(told)
+
+
+def _write_whole(out: Path, paths: Sequence[Path], shapes: Mapping[str, tuple[int, ...]]) -> None:
     """A file as the ensemble itself would have written, for `read_ensemble`."""
     import h5py
 
-    with whole_file(out) as beside, h5py.File(beside, "w") as file, _opened(like) as first:
-        for name in ("format", "digest", "quantities", "accuracy", "precision"):
-            file.attrs[name] = first.attrs[name]
+    with whole_file(out) as beside, h5py.File(beside, "w") as file:
+        with _opened(paths[0]) as first:
+            for name in ("format", "digest", "quantities", "accuracy", "precision"):
+                file.attrs[name] = first.attrs[name]
+            file["labels"] = first["labels"].asstr()[()]
+        told = _joined(paths, {quantity: room(file, quantity, shape) for quantity, shape in shapes.items()})
         file.attrs["shards"] = len(told)
-        file["labels"] = first["labels"].asstr()[()]
         file["told"], file["done"] = told, np.ones(len(told), dtype=bool)
-        for quantity, found in values.items():
-            file[quantity] = found
 
 
 def _all_there(folder: Path) -> list[Path]:

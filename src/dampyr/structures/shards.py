@@ -1,12 +1,12 @@
-r"""One shard of an ensemble: its cases sorted into blocks of 64 that march together, some blocks handed over at a time.
+r"""One shard of an ensemble: its cases sorted into blocks that march together, some blocks handed over at a time.
 
 The step is that of the rule: no longer than 5 ms, :math:`\omega_s h \le 1` and :math:`\lambda h \le 2` with
 :math:`\omega_s^2` and :math:`\lambda` the largest slopes of the dampers at rest by stroke and by rate, over the mass that they
 move; 0.4 of it where the accuracy is "strict". How large the error is in fact is measured: the first block of every kind of
 case in a shard is marched again with half the step.
 
-Every block is 64 lanes wide, filled or not, and a lane does not see its neighbours: the numbers do not depend on how the work
-was shared out.
+Every block of a precision is equally wide (64 or 128 lanes), filled or not, and a lane does not see its neighbours: the numbers
+do not depend on how the work was shared out.
 """
 
 from __future__ import annotations
@@ -26,7 +26,6 @@ from dampyr.structures.building import Building
 from dampyr.structures.cases import STEPS, Cases
 from dampyr.structures.control_law import lag_of, parts
 from dampyr.structures.lanes import flow
-from dampyr.structures.lanes.arithmetic import LANES
 from dampyr.structures.lanes.engine import Engine, engine, takes
 from dampyr.structures.lanes.gpu import engine as gpu_engine
 from dampyr.structures.marching import Run, connections, runner
@@ -42,12 +41,13 @@ JUDGED = ("displacement", "drift")
 
 @dataclass
 class Shard:
-    """What came of some lines: ``values`` quantity -> (lines, scales, width), NaN where a building has no such storey.
+    """What came of shard ``number``: ``values`` quantity -> (lines, scales, width), NaN where a building has no such storey.
 
     ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases; ``unbounded`` counts
     cases that grew without bound; ``general`` counts those that no engine takes.
     """
 
+    number: int
     lines: range
     values: dict[str, Array]
     error: float = 0.0
@@ -59,7 +59,8 @@ class Shard:
 def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
     """Shard number ``shard`` of ``shards``: a pure function of its arguments, for any process on any machine."""
     lines = cases.lines_of(shard, shards)
-    done = Shard(lines, {q: np.full((len(lines), len(cases.scales), cases.width(q)), np.nan) for q in cases.quantities})
+    empty = {q: np.full((len(lines), len(cases.scales), cases.width(q)), np.nan) for q in cases.quantities}
+    done = Shard(shard, lines, empty)
     for kind, members in _kinds(cases, lines).items():
         if kind[-1] is None:
             _one_by_one(cases, members, done)
@@ -157,7 +158,7 @@ def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done:
         found = lot.march(made, who, cases.scales[scale])
         _store(lot.rows[who], scale, found, done)
         if first == 0:
-            few, finer = slice(LANES), _made(cases, kind, members[0].sites, 2 * m)
+            few, finer = slice(made.text.lanes), _made(cases, kind, members[0].sites, 2 * m)
             _judge({q: v[few] for q, v in found.items()}, lot.march(finer, who[few], cases.scales[scale[few]]), done)
 
 

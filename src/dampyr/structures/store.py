@@ -12,9 +12,11 @@ from dampyr.errors import FileError
 from dampyr.structures.cases import Cases
 from dampyr.structures.labels import Labels
 from dampyr.structures.shards import Shard
+from dampyr.whole import whole_file
 
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"
+MAPPED = 2**28  # bytes of a quantity from which it stays in the file
 TOLD = ("error", "judged", "unbounded", "general")
 
 
@@ -24,13 +26,13 @@ class Store:
     def __init__(self, what: Cases, path: str | Path | None) -> None:
         self.what, self.shards = what, what.shards()
         self.labels = Labels.of(what)
-        self.told = np.zeros((self.shards, len(TOLD)))
         self.file: Any = None
         self.path = None if path is None else Path(path)
         if self.path is None:
             self.values: dict[str, Any] = {q: np.full(self._shape(q), np.nan) for q in what.quantities}
         else:
             self._open(self.path)
+        self.told = np.zeros((self.shards, len(TOLD))) if self.file is None else self.file["told"][:]
 
     def _shape(self, quantity: str) -> tuple[int, int, int]:
         return self.what.lines, len(self.what.scales), self.what.width(quantity)
@@ -38,29 +40,27 @@ class Store:
     def _open(self, path: Path) -> None:
         import h5py
 
-        new = not path.exists()
         try:
-            self.file = h5py.File(path, "a")
+            if not path.exists():
+                with whole_file(path) as beside, h5py.File(beside, "w") as file:
+                    self._prepare(file)
+            self.file = h5py.File(path, "r+")
         except OSError as error:
             raise FileError(path, f"cannot be opened as an ensemble ({error}); choose another file") from None
-        if new:
-            self._prepare()
-        elif self.file.attrs.get("digest") != self.what.digest or self.file.attrs.get("shards") != self.shards:
+        if self.file.attrs.get("digest") != self.what.digest:
             self.file.close()
             raise FileError(path, "holds another ensemble; choose another file, or remove this one")
+        self.shards = int(self.file.attrs["shards"])  # as the file was begun
         self.values = {q: self.file[q] for q in self.what.quantities}
         self.done = self.file["done"]
-        self.told[:] = self.file["told"][:]
 
-    def _prepare(self) -> None:
+    def _prepare(self, file: Any) -> None:
         for quantity in self.what.quantities:
-            shape = self._shape(quantity)
-            self.file.create_dataset(quantity, shape, "f8", fillvalue=np.nan, chunks=True)
-        self.file["done"] = np.zeros(self.shards, dtype=bool)
-        self.file["told"] = self.told
-        describe(self.file, self.what, self.labels)
-        self.file.attrs["shards"] = self.shards
-        self.file.flush()
+            room(file, quantity, self._shape(quantity))
+        file["done"] = np.zeros(self.shards, dtype=bool)
+        file["told"] = np.zeros((self.shards, len(TOLD)))
+        describe(file, self.what, self.labels)
+        file.attrs["shards"] = self.shards
 
     def missing(self) -> list[int]:
         """The shards that are still to do."""
@@ -70,20 +70,19 @@ class Store:
 
     def put(self, shard: Shard) -> None:
         """Keep a shard; it counts as done only after its values are written."""
-        number = next(k for k in range(self.shards) if self.what.lines_of(k, self.shards) == shard.lines)
         for quantity, values in shard.values.items():
             self.values[quantity][shard.lines.start : shard.lines.stop] = values
-        self.told[number] = [getattr(shard, name) for name in TOLD]
+        self.told[shard.number] = [getattr(shard, name) for name in TOLD]
         if self.file is not None:
-            self.file["told"][number] = self.told[number]
+            self.file["told"][shard.number] = self.told[shard.number]
             self.file.flush()
-            self.done[number] = True
+            self.done[shard.number] = True
             self.file.flush()
 
     def close(self) -> None:
         """Let go of the file."""
         if self.file is not None:
-            self.values = {q: values[:] for q, values in self.values.items()} if self._complete() else {}
+            self.values = {q: held(values) for q, values in self.values.items()} if self._complete() else {}
             self.file.close()
 
     def _complete(self) -> bool:
@@ -93,6 +92,24 @@ class Store:
         """All values with labels, and what was measured of them."""
         made = (self.what.accuracy, self.what.precision)
         return self.labels.dataset(dict(self.values), attributes(self.told, *made, self.what.size))
+
+
+def room(file: Any, quantity: str, shape: tuple[int, ...]) -> Any:
+    """A dataset of NaN that lies in one piece at its full length from the beginning: a kill can only leave NaN in it."""
+    import h5py
+
+    how = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    how.set_layout(h5py.h5d.CONTIGUOUS)
+    how.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    how.set_fill_value(np.array(np.nan))
+    return file.create_dataset(quantity, shape, "f8", dcpl=how)
+
+
+def held(dataset: Any) -> Array:
+    """The values of a dataset: in memory, or, where they are many, in the file and read where they are looked at."""
+    if dataset.nbytes < MAPPED or (offset := dataset.id.get_offset()) is None:
+        return np.asarray(dataset[:])
+    return np.memmap(dataset.file.filename, dataset.dtype, "r", offset, dataset.shape)
 
 
 def describe(file: Any, what: Cases, labels: Labels) -> None:
@@ -142,7 +159,7 @@ def read_ensemble(path: str | Path) -> Any:
                 f"is not finished: {done.sum()} of {done.size} shards are there; run the same ensemble again with it",
             )
         labels = Labels.read(file["labels"].asstr()[()])
-        values = {quantity: file[quantity][:] for quantity in file.attrs["quantities"]}
+        values = {quantity: held(file[quantity]) for quantity in file.attrs["quantities"]}
         made = (str(file.attrs["accuracy"]), int(file.attrs["precision"]), int(np.prod(labels.shape)))
         return labels.dataset(values, attributes(file["told"][:], *made))
 

@@ -1,8 +1,34 @@
 """Published studies run again, the published value beside ours, and the demonstration of the whole chain."""
 
+from __future__ import annotations
+
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 from dampyr import catalogue
+
+if TYPE_CHECKING:
+    from dampyr.models import Damper
+
+THESIS = "raminelli_2020"
+
+
+def damper_names() -> list[str]:
+    """The names of all published dampers: the dissertation's, then those of `dampyr.models.published`."""
+    from dampyr.models import published
+
+    return [THESIS, *published.names()]
+
+
+def published_damper(name: str) -> Damper:
+    """The published damper of this name; :class:`~dampyr.errors.InputError` with the known names if there is none."""
+    from dampyr.models import published
+
+    if name != THESIS:
+        return published.damper(name)
+    from dampyr.studies import raminelli_2020
+
+    return raminelli_2020.damper()
 
 
 def __getattr__(name: str) -> ModuleType:

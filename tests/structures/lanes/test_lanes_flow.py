@@ -79,6 +79,7 @@ def test_it_is_what_a_stiff_integration_finds(walk, y, xi, n, c):
 
 
 @pytest.mark.parametrize(("n", "sigma"), [(1.0, 1.0), (1.5, 0.5), (2.0, 0.8), (3.0, 1.2)])
+@pytest.mark.prove
 def test_peaks_are_those_of_the_exact_state(n, sigma):
     def peaks():
         with ThreadPoolExecutor(1) as one:

@@ -1,4 +1,4 @@
-"""Kernels made of their text, and blocks of 64 histories taken through them."""
+"""Kernels made of their text, and blocks of histories taken through them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.models.composition import Composition, namespace_of
-from dampyr.models.kernels import jit
+from dampyr.models.kernels import jit, named
 from dampyr.structures.lanes import arithmetic, flow
 
 FAST = {"contract", "nsz", "arcp", "nnan", "ninf"}
@@ -28,9 +28,7 @@ def compiled(source: str, compositions: tuple[Composition, ...], precision: int,
     names = _parts(text, precision)
     exec(compile(source, "<lanes>", "exec"), names)
     key = hashlib.sha256(f"{source}{text}{precision}".encode()).hexdigest()[:16]
-    plain = names["lanes"]
-    plain.__module__, plain.__qualname__ = __name__, f"lanes.{key}"
-    return jit(plain, keep=True, flags=FAST)
+    return jit(named(names["lanes"], __name__, key), keep=True, flags=FAST)
 
 
 def _parts(text: str, precision: int) -> dict[str, Any]:
@@ -47,9 +45,11 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
         | {name: kind(value) for name, value in numbers.found.items()}
     )
     exec(compile(ast.fix_missing_locations(tree), "<parts>", "exec"), names)
+    key = hashlib.sha256(f"{text}{precision}".encode()).hexdigest()[:16]
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):
-            names[name] = njit(forceinline=_straight(tree, name), fastmath=FAST, error_model="numpy")(value)
+            options = {"forceinline": _straight(tree, name), "fastmath": FAST, "error_model": "numpy"}
+            names[name] = njit(**options)(named(value, __name__, key))
     return (
         names
         | {name: kind(value) for name, value in CONSTANTS.items()}

@@ -3,8 +3,9 @@ r"""The building's step in the coordinates in which a kernel takes it, and what 
 .. math:: \zeta_1 = \Phi \zeta_0 + g_0 a_0 + g_1 a_1 + P_0 f_0 + P_h f_h + P_1 f_1
 
 with the ground's acceleration linear and the dampers' forces quadratic over the step (see `dampyr.structures.propagator`).
-Up to two degrees of freedom the state is displacements and velocities; beyond, it is that of the building's complex modes, in
-real pairs, so that :math:`\Phi` has blocks of two and the cost grows with the number of modes and not with its square.
+Up to two degrees of freedom the state is displacements and velocities; beyond, it is that of the building's modes, so that
+:math:`\Phi` has blocks of two and the cost grows with the number of modes and not with its square: amplitude and rate of each
+mode where the damping is classical, and otherwise the complex modes in real pairs.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from dampyr.structures.propagator import system, transition
 
 Array = NDArray[np.float64]
 DENSE_UP_TO = 2  # degrees of freedom
+COUPLED = 1e-12  # of the largest entry of the modal damping: what rounding leaves beside the diagonal
 WORST_CONDITION = 1e6  # of the modes; beyond it two of them are nearly one, and the dense form is used
 
 
@@ -62,7 +64,18 @@ def _clean(end: Array, basis: Array | None) -> Array:
     return end
 
 
-def modes(building: Building) -> Array | None:
+def classical_modes(building: Building) -> Array | None:
+    """Displacement and velocity of each undamped mode in turn (2n, 2n), or None where the damping couples modes."""
+    n, (_, shapes) = building.n, building.modes()
+    damping = shapes.T @ building.C @ shapes
+    if np.max(np.abs(damping - np.diag(np.diag(damping)))) > COUPLED * np.max(np.abs(damping), initial=0.0):
+        return None
+    basis = np.zeros((2 * n, 2 * n))
+    basis[:n, 0::2] = basis[n:, 1::2] = shapes
+    return basis
+
+
+def complex_modes(building: Building) -> Array | None:
     """A real basis (2n, 2n) of the complex modes in pairs, or None where it would be too ill-conditioned."""
     a, _, _ = system(building, np.zeros((0, building.n)))
     values, vectors = np.linalg.eig(a)
@@ -83,4 +96,7 @@ def _sizes(building: Building) -> Array:
 
 def basis_of(building: Building) -> Array | None:
     """The basis that the kernels use: None for the physical one."""
-    return None if building.n <= DENSE_UP_TO else modes(building)
+    if building.n <= DENSE_UP_TO:
+        return None
+    classical = classical_modes(building)
+    return complex_modes(building) if classical is None else classical

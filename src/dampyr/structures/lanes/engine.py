@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from typing import ClassVar
 
 import numpy as np
@@ -60,26 +58,38 @@ class Engine:
     def _launch(
         self, motions: Sequence[Array], scales: Array, ends: Integers, t: Array, c: Array, block: Array, steps: Array
     ) -> Array:
-        """The block as each history left it at its end (rows, count), 64 histories at a time."""
-        found, here = np.empty((block.shape[0], len(ends))), _aligned(block.shape[0] * LANES, block.dtype.type)
-        lanes = here.reshape(-1, LANES)
-        for first in range(0, len(ends), LANES):
-            some = slice(first, first + LANES)
+        """The block as each history left it at its end (rows, count), as many histories at a time as there are lanes."""
+        wide, kind = self.text.lanes, block.dtype.type
+        found, here = np.empty((block.shape[0], len(ends))), _aligned(block.shape[0] * wide, kind)
+        lanes = here.reshape(-1, wide)
+        late, ring = any(map(self.text.late, range(self.text.sites))), np.empty((0, 0))
+        for k, ground in enumerate(grounds(motions, scales, wide, kind)):
+            some = slice(k * wide, (k + 1) * wide)
             count = len(ends[some])
             lanes[:, :count], lanes[:, count:] = block[:, some], block[:, :1]
-            ag, ring = _ground(motions[some], scales[some], LANES, block.dtype.type), self._ring(lanes, steps)
-            self._march(ends[some], ag, t, c, lanes, ring, found[:, some])
+            if late or k == 0:
+                ring = self._ring(lanes, steps)
+            self._march(ends[some], ground, t, c, lanes, ring, found[:, some])
         return found
 
-    def _march(self, ends: Integers, ag: Array, t: Array, c: Array, lanes: Array, ring: Array, found: Array) -> None:
+    def _march(
+        self,
+        ends: Integers,
+        ground: tuple[Array, Integers, Array],
+        t: Array,
+        c: Array,
+        lanes: Array,
+        ring: Array,
+        found: Array,
+    ) -> None:
         """The histories of one block, each to its end."""
         kernel = compiled(self.text.source, self.compositions, self.precision, self.together)
-        first, mask = 0, ring.shape[1] // LANES - 1
-        for last in np.unique(ends):
-            kernel(first, int(last) - 1, self.m, LANES, ag, t, c, lanes.reshape(-1), ring, mask)
-            ended = np.flatnonzero(ends == last)
+        first, mask, lasts = 0, ring.shape[1] // self.text.lanes - 1, sorted(set(ends.tolist()))
+        for last in lasts:
+            kernel(first, last - 1, self.m, *ground, t, c, lanes.reshape(-1), ring, mask)
+            ended = slice(len(ends)) if len(lasts) == 1 else np.flatnonzero(ends == last)
             found[:, ended] = lanes[:, ended]
-            first = int(last) - 1
+            first = last - 1
 
     def _block(self, values: Sequence[Array], rest: Array, steps: Array, kind: type) -> Array:
         """What the histories begin with, a column each."""
@@ -126,23 +136,22 @@ def _aligned(size: int, kind: type) -> Array:
     return found
 
 
-_held = threading.local()
-
-
-def _ground(motions: Sequence[Array], scales: Array, wide: int, kind: type) -> Array:
-    """Scaled motions of different lengths as the columns of one array (samples, wide), which the thread keeps for the next."""
-    size = max(map(len, motions)) * wide
-    if getattr(_held, "size", 0) < size or _held.ground.dtype != kind:
-        _held.size, _held.ground = size, _aligned(size, kind)
-    ag: Array = _held.ground[:size].reshape(-1, wide)
-    for _, group in groupby(range(len(motions)), key=lambda lane: id(motions[lane])):
-        lanes = list(group)
-        motion: Array = motions[lanes[0]].astype(kind)
-        some = slice(lanes[0], lanes[-1] + 1)
-        np.multiply(motion[:, None], scales[some].astype(kind), out=ag[: len(motion), some])
-        ag[len(motion) :, some] = 0.0
-    ag[:, len(motions) :] = 0.0
-    return ag
+def grounds(motions: Sequence[Array], scales: Array, wide: int, kind: type) -> Iterator[tuple[Array, Integers, Array]]:
+    """For each ``wide`` histories: their different motions as columns (samples, motions), which of them each lane has, and
+    its scale, 0 where no history is."""
+    number = {id(motion): k for k, motion in enumerate(motions)}
+    which = np.array([number[id(motion)] for motion in motions])
+    columns, known = np.empty((0, 0)), which[:0]
+    for first in range(0, len(motions), wide):
+        different, here = np.unique(which[first : first + wide], return_inverse=True)
+        if not np.array_equal(different, known):
+            known, columns = different, np.zeros((max(len(motions[k]) for k in different), len(different)), kind)
+            for column, k in zip(columns.T, different, strict=True):
+                column[: len(motions[k])] = motions[k]
+        who = np.zeros(wide, np.int64)
+        scale: Array = np.zeros(wide, kind)
+        who[: len(here)], scale[: len(here)] = here, scales[first : first + wide]
+        yield columns, who, scale
 
 
 def engine(
@@ -160,8 +169,9 @@ def engine(
     ``together`` is for dampers whose Bouc-Wen states the lanes can walk together (`dampyr.structures.lanes.flow.holds`).
     """
     one = step(building, connections, dt / m, basis_of(building))
-    made = Engine(Text(one, compositions, quantities), compositions, precision, m, together)
-    compiled(made.text.source, compositions, precision, together)  # by one thread, before several ask for it
+    text = Text(one, compositions, quantities, LANES * 64 // precision)
+    made = Engine(text, compositions, precision, m, together)
+    compiled(text.source, compositions, precision, together)  # by one thread, before several ask for it
     return made
 
 

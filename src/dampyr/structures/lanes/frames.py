@@ -7,10 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.structures.lanes.arithmetic import LANES
-
 Array = NDArray[np.float64]
-GROUND = ["low = before[l]", "rise = after[l] - low", "a0 = low + rise*part", "a1 = low + rise*(part + share)"]
+GROUND = ["rise = high - low", "a0 = low + rise*part", "a1 = low + rise*(part + share)"]
 
 
 TOGETHER = 8  # products of a row
@@ -125,12 +123,13 @@ class Large:
         """The lines of a step."""
         text = self.text
         size, N = text.size, text.sites
-        rows = {f"be{r}": f"~be{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
-        dampers = text.loops(rows) if N else []
+        shared = {f"be{r}": f"~be{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
+        dampers = text.loops(shared) if N else []
         width = size + 2 + N
         known, unknown = text.step.end[:, :width], text.step.end[:, width:]
-        lines = ["for l in range(count):", *(f"    {line}" for line in GROUND)]
-        lines += [f"    b[{(self.a + j) * LANES} + l] = a{j}" for j in range(2)]
+        ground = [f"{name} = {text.rows.at(name)}" for name in ("low", "high")]
+        lines = [f"for l in range({text.lanes}):", *(f"    {line}" for line in [*ground, *GROUND])]
+        lines += [f"    b[{(self.a + j) * text.lanes} + l] = a{j}" for j in range(2)]
         others = [self.a, self.a + 1, *(self.f + d for d in range(N))]
         if self.pairs:
             lines += self._pairs(known[:, :size])
@@ -138,7 +137,9 @@ class Large:
         else:
             lines += self._product(known, [*range(self.z, self.z + size), *others], self.k)
         if N:
-            lines += self._product(text.step.sites, range(self.k, self.k + size), self.be)
+            for part in (0, N):  # strokes, then rates: each takes half of the modes' coordinates
+                rows = text.step.sites[part : part + N]
+                lines += self._product(rows, range(self.k, self.k + size), self.be + part)
         lines += dampers
         lines += self._product(unknown, range(self.g, self.g + 2 * N), self.z, start=self.k)
         lines += self._values([*range(self.z, self.z + size), *(self.f + d for d in range(N))])
@@ -150,10 +151,10 @@ class Large:
         if not {"displacement", "drift"} <= set(wanted):
             return self._product(self.looks, columns, self.values)
         lines = self._product(self.looks[:n], columns, self.values)
-        first = {"x": _row(self.values + n), "y": _row(self.values)}
-        lines += _loop(1, first, [], ["x[l] = y[l]"])
-        rows = {"x": _row(self.values + n + 1), "y": _row(self.values + 1), "z": _row(self.values)}
-        lines += _loop(n - 1, rows, [], ["x[l] = y[l] - z[l]"])
+        first = {"x": self._row(self.values + n), "y": self._row(self.values)}
+        lines += self._loop(1, first, [], ["x[l] = y[l]"])
+        rows = {"x": self._row(self.values + n + 1), "y": self._row(self.values + 1), "z": self._row(self.values)}
+        lines += self._loop(n - 1, rows, [], ["x[l] = y[l] - z[l]"])
         rest = self.looks[2 * n :]
         return lines + (self._product(rest, columns, self.values + 2 * n) if len(rest) else [])
 
@@ -167,46 +168,56 @@ class Large:
         """The state carried on, pair by pair."""
         size = len(blocks)
         first = self._stored(np.array([blocks[i, i - i % 2 : i - i % 2 + 2] for i in range(size)]))
-        rows = {"u": _row(self.z, 2), "v": _row(self.z + 1, 2), "x": _row(self.k, 2), "y": _row(self.k + 1, 2)}
+        rows = {
+            "u": self._row(self.z, 2),
+            "v": self._row(self.z + 1, 2),
+            "x": self._row(self.k, 2),
+            "y": self._row(self.k + 1, 2),
+        }
         lines = [f"q{j} = c[{first + j} + r*4]" for j in range(4)]
         sums = [f"{out}[l] = q{2 * j}*u[l] + q{2 * j + 1}*v[l]" for j, out in enumerate("xy")]
-        return _loop(size // 2, rows, lines, sums)
+        return self._loop(size // 2, rows, lines, sums)
 
     def _product(self, matrix: Array, columns: Any, target: int, start: int | None = None) -> list[str]:
         """Rows of a block from ``target`` on: a matrix times the rows ``columns``, added to the rows from ``start`` on.
 
-        Some columns at a time, so that a row is loaded and stored once for as many products.
+        Some columns at a time, so that a row is loaded and stored once for as many products; columns of zeros are left out.
         """
-        columns = list(columns)
+        filled = np.flatnonzero(np.any(matrix != 0.0, axis=0))
+        matrix, columns = matrix[:, filled], [list(columns)[k] for k in filled]
         lines = []
         for at in range(0, max(len(columns), 1), TOGETHER):
             some = columns[at : at + TOGETHER]
             first = self._stored(matrix[:, at : at + TOGETHER])
-            rows = {"x": _row(target)} if at or start is None else {"x": _row(target), "y": _row(start)}
-            terms = [f"q{k}*b[{row * LANES} + l]" for k, row in enumerate(some)]
+            rows = {"x": self._row(target)} if at or start is None else {"x": self._row(target), "y": self._row(start)}
+            terms = [f"q{k}*b[{row * self.text.lanes} + l]" for k, row in enumerate(some)]
             terms += ["x[l]"] if at else ["y[l]"] if start is not None else []
             given = [f"q{k} = c[{first} + r*{len(some)} + {k}]" for k in range(len(some))]
-            lines += _loop(len(matrix), rows, given, [f"x[l] = {' + '.join(terms)}"])
+            lines += self._loop(len(matrix), rows, given, [f"x[l] = {' + '.join(terms) or 'zero'}"])
         return lines
 
     def _peaks(self, count: int) -> list[str]:
-        rows = {"now": _row(self.values), "old": _row(self.old), "mid": _row(self.mid), "top": _row(self.top)}
+        rows = {
+            "now": self._row(self.values),
+            "old": self._row(self.old),
+            "mid": self._row(self.mid),
+            "top": self._row(self.top),
+        }
         loop = [f"{name}_ = {name}[l]" for name in rows]
         loop += self.text.peak("top_", "now_", "mid_", "old_")
-        return _loop(count, rows, [], [*loop, "top[l] = top_n", "old[l] = mid_", "mid[l] = now_"])
+        return self._loop(count, rows, [], [*loop, "top[l] = top_n", "old[l] = mid_", "mid[l] = now_"])
 
+    def _row(self, first: int, apart: int = 1) -> str:
+        """Row ``first`` of a block, then every next one as r counts."""
+        wide = self.text.lanes
+        return f"b[r*{apart * wide} + {first * wide} : r*{apart * wide} + {(first + 1) * wide}]"
 
-def _row(first: int, apart: int = 1) -> str:
-    """Row ``first`` of a block, then every next one as r counts."""
-    return f"b[r*{apart * LANES} + {first * LANES} : r*{apart * LANES} + {(first + 1) * LANES}]"
-
-
-def _loop(count: int, rows: dict[str, str], given: list[str], lines: list[str]) -> list[str]:
-    """A loop over rows with one over the lanes inside."""
-    head = [f"for r in range({count}):", *(f"    {name} = {row}" for name, row in rows.items())]
-    return [
-        *head,
-        *("    " + line for line in given),
-        "    for l in range(count):",
-        *("        " + line for line in lines),
-    ]
+    def _loop(self, count: int, rows: dict[str, str], given: list[str], lines: list[str]) -> list[str]:
+        """A loop over rows with one over the lanes inside."""
+        return [
+            f"for r in range({count}):",
+            *(f"    {name} = {row}" for name, row in rows.items()),
+            *(f"    {line}" for line in given),
+            f"    for l in range({self.text.lanes}):",
+            *(f"        {line}" for line in lines),
+        ]

@@ -22,7 +22,7 @@ from dampyr.structures.building import Building
 from dampyr.structures.lanes.arithmetic import constants
 from dampyr.structures.lanes.block import CONSTANTS, MATH, Numbers
 from dampyr.structures.lanes.coordinates import step
-from dampyr.structures.lanes.engine import Engine, Integers, _ground
+from dampyr.structures.lanes.engine import Engine, Integers, grounds
 from dampyr.structures.lanes.frames import Small
 from dampyr.structures.lanes.text import WRITTEN_OUT_UP_TO, Text
 
@@ -51,12 +51,12 @@ class GpuEngine(Engine):
         from numba import cuda
 
         kernel = _compiled(_source(self.text), self.compositions, self.precision)
-        ag, ring = _ground(motions, scales, len(ends), block.dtype.type), self._ring(block, steps)
+        [ground], ring = grounds(motions, scales, len(ends), block.dtype.type), self._ring(block, steps)
         mask = ring.shape[1] // block.shape[1] - 1
         on_card = cuda.to_device(block)
-        ends_, ag_, t_, c_, ring_ = (cuda.to_device(a) for a in (ends, ag, t, c, ring))
+        ends_, *ground_, t_, c_, ring_ = (cuda.to_device(a) for a in (ends, *ground, t, c, ring))
         blocks = -(-block.shape[1] // THREADS)
-        kernel[blocks, THREADS](ends_, self.m, ag_, t_, c_, on_card, ring_, mask)
+        kernel[blocks, THREADS](ends_, self.m, *ground_, t_, c_, on_card, ring_, mask)
         return np.asarray(on_card.copy_to_host())
 
 
@@ -89,13 +89,13 @@ def _source(text: Text) -> str:
     stored = [f"b[{rows.index(name)}, l] = {name}" for name in text.kept]
     inner = [*text.lines, f"{names} = {values}", "part = part + share"]
     lines = [
-        "def history(ends, m, ag, t, c, b, w, mask):",
+        "def history(ends, m, g, who, scale, t, c, b, w, mask):",
         "    l, wide = cuda.grid(1), b.shape[1]",
         "    if l < wide:",
         "        dt, sixth, share, eighth_step, three_half_rate = t[0], t[1], t[2], t[3], t[4]",
         *("        " + line for line in [*numbers, *given]),
         "        for i in range(ends[l] - 1):",
-        "            before, after, part = ag[i], ag[i + 1], zero",
+        "            low, high, part = g[i, who[l]]*scale[l], g[i + 1, who[l]]*scale[l], zero",
         "            for j in range(m):",
         "                steps = i*m + j",
         "                slot_0, slot_1 = (2*steps + 1) & mask, (2*steps + 2) & mask",

@@ -42,7 +42,7 @@ class Loops:
         passed = sorted(self.writes[k] & (later | set(self.places)))
         stores = [f"    {self.rows.at(self._place(name))} = {name}" for name in passed]
         stores += [f"    {self.rows.at(row)} = {value}" for row, value in late]
-        return ["for l in range(count):", *loads, *("    " + line for line in self.parts[k]), *stores]
+        return [f"for l in range({self.rows.lanes}):", *loads, *("    " + line for line in self.parts[k]), *stores]
 
     def _handed(self, k: int) -> set[str]:
         return {v for row, v in self.kept.items() if self._stored_in(row, v) == k} - self.writes[k]

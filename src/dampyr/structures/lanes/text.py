@@ -1,4 +1,4 @@
-r"""The text of a kernel: one step of a building with its dampers, for 64 histories side by side.
+r"""The text of a kernel: one step of a building with its dampers, for a block of histories side by side.
 
 In a step of h seconds the dampers' forces are the quadratics through their values at 0, h/2 and h (see
 `dampyr.structures.coupling`). Their first guess continues the last half step, the dampers' laws along the path of that guess
@@ -32,8 +32,9 @@ WRITTEN_OUT_UP_TO = 4  # coordinates
 
 @dataclass
 class Rows:
-    """Which row of a block holds what: names in the order in which they were asked for."""
+    """Which row of a block, ``lanes`` wide, holds what: names in the order in which they were asked for."""
 
+    lanes: int
     names: list[str] = field(default_factory=list)
 
     def __getitem__(self, name: str) -> int:
@@ -42,7 +43,7 @@ class Rows:
         return self.names.index(name)
 
     def at(self, name: str) -> str:
-        return f"b[{self[name] * LANES} + l]"
+        return f"b[{self[name] * self.lanes} + l]"
 
     def run(self, letter: str, size: int) -> int:
         """The first of ``size`` rows that follow each other."""
@@ -52,22 +53,28 @@ class Rows:
 
 @dataclass
 class Text:
-    """A kernel being written: ``frame`` adds the building to what is here, the dampers' share of a step."""
+    """A kernel being written: ``frame`` adds the building to what is here, the dampers' share of a step.
+
+    The number of ``lanes`` stands in the text, so that the compiler sees that rows do not overlap; ``wide`` is their number in
+    the ring of past forces.
+    """
 
     step: Step
     compositions: tuple[Composition, ...]
     quantities: tuple[str, ...]
-    rows: Rows = field(default_factory=Rows)
+    lanes: int = LANES
+    wide: str = ""
     coefficients: list[float] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
     kept: dict[str, str] = field(default_factory=dict)
     peaks: dict[tuple[str, int], str] = field(default_factory=dict)
     cuts: list[int] = field(default_factory=list)
-    wide: str = str(LANES)
 
     def __post_init__(self) -> None:
         from dampyr.structures.lanes.frames import Large, Small
 
+        self.rows = Rows(self.lanes, ["low", "high"])  # the ground's acceleration about a step
+        self.wide = self.wide or str(self.lanes)
         self.size, self.sites = self.step.end.shape[0], len(self.compositions)
         self.unknown = [f"g{r}" for r in range(2 * self.sites)]
         self.frame = (Small if self.size <= WRITTEN_OUT_UP_TO else Large)(self)
@@ -257,11 +264,16 @@ class Text:
         numbers = [f"c{k} = c[{k}]" for k in range(self.frame.named)]
         return "\n    ".join(
             [
-                "def lanes(first, last, m, count, ag, t, c, b, w, mask):",
+                "def lanes(first, last, m, g, who, scale, t, c, b, w, mask):",
                 "dt, sixth, share, eighth_step, three_half_rate = t[0], t[1], t[2], t[3], t[4]",
                 *numbers,
                 "for i in range(first, last):",
-                "    before, after, part = ag[i], ag[i + 1], zero",
+                "    part = zero",
+                f"    for l in range({self.lanes}):",
+                *(
+                    f"        {self.rows.at(name)} = g[i + {k}, who[l]]*scale[l]"
+                    for k, name in enumerate(("low", "high"))
+                ),
                 "    for j in range(m):",
                 "        steps = i*m + j",
                 "        slot_0, slot_1 = (2*steps + 1) & mask, (2*steps + 2) & mask",
