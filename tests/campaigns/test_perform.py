@@ -99,7 +99,7 @@ def test_what_the_rig_cannot_do_is_refused_before_anything_is_written(tmp_path: 
     with pytest.raises(InputError, match="lower the amplitude to"):
         perform(campaigns.read(told), opened, tmp_path / "out")
     assert not (tmp_path / "out").exists()
-    assert opened.board.simulator.time == 0.0  # type: ignore[attr-defined]
+    assert opened.board.simulator.time == 0.0
 
 
 def test_a_fault_ends_the_test_and_the_next_run_goes_on_with_it(two: Path, tmp_path: Path) -> None:
@@ -118,7 +118,7 @@ def test_a_fault_ends_the_test_and_the_next_run_goes_on_with_it(two: Path, tmp_p
     assert len(records.read_campaign(folder)) == 2
     again = rig()
     perform(two, again, folder)  # nothing is left
-    assert again.board.simulator.time == 0.0  # type: ignore[attr-defined]
+    assert again.board.simulator.time == 0.0
 
 
 def test_another_campaign_in_the_folder_is_refused(two: Path, tmp_path: Path) -> None:
@@ -144,17 +144,17 @@ def test_stop_ends_in_order(two: Path, tmp_path: Path) -> None:
     control = Control()
     opened = rig()
     with pytest.raises(Stopped, match="run it again to go on"):
-        perform(two, opened, tmp_path / "out", pressing(control, "stop", 30), control)  # type: ignore[arg-type]
+        perform(two, opened, tmp_path / "out", pressing(control, "stop", 30), control)
     kept = records.read(tmp_path / "out/01-sine-5mm-1Hz-0V.h5")
     assert kept.provenance["exit_status"] == "stopped"
     assert 30 * 0.04 >= kept.time[-1] - kept.time[0] > 20 * 0.04
-    assert not opened.board.simulator.twin.enabled  # type: ignore[attr-defined]
+    assert not opened.board.simulator.twin.enabled
 
 
 def test_abort_acts_at_once(two: Path, tmp_path: Path) -> None:
     control = Control()
     with pytest.raises((RigFault, Stopped)):
-        perform(two, rig(), tmp_path / "out", pressing(control, "abort", 30), control)  # type: ignore[arg-type]
+        perform(two, rig(), tmp_path / "out", pressing(control, "abort", 30), control)
     assert read_journal(tmp_path / "out")[0][0].state == "stopped"
 
 
@@ -183,12 +183,12 @@ def test_a_full_disk_ends_the_test_cleanly(two: Path, tmp_path: Path, monkeypatc
         if count == 20:
             with self._told("cannot be written"):
                 raise OSError(28, "No space left on device")
-        return append(self, values)  # type: ignore[arg-type]
+        return append(self, values)
 
     monkeypatch.setattr(Recording, "append", full)
     with pytest.raises(FileError, match="the disk is full; make room, and run the campaign again"):
         perform(two, opened, tmp_path / "out")
-    simulator = opened.board.simulator  # type: ignore[attr-defined]
+    simulator = opened.board.simulator
     assert not simulator.twin.enabled
     assert simulator.truth.voltage[-1] == 0.0
     kept = records.read(tmp_path / "out/01-sine-5mm-1Hz-0V.h5")
@@ -269,13 +269,13 @@ def check_rest(box: Path) -> None:
     """From the moment the host was gone: coil dead and table at rest within 300 ms."""
     told = at_rest(box)
     gone = next(e["time"] for e in told if e["event"] == "serial closed")
-    after = [e for e in told if e["time"] >= gone]  # type: ignore[operator]
+    after = [e for e in told if e["time"] >= gone]
     moving = any(e["event"] == "enable high" for e in told)
     if moving:
         low = [e["time"] for e in told if e["event"] == "enable low"]
         rests = [e["time"] for e in told if e["event"] == "at rest"]
-        assert low[-1] <= gone + 0.300, (gone, after)  # type: ignore[operator]
-        assert not rests or rests[-1] <= gone + 0.300, (gone, after)  # type: ignore[operator]
+        assert low[-1] <= gone + 0.300, (gone, after)
+        assert not rests or rests[-1] <= gone + 0.300, (gone, after)
 
 
 def test_a_killed_host_leaves_a_rig_at_rest_and_its_samples(two: Path, tmp_path: Path) -> None:

@@ -24,9 +24,9 @@ def test_cycles_are_counted_as_sample_by_sample(block: int) -> None:
     t = np.arange(4000) / 1000.0
     x = 0.004 * np.sin(2 * np.pi * 2.3 * t) + 1e-4 * rng.normal(size=t.size)
     planned = SimpleNamespace(drive=SimpleNamespace(displacement=x), peak_position=0.004)
-    watch = Watch(planned, 1000.0)  # type: ignore[arg-type]
+    watch = Watch(planned, 1000.0)
     for first in range(0, x.size, block):
-        watch.take(SimpleNamespace(displacement=x[first : first + block]))  # type: ignore[arg-type]
+        watch.take(SimpleNamespace(displacement=x[first : first + block]))
     assert watch.cycles == by_hand(x, 0.2 * 0.004)
     assert watch.cycles == pytest.approx(2.3 * 4, abs=0.5)
     assert watch.stroke == pytest.approx(np.ptp(x[-1000:]))

@@ -152,7 +152,7 @@ def test_one_of_two_inputs_can_be_left_out(tmp_path: Path) -> None:
 def measured(value: float, noise: float = 0.005, n: int = 2000, seed: int = 0, **fields: object) -> Record:
     t = 0.002 * np.arange(n)
     values = value + noise * np.random.default_rng(seed).standard_normal(n)
-    return Record(t, np.sin(t), np.cos(t), current=values, **fields)  # type: ignore[arg-type]
+    return Record(t, np.sin(t), np.cos(t), current=values, **fields)
 
 
 def test_noisy_constants_that_agree_are_one_input() -> None:

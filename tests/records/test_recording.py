@@ -11,10 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dampyr.errors import FileError
+from dampyr.campaigns.taking import margin, refined
+from dampyr.errors import FileError, InputError
 from dampyr.records import read
 from dampyr.records.formats import h5
 from dampyr.records.recording import Header, RawChannel, Recording
+from dampyr.rig import RigSettings
 
 HEADER = Header(
     "sine",
@@ -64,6 +66,46 @@ def test_the_finished_file_is_as_long_as_it_became(tmp_path: Path) -> None:
     assert "complete" not in found.provenance
     assert h5.state(tmp_path / "t.h5").complete
     assert (tmp_path / "t.h5").stat().st_size < 40000
+    assert [path.name for path in tmp_path.iterdir()] == ["t.h5"]
+
+
+def test_a_long_record_is_finished_piece_by_piece_like_a_short_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its end included, which the pieces share with no other; ``refine`` sees beyond the ends of its piece."""
+    settings, seen = RigSettings(), []
+
+    def refine(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        seen.append(len(values["time"]))
+        return refined(values, settings)
+
+    for name in ("whole", "pieces"):
+        if name == "pieces":
+            monkeypatch.setattr("dampyr.records.recording.PIECE", 256)
+            monkeypatch.setattr("dampyr.records.formats.h5.PIECE", 100)
+        recording = Recording(tmp_path / f"{name}.h5", 3000, HEADER)
+        for k in range(50):
+            recording.append(block(40 * k))
+        recording.finish({"exit_status": "complete"}, ("derived",), refine=refine, margin=margin(settings))
+    whole, pieces = (read(tmp_path / f"{name}.h5") for name in ("whole", "pieces"))
+    assert seen[0] == whole.n == pieces.n == 2000
+    assert len(seen) == 8
+    assert max(seen[1:]) < 500
+    for channel in ("time", "force"):
+        np.testing.assert_array_equal(getattr(pieces, channel), getattr(whole, channel))
+    for channel in ("displacement", "velocity"):
+        np.testing.assert_allclose(getattr(pieces, channel), getattr(whole, channel), rtol=1e-9, atol=1e-12)
+    assert (pieces.voltage, pieces.history, pieces.provenance) == (0.5, whole.history, whole.provenance)
+    np.testing.assert_array_equal(h5.read_raw(tmp_path / "pieces.h5")["position"].values, np.arange(2000))
+
+
+def test_a_clock_that_goes_back_between_pieces_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dampyr.records.recording.PIECE", 40)
+    recording = Recording(tmp_path / "t.h5", 100, HEADER)
+    for _ in range(2):
+        recording.append(block(0))
+    with pytest.raises(InputError, match=r"sine: time 0 s follows 0\.039 s; it must rise"):
+        recording.finish({})
     assert [path.name for path in tmp_path.iterdir()] == ["t.h5"]
 
 

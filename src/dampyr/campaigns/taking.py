@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import platform
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -19,7 +20,7 @@ from dampyr.campaigns.campaign import Campaign
 from dampyr.campaigns.control import Stopped
 from dampyr.campaigns.plan import PlannedTest
 from dampyr.errors import DampyrError, FileError, RigFault
-from dampyr.models.derivative import differentiate
+from dampyr.models.derivative import differentiate, window
 from dampyr.records.record import Array, Label
 from dampyr.records.recording import Header, RawChannel, Recording
 from dampyr.rig.drive import Drive
@@ -71,7 +72,15 @@ def ended(recording: Recording, table: Table, started: dict[str, str]) -> Iterat
     told = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
     rig = table.rig.settings
     told |= {"exit_status": "complete", "reason": ""}
-    table.meanwhile(lambda: recording.finish(told, history(rig), refine=lambda values: refined(values, rig)))
+    table.meanwhile(
+        lambda: recording.finish(told, history(rig), refine=lambda values: refined(values, rig), margin=margin(rig))
+    )
+
+
+def margin(rig: RigSettings) -> int:
+    """How many samples `refined` looks at before and after each."""
+    dt = 1.0 / rig.board.rate
+    return math.ceil(rig.force_delay / dt) + window(dt, rig.board.velocity_bandwidth)[1] + 2
 
 
 def refined(values: dict[str, Array], rig: RigSettings) -> dict[str, Array]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import FileError
-from dampyr.records.formats.h5 import FORMAT, SCHEMA, Raw, write
+from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.record import CHANNELS, Array, Label, Record, Role
+from dampyr.whole import whole_file
 
 SYNC_EVERY = 1.0  # s
 Refine = Callable[[dict[str, Any]], dict[str, Any]]
@@ -102,29 +103,35 @@ class Recording:
         history: tuple[str, ...] = (),
         complete: bool = True,
         refine: Refine | None = None,
+        margin: int = 0,
     ) -> Path:
-        """Close the file and write it anew with what became known, whole or not at all.
+        """Close the file and write it anew with what became known, whole or not at all, a piece of it at a time.
 
-        ``refine`` gives the channels that the finished file holds, from those that were recorded.
+        ``refine`` gives the channels that the finished file holds, from those that were recorded; it looks at ``margin``
+        samples before and after each.
         """
-        values = {name: data[: self.rows] for name, data in self._data.items()}
-        self.close()
-        told = (
-            dict(self.header.provenance)
-            | dict(provenance)
-            | {"test": self.header.test, "try": str(self.header.attempt)}
-        )
-        channels: dict[str, Any] = {name: values[f"calibrated/{name}"] for name in self.header.channels}
-        channels = refine(channels) if refine else channels
-        record = Record(
-            **(channels | dict(self.header.constants)),
-            name=self.header.name,
-            role=self.header.role,
-            label=self.header.label,
-            provenance=told if complete else told | {"complete": "no"},
-            history=history,
-        )
-        return write(record, self.path, {name: _raw(values[f"raw/{name}"], c) for name, c in self.header.raw.items()})
+        told = dict(self.header.provenance) | dict(provenance)
+        told |= {"test": self.header.test, "try": str(self.header.attempt)} | ({} if complete else {"complete": "no"})
+        header = self.header
+        about: dict[str, Any] = {"name": header.name, "label": header.label, "role": header.role, **header.constants}
+        about |= {"provenance": told, "history": history}
+        raw = {name: _raw(_Rows(self._data[f"raw/{name}"], self.rows), c) for name, c in header.raw.items()}
+        try:
+            with self._told("cannot be finished"), whole_file(self.path) as beside:
+                fill(beside, self.rows, self._pieces(about, refine, margin), raw)
+                self.close()
+        finally:
+            self.close()
+        return self.path
+
+    def _pieces(self, about: dict[str, Any], refine: Refine | None, margin: int) -> Iterator[Record]:
+        count = max(1, self.rows // PIECE)
+        for k in range(count):
+            first, last = self.rows * k // count, self.rows * (k + 1) // count
+            low, high = max(first - margin, 0), min(last + margin, self.rows)
+            wide = {name: self._data[f"calibrated/{name}"][low:high] for name in self.header.channels}
+            channels = {name: v[first - low : last - low] for name, v in (refine(wide) if refine else wide).items()}
+            yield Record(**channels, **about)
 
     @contextlib.contextmanager
     def _told(self, what: str) -> Any:
@@ -137,7 +144,21 @@ class Recording:
             raise FileError(self.path, f"{what}: {reason}") from problem
 
 
-def _raw(values: Array, channel: RawChannel) -> Raw:
+class _Rows:
+    """The rows of a dataset that are there."""
+
+    def __init__(self, data: Any, rows: int) -> None:
+        self.data, self.rows, self.dtype = data, rows, data.dtype
+
+    def __len__(self) -> int:
+        return self.rows
+
+    def __getitem__(self, some: slice) -> Array:
+        first, last, _ = some.indices(self.rows)
+        return np.asarray(self.data[first:last])
+
+
+def _raw(values: _Rows, channel: RawChannel) -> Raw:
     return Raw(values, channel.unit, channel.gain, channel.offset, channel.calibrated_unit, channel.delay)
 
 
@@ -148,8 +169,6 @@ def _names(header: Header) -> list[str]:
 def _made(path: Path, capacity: int, header: Header) -> Any:
     """The file with everything but samples, whole and synced before anyone sees it under its name."""
     import h5py
-
-    from dampyr.whole import whole_file
 
     with whole_file(path) as beside, h5py.File(beside, "w", libver="earliest") as file:
         file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0), "name": header.name})

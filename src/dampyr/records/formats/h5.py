@@ -21,29 +21,33 @@ In MATLAB: ``h5read("test.h5", "/calibrated/force")`` and ``h5readatt("test.h5",
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dampyr.errors import FileError
+from dampyr.errors import FileError, InputError
 from dampyr.records.files import Request
-from dampyr.records.record import CHANNELS, Array, Label, Record, as_role
+from dampyr.records.record import CHANNELS, Label, Record, as_role
 from dampyr.units import to_si
 from dampyr.whole import whole_file
 
 FORMAT = "dampyr record"
 SCHEMA = 2
 KNOWN = (1, 2)  # schema 1 had no /rows
+PIECE = 2**16  # samples of a long record that are in memory at a time
 
 
 @dataclass(frozen=True)
 class Raw:
-    """A raw reading, ``(n,)`` volts or counts; gain*values + offset is the calibrated channel, ``delay`` s later."""
+    """A raw reading, ``(n,)`` volts or counts; gain*values + offset is the calibrated channel, ``delay`` s later.
 
-    values: Array
+    To be written, the values may also be what is sliced like an array, such as a dataset of another file.
+    """
+
+    values: Any
     unit: str
     gain: float
     offset: float
@@ -114,23 +118,29 @@ def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None
     """
     path = Path(path)
     with whole_file(path) as beside:
-        _fill(record, str(beside), raw or {})
+        fill(beside, record.n, [record], raw or {})
     return path
 
 
-def _fill(record: Record, name: str, raw: Mapping[str, Raw]) -> None:
+def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw]) -> None:
+    """Write a record of ``n`` samples that comes in pieces; all but their channels is taken from the last.
+
+    Raises :class:`~dampyr.errors.InputError` where the clock of a piece does not go on from that of the last.
+    """
     import h5py
 
-    with h5py.File(name, "w") as file:
+    with h5py.File(path, "w") as file:
         file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0)})
+        first, until = 0, -np.inf
+        for record in pieces:
+            if record.time[0] <= until:
+                raise InputError(f"{record.name}: time {record.time[0]:g} s follows {until:g} s; it must rise")
+            _fill_channels(file, n, first, record)
+            first, until = first + record.n, record.time[-1]
+        _fill_raw(file, raw)
         file.attrs.update({"name": record.name, "role": record.role})
         file.attrs["test"] = record.provenance.get("test", record.name)
         file.attrs["try"] = int(record.provenance.get("try", "1"))
-        for channel, unit in CHANNELS.items():
-            if getattr(record, channel) is not None:
-                data = file.create_dataset(f"calibrated/{channel}", data=getattr(record, channel))
-                data.attrs["unit"] = unit
-        _fill_raw(file, raw)
         if record.label is not None:
             fields = {k: v for k, v in vars(record.label).items() if v is not None}
             file.create_group("label").attrs.update(fields)
@@ -141,10 +151,23 @@ def _fill(record: Record, name: str, raw: Mapping[str, Raw]) -> None:
         file.attrs["complete"] = np.uint8(record.provenance.get("complete") != "no")
 
 
+def _fill_channels(file: Any, n: int, first: int, record: Record) -> None:
+    for channel, unit in CHANNELS.items():
+        if (values := getattr(record, channel)) is None:
+            continue
+        name = f"calibrated/{channel}"
+        if name not in file:
+            file.create_dataset(name, () if np.ndim(values) == 0 else (n,), "f8").attrs["unit"] = unit
+        file[name][() if np.ndim(values) == 0 else slice(first, first + record.n)] = values
+
+
 def _fill_raw(file: Any, raw: Mapping[str, Raw]) -> None:
     group = file.create_group("raw")
     for name, channel in raw.items():
-        data = group.create_dataset(name, data=channel.values)
+        length = len(channel.values)
+        data = group.create_dataset(name, (length,), channel.values.dtype)
+        for first in range(0, length, PIECE):
+            data[first : first + PIECE] = channel.values[first : first + PIECE]
         kept = {k: v for k, v in vars(channel).items() if k != "values"}
         data.attrs.update(kept)
 
