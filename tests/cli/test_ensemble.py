@@ -151,6 +151,7 @@ def test_progress_tells_rate_and_time_left(capsys: pytest.CaptureFixture[str]) -
     assert Rate(0, lambda: 0.0).of(0) == 0
 
 
+@pytest.mark.prove
 def test_control_laws_stand_among_the_inputs() -> None:
     got = told("--voltage", "0", "--control", "on_off:period=10ms", "--synthetic", "1", "--duration", "3")
     assert [row["name"] for row in got["peaks"]] == ["0 V", "on_off 0 to 3.212 V, period 0.01 s"]

@@ -32,7 +32,7 @@ def plant(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], object]], N
 
     def put(body: Callable[[], object]) -> None:
         module = ModuleType("dampyr.cli.planted_command")
-        module.command = click.command(help="Do what was planted.")(body)  # type: ignore[attr-defined]
+        module.command = click.command(help="Do what was planted.")(body)
         monkeypatch.setitem(sys.modules, module.__name__, module)
         monkeypatch.setattr(catalogue, "names", lambda shelf: [*COMMANDS, "planted_command"])
         importlib.invalidate_caches()

@@ -24,7 +24,7 @@ def run(*args: str | Path) -> Result:
 def told(*args: str | Path) -> dict[str, Any]:
     result = run(*args, "--json")
     assert result.exit_code == 0, result.stderr
-    return json.loads(result.stdout)  # type: ignore[no-any-return]
+    return json.loads(result.stdout)
 
 
 @pytest.fixture

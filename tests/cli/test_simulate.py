@@ -33,6 +33,7 @@ def test_the_damper_stands_where_it_is_said(arguments, place, site):
     assert told["peak_displacement_m"] == pytest.approx(expected.peak_displacement, rel=1e-9)
 
 
+@pytest.mark.prove
 def test_a_brace_lets_the_building_move_more():
     told, rigid = simulate("--brace", "2e5"), simulate()
     braced = respond(two_storey(), el_centro(), {1: raminelli_2020.damper().on_brace(2e5)}, voltage=1.98)

@@ -90,6 +90,7 @@ def counted(monkeypatch: pytest.MonkeyPatch, problem: Problem) -> tuple[Outcome,
 
 
 @pytest.mark.parametrize("model", ["dahl", "bouc_wen"])
+@pytest.mark.prove
 def test_a_long_record_is_searched_on_its_first_part_to_the_same_end(
     model: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,11 +13,11 @@ FLOORS = {0.0: 8.8, 0.8712: 8.0, 1.98: 12.7, 3.212: 14.3}  # %, mean L1 of the p
 
 
 @pytest.fixture(scope="module")
-def records(campaign_folder: Path):  # type: ignore[no-untyped-def]
+def records(campaign_folder: Path):
     return read_campaign(campaign_folder)
 
 
-def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:  # type: ignore[no-untyped-def]
+def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:
     fits = {record.name: fit("dahl", record) for record in records}
     assert len(fits) == 38
     assert all(found.converged for found in fits.values())
@@ -29,7 +29,7 @@ def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:  # type: i
         assert 100 * np.mean(free) <= floor
 
 
-def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records) -> None:  # type: ignore[no-untyped-def]
+def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records) -> None:
     found = fit("dahl", records)
     assert found.converged
     assert found.clusters == "record"
@@ -38,7 +38,7 @@ def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records) -> None
     assert found.damper.range == (0.0, 3.212)
 
 
-def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:  # type: ignore[no-untyped-def]
+def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:
     found = fit(
         "dahl + hyperbolic_tangent + spring + delay",
         [r for r in records if r.voltage > 3],
@@ -50,7 +50,8 @@ def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:  # 
 WINNER = "hysteretic_biviscous + delay + spring + compliance"  # of `leaderboard`, which is run in `make prove`
 
 
-def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_readme_says(records) -> None:  # type: ignore[no-untyped-def]
+@pytest.mark.prove
+def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_readme_says(records) -> None:
     options = {"bandwidth": 18.2, "steps": 300}
     by_record = cross_validate(WINNER, records, **options).by_input
     printed = {0.0: 7.7, 0.8712: 5.5, 1.98: 4.7, 3.212: 3.9}
@@ -59,7 +60,7 @@ def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_readme_says
     assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 9.1, 1.98: 8.7}, abs=0.06)
 
 
-def test_the_plastic_region_gives_the_published_friction_without_a_window(records) -> None:  # type: ignore[no-untyped-def]
+def test_the_plastic_region_gives_the_published_friction_without_a_window(records) -> None:
     published = {row.file.stem: row.published for row in campaign_rows() if row.file} or {
         row.file_name.removesuffix(".mat"): row.published for row in campaign_rows() if row.file_name
     }

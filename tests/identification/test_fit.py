@@ -166,7 +166,7 @@ def test_an_inverted_force_is_told() -> None:
         ({}, {"fixed": {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 1.0}}, "every parameter is fixed"),
     ],
 )
-def test_fits_that_cannot_be_are_refused(changes: dict, options: dict, words: str) -> None:  # type: ignore[type-arg]
+def test_fits_that_cannot_be_are_refused(changes: dict, options: dict, words: str) -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
     record = sine(truth, 0.0).replace(note="changed", **changes)
     with pytest.raises(InputError, match=words):

@@ -39,6 +39,7 @@ def board() -> Leaderboard:
     return leaderboard(campaign(), models=("dahl", NAME), add_ons=("spring", "lag", "compliance"))
 
 
+@pytest.mark.prove
 def test_the_model_that_made_the_records_wins(board: Leaderboard) -> None:
     assert board.winner.model == f"{NAME} + compliance"
     assert board.winner.error < 0.02
@@ -47,6 +48,7 @@ def test_the_model_that_made_the_records_wins(board: Leaderboard) -> None:
     assert board.runner_up.model.startswith("dahl")
 
 
+@pytest.mark.prove
 def test_every_score_is_of_a_prediction(board: Leaderboard) -> None:
     by_record, by_input = board.winner.validations
     assert sorted(by_record.scores) == sorted(r.name for r in campaign())
@@ -56,19 +58,22 @@ def test_every_score_is_of_a_prediction(board: Leaderboard) -> None:
     assert board.winner.error == pytest.approx(0.75 * by_record.error + 0.25 * by_input.error)
 
 
+@pytest.mark.prove
 def test_information_criteria_agree_with_the_prediction(board: Leaderboard) -> None:
     aic = {e.model: e.aic for e in board.entries}
     assert min(aic, key=lambda model: aic[model]) == board.winner.model
     best = board.winner
-    n = best.fit.residuals.effective  # type: ignore[union-attr]
+    n = best.fit.residuals.effective
     assert best.bic - best.aic == pytest.approx(best.parameters * (np.log(n) - 2.0))
 
 
+@pytest.mark.prove
 def test_a_lag_is_not_tried_where_nothing_lags(board: Leaderboard) -> None:
     assert "input is constant" in board.left_out[0]
     assert not any("lag" in t.model for s in board.screened for t in s.trials)
 
 
+@pytest.mark.prove
 def test_every_model_was_tried_bare_and_with_each_add_on(board: Leaderboard) -> None:
     for one in board.screened:
         models = [t.model for t in one.trials]
@@ -79,10 +84,10 @@ class Backwards(Executor):
     """Begins nothing before all is asked for, and ends the last first, as busy workers may."""
 
     def __init__(self) -> None:
-        self.waiting: list[tuple[Future, Callable[[], object]]] = []  # type: ignore[type-arg]
+        self.waiting: list[tuple[Future, Callable[[], object]]] = []
 
-    def submit(self, fn, /, *args, **kwargs):  # type: ignore[no-untyped-def]
-        future: Future = Future()  # type: ignore[type-arg]
+    def submit(self, fn, /, *args, **kwargs):
+        future: Future = Future()
         self.waiting.append((future, fn))
         if len(self.waiting) == self.expected:
             while self.waiting:
@@ -93,11 +98,12 @@ class Backwards(Executor):
     expected = 0
 
 
+@pytest.mark.prove
 def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[tuple[str, float]] = []
     plain = jobs.run_all
 
-    def run(some, executor, tell):  # type: ignore[no-untyped-def]
+    def run(some, executor, tell):
         executor.expected = len(some)
         return plain(some, executor, tell)
 

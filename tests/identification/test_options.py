@@ -16,7 +16,7 @@ DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
 NUMBERS = np.array([900.0, 70.0, 2500.0])
 
 
-def values(found) -> np.ndarray:  # type: ignore[no-untyped-def,type-arg]
+def values(found) -> np.ndarray:
     return np.array(list(found.parameters.values()))
 
 
@@ -67,7 +67,7 @@ def test_l1_is_the_least_sum_of_absolute_residuals_that_scipy_finds() -> None:
     t, x, v = record.time, record.displacement, record.velocity
     first = record.n - found.forces[0].size
 
-    def absolute(z: np.ndarray) -> float:  # type: ignore[type-arg]
+    def absolute(z: np.ndarray) -> float:
         kx, kw, rho, offset, w0 = z * [900.0, 70.0, 2500.0, 100.0, 1.0]
         damper = Damper("dahl", {"dahl.kx": kx, "dahl.kw": kw, "dahl.rho": rho})
         force = damper.force(t[first:], x[first:], 0.0, velocity=v[first:], state0=[np.clip(w0, -1, 1)])
@@ -170,7 +170,7 @@ def test_a_tied_parameter_takes_the_law_of_the_other_and_is_counted_once() -> No
         ({"starts": 0}, "starts = 0 is not allowed"),
     ],
 )
-def test_options_that_cannot_be_are_refused(options: dict, words: str) -> None:  # type: ignore[type-arg]
+def test_options_that_cannot_be_are_refused(options: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         fit("dahl + spring", sine(DAHL, 0.0), **options)
 

@@ -25,7 +25,7 @@ NOISE = RNG.normal(0.0, 2.0, N)
 
 def trace(residual: np.ndarray, name: str = "a", u: float = 1.0, **changes: object) -> Trace:
     known = {"stroke": 0.02, "frequency": F} | changes
-    return Trace(name, T, X, V, 100.0 * np.sign(V) + residual, residual, u, **known)  # type: ignore[arg-type]
+    return Trace(name, T, X, V, 100.0 * np.sign(V) + residual, residual, u, **known)
 
 
 def ar1(phi: float, sigma: float, n: int = N, seed: int = 3) -> np.ndarray:
@@ -221,7 +221,7 @@ def test_groups_are_the_inputs_and_the_whole_is_all() -> None:
 )
 def test_what_cannot_be_analysed_is_refused(traces: object, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        analyse(traces())  # type: ignore[operator]
+        analyse(traces())
 
 
 DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 120.0, "dahl.rho": 2000.0})
@@ -254,7 +254,7 @@ def test_the_motion_is_that_of_whole_cycles() -> None:
 def test_the_residual_of_a_fit_is_measured_less_modelled() -> None:
     """A force that is too large at speed, both ways, leaves a residual that is positive there and negative at rest."""
     records = [sine(DAHL, 0.0, f"t{k}", 0.006 + 0.002 * k, 1.2 - 0.1 * k, noise=1.0, seed=k) for k in range(3)]
-    harder = [replace(r, force=r.force + 900.0 * np.abs(r.velocity)) for r in records]  # type: ignore[arg-type]
+    harder = [replace(r, force=r.force + 900.0 * np.abs(r.velocity)) for r in records]
     found = fit("dahl", harder).residuals
     for curve in found.whole.curves.values():
         known = np.isfinite(curve.median)

@@ -101,7 +101,7 @@ def test_folds_repeat_by_seed(records: list[Record]) -> None:
         ({"folds": 99}, "99 folds of 12 records"),
     ],
 )
-def test_wrong_splits_are_refused(records: list[Record], options: dict, words: str) -> None:  # type: ignore[type-arg]
+def test_wrong_splits_are_refused(records: list[Record], options: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         cross_validate("dahl", records, **options)
 

@@ -32,6 +32,7 @@ FRAGILE = {
     "0 V": report.Fragile(GRID, GRID / 9.0, (GRID / 10.0, GRID / 8.0), ([1.0, 5.0], [0.2, 0.5])),
     "no curve": report.Fragile(GRID, None, None, ([1.0, 5.0], [0.0, 0.0])),
 }
+BAND = [[0.04, 100.0, 85.0, 115.0], [0.08, 150.0, 127.5, 172.5]]
 PLANNED = {"sine": ([0.5, 1.0], [0.01, 0.008]), "random": ([0.3], [0.02])}
 SWEEPS = (
     np.array([[1.0, 2.0, 3.0]] * 3),
@@ -63,6 +64,10 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "velocity": lambda: report.residual_velocity({f"{u} V": {"before": (T, -T, T, 2 * T)} for u in range(3)}),
     "calibrated": lambda: report.calibrated(POINTS, RANGES),
     "calibrated_without_damper": lambda: report.calibrated(POINTS),
+    "peak_velocity": lambda: report.peak_velocity_band(
+        [BAND, []], {True: ([0.05], [110.0]), False: ([0.06], [90.0]), None: ([0.09], [160.0])}
+    ),
+    "used": lambda: report.band_used({"a": {"extension": [0.2, 1.4], "energy": [-1.2]}, "b": {"compression": [0.1]}}),
     "scores": lambda: report.scores({"0 V": [0.05, 0.1], "1.98 V": [0.12]}, {"published": {"0 V": 0.109}}),
 }
 
@@ -114,6 +119,23 @@ def test_control_shows_answers_and_below_them_the_inputs_of_the_laws() -> None:
     assert below.lines[0].get_color() == top.lines[2].get_color()
     assert [text for text in lines(top.figure) if "mm" in text] == ["0 V: 12 mm", "on_off: 6 mm"]
     assert (top.get_ylabel(), below.get_ylabel()) == ("displacement [mm]", "voltage [V]")
+
+
+def test_points_outside_a_band_differ_from_those_inside_by_their_shape() -> None:
+    fig = MAKERS["peak_velocity"]()
+    found = {str(line.get_label()): line for line in fig.axes[0].lines}
+    assert [(words, found[words].get_marker()) for words in ("inside", "outside", "not judged")] == [
+        ("inside", "o"), ("outside", "X"), ("not judged", "s"),
+    ]  # fmt: skip
+    np.testing.assert_allclose(found["outside"].get_xydata(), [[60.0, 90.0]])
+    np.testing.assert_allclose(found["reference"].get_xydata()[1:-1], [[40.0, 100.0], [80.0, 150.0]])
+    (fill,) = fig.axes[0].collections
+    corners = {tuple(np.round(corner, 3)) for corner in fill.get_paths()[0].vertices}
+    assert {(40.0, 85.0), (40.0, 115.0), (80.0, 127.5), (80.0, 172.5)} <= corners
+    used = [line for line in MAKERS["used"]().axes[0].lines if line.get_marker() not in ("", "None")]
+    assert {str(line.get_label()) for line in used if line.get_markerfacecolor() == "none"} == {
+        "extension, outside", "energy, outside",
+    }  # fmt: skip
 
 
 def test_the_residual_is_measured_less_model() -> None:

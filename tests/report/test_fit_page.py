@@ -159,11 +159,11 @@ def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(jo
     )
     section = prediction_section(joint, [Validation("record", folds)])
     table, parts = section.blocks[-2:]
-    assert [list(row) for row in table.rows] == [  # type: ignore[union-attr]
+    assert [list(row) for row in table.rows] == [
         [names[0], 1, 25.0, 100 * one.l1, 100 * one.nrmse, "nothing"],
         [names[1], 1, 35.0, 100 * joint.scores[names[1]].l1, 100 * one.nrmse, "too fast"],
     ]
-    assert [list(row) for row in parts.rows] == [  # type: ignore[union-attr]
+    assert [list(row) for row in parts.rows] == [
         [1, len(names) - 2, f"{names[0]}, {names[1]}"],
         [2, 2, "no damper: a law fell below 0"],
     ]
@@ -180,12 +180,12 @@ def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(jo
 def test_a_validation_that_predicted_nothing_is_shown(joint: Fit) -> None:
     empty = Validation("input", (Fold(("a",), {}, False, "no damper came of it", {}),))
     text, parts = prediction_section(joint, [empty]).blocks[1:]
-    assert "No part was predicted" in text.text  # type: ignore[union-attr]
-    assert list(parts.rows[0]) == [1, 1, "no damper: no damper came of it"]  # type: ignore[union-attr]
+    assert "No part was predicted" in text.text
+    assert list(parts.rows[0]) == [1, 1, "no damper: no damper came of it"]
 
 
 def test_a_misfit_is_told_before_anything_else(tmp_path: Path) -> None:
-    skewed = [replace(r, force=r.force + 3000.0 * np.abs(r.velocity)) for r in records()]  # type: ignore[arg-type]
+    skewed = [replace(r, force=r.force + 3000.0 * np.abs(r.velocity)) for r in records()]
     reader = Reader(write_fit_page(fit("dahl", skewed), tmp_path / "page.html").read_text("utf-8"))
     told = " ".join(reader.inside("p"))
     assert told.index("the intervals describe the fit") < told.index("The search converged")

@@ -10,9 +10,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dampyr.errors import InputError
-from dampyr.report import FigureBlock, Section, Table, Text, Verdict, loops, page, sentence, write_page
+from dampyr.report import (
+    FigureBlock,
+    Section,
+    Table,
+    Text,
+    Verdict,
+    figure_files,
+    loops,
+    page,
+    sentence,
+    style,
+    write_page,
+)
 from dampyr.report.page import number
 
+COLOURS = re.compile(r"(:root[^{}]*) \{([^}]*)\}")
 VOID = {"meta", "br", "use", "path"}
 NASTY = "<script>alert('x')</script> & \"quoted\""
 
@@ -119,10 +132,40 @@ def test_light_dark_paper_and_phone_are_provided_for() -> None:
     for rule in ("prefers-color-scheme: dark", "@media print", "max-width: 34rem", 'name="viewport"'):
         assert rule in html
     used = set(re.findall(r"var\((--[\w-]+)\)", html))
-    blocks = re.findall(r":root \{([^}]*)\}", html)
-    light, dark, paper = (set(re.findall(r"(--[\w-]+):", block)) for block in blocks)
-    assert used <= light
-    assert light - {"--font"} == dark == paper
+    blocks = [(where, dict(re.findall(r"(--[\w-]+): ([^;]*);", rules))) for where, rules in COLOURS.findall(html)]
+    (_, light), (chosen, dark), (_, system), (_, paper) = [block for block in blocks if block[1]]
+    assert 'data-theme="dark"' in chosen
+    assert dark == system  # what the reader chose, and what the system says, look alike
+    assert used <= set(light)
+    assert set(light) - {"--font"} == set(dark) == set(paper)
+
+
+def test_figures_are_drawn_in_the_colours_of_the_page() -> None:
+    _, light = COLOURS.findall(full_page())[0]
+    for name in ("ink", "muted", "grid", "blue", "vermillion", "green", "purple", "orange", "sky"):
+        assert f"--{name}: {getattr(style, name.upper())};" in light
+
+
+def test_figures_of_a_page_are_left_as_vector_files_where_they_are_asked_for(tmp_path: Path) -> None:
+    with figure_files(tmp_path / "drawn"):
+        full_page()
+    full_page()
+    names = [f"{number}-loops.{kind}" for number in ("01", "02") for kind in ("pdf", "svg")]
+    found = {path.name: path.read_bytes() for path in (tmp_path / "drawn").iterdir()}
+    assert sorted(found) == names
+    assert found["01-loops.pdf"].startswith(b"%PDF")
+    assert b"displacement [mm]" in found["02-loops.svg"]
+    assert b"var(--" not in found["02-loops.svg"]
+    with figure_files(tmp_path / "again"):
+        full_page()
+    assert {path.name: path.read_bytes() for path in (tmp_path / "again").iterdir()} == found
+
+
+def test_tables_with_one_caption_are_told_apart_by_those_who_hear_them() -> None:
+    table = Table(["a"], [[1]], caption="Peaks")
+    reader = Reader(page("t", [Section("One", [table]), Section("Two", [table, table, table, Table(["b"], [])])]))
+    names = [attrs["aria-label"] for tag, attrs in reader.tags if attrs.get("role") == "region"]
+    assert names == ["Peaks", "Two: Peaks", "Two: Peaks (2)", "Two: Peaks (3)", "Two"]
 
 
 def test_counts_are_whole_however_large() -> None:
@@ -153,15 +196,15 @@ def test_a_number_reads_back(value: float, digits: int) -> None:
     ("make", "words"),
     [
         (lambda: page("t", []), "at least one section"),
-        (lambda: Verdict("aggrees"), "choose from agrees"),  # type: ignore[arg-type]
+        (lambda: Verdict("aggrees"), "choose from agrees"),
         (lambda: Table(["a", "b"], [[1.0, 2.0], [1.0]]), "row 2 of a table has 1 cells; its columns are 2"),
         (lambda: Table(["a"], [], units=["N", "m"]), "1 columns has 2 units"),
-        (lambda: page("t", [Section("s", ["text"])]), "str is no block"),  # type: ignore[list-item]
+        (lambda: page("t", [Section("s", ["text"])]), "str is no block"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(make: object, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        make()  # type: ignore[operator]
+        make()
 
 
 def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path) -> None:

@@ -86,7 +86,7 @@ def test_the_prediction_is_drawn_with_the_offset_of_its_score(tmp_path: Path) ->
 
     known = scored(RECORDS)
     section = validate_page._record(CARD, RECORDS, known, "The record", "a")
-    history = section.blocks[1].figure.axes[1].lines[0]  # type: ignore[union-attr]
+    history = section.blocks[1].figure.axes[1].lines[0]
     assert np.std(history.get_ydata()) < 2.0
     assert abs(np.mean(history.get_ydata())) < 1.0
 

@@ -8,6 +8,7 @@ import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
+from dampyr.cli._report import figures_option
 
 
 @click.command()
@@ -18,6 +19,7 @@ from dampyr.cli._progress import stages
     type=click.Path(path_type=Path),
     help="Where all of it goes.",
 )
+@figures_option
 @as_json_option
 def command(out: Path, as_json: bool) -> None:
     """Run the whole chain on a simulated rig and write a report.

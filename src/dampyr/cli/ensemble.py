@@ -10,6 +10,7 @@ import click
 
 from dampyr.cli._ensemble import Asked, case_options, counting, limit, refuse_cases, shard
 from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     "--read", type=click.Path(path_type=Path), metavar="FILE", help="Take a finished file instead of computing."
 )
 @click.option("--workers", type=click.IntRange(1), metavar="N", help="Threads.  [default: one for each core]")
-@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
+@report_options()
 @as_json_option
 @click.pass_context
 def command(

@@ -13,6 +13,7 @@ from dampyr.cli._leaderboard import print_leaderboard, ranked, told
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
+from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
 @click.option("--starts", default=1, show_default=True, help="From how many starts is searched.")
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
-@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
+@report_options()
 @reading_options
 @as_json_option
 def command(

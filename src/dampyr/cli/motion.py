@@ -9,6 +9,7 @@ import click
 
 from dampyr.cli._motion import Ground, motion_options, ratio
 from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._report import report_options
 
 if TYPE_CHECKING:
     from dampyr.ground_motions import GroundMotion, Measures, Spectrum
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 @click.option("--baseline", is_flag=True, help="Take the baseline off first, so that the displacement does not drift.")
 @click.option("--damping", "dampings", multiple=True, metavar="D", help="Of the spectrum, such as 2%; may be repeated.")
 @click.option("--period", "periods", multiple=True, type=float, metavar="S", help="Of the spectrum; may be repeated.")
-@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
+@report_options()
 @as_json_option
 def command(
     file: Path | None,

@@ -9,6 +9,7 @@ import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
+from dampyr.cli._report import figures_option
 
 if TYPE_CHECKING:
     from dampyr.studies.raminelli_2020.study import Study
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Where the page goes.",
 )
+@figures_option
 @as_json_option
 def command(data: Path | None, out: Path, as_json: bool) -> None:
     """Run Raminelli (2020) again, with a verdict on each number.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ REFUSED, FEW = 2, 50
 )
 @click.option("--dry-run", is_flag=True, help="Print the plan and what the rig cannot do; move nothing.")
 @click.option("--seed", type=click.IntRange(0), help="Of the random order, instead of the campaign's.")
-@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page of the plan.")
+@report_options("Write a page of the plan.")
 @click.option("--in-process", is_flag=True, help="Simulate the rig without its wires (without the extra rig).")
 @click.option("--real-time", is_flag=True, help="Simulate the rig at the pace of a real one.")
 @click.option(

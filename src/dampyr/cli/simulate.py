@@ -10,6 +10,7 @@ import click
 from dampyr.cli._control import control_option, inputs_for
 from dampyr.cli._motion import Ground, motion_options
 from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 @motion_options
 @click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay where it is the rig's.")
 @click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
-@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
+@report_options()
 @as_json_option
 def command(
     card: Path | None,

@@ -11,6 +11,7 @@ import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._records import Reading, gather, reading_options
+from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ NAMES = ["record", "input", "fitted on", "L1", "NRMSE", "R²", "pointwise", "pea
 @click.option(
     "--forces", type=click.Path(path_type=Path), metavar="DIR", help="Write measured and predicted forces as CSV."
 )
-@click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help="Write a page with figures.")
+@report_options()
 @reading_options
 @click.option("--allow-extrapolation", is_flag=True, help="Also inputs that the card was not calibrated on.")
 @as_json_option

@@ -3,9 +3,10 @@
 `fit` identifies any damper from one record or many; `limit_cycle` and `plastic_region` are the two methods of the
 dissertation for the viscous Dahl model; `score` says how well a damper predicts a record, `cross_validate` how well a model
 predicts records that it was not fitted on, `leaderboard` which model does it best; `residuals` what a fit leaves, and
-`findings` what that says in words.
+`findings` what that says in words; `accept` whether a record lies within a band about a reference damper.
 """
 
+from dampyr.identification.acceptance import Acceptance, Point, Tolerance, accept
 from dampyr.identification.data_sheet import contradictions
 from dampyr.identification.findings import Trend, findings, trends, warnings_of
 from dampyr.identification.fit import Fit, Nuisance, fit
@@ -18,8 +19,8 @@ from dampyr.identification.screening import Screened, Trial
 from dampyr.identification.validation import Fold, Validation, cross_validate
 
 __all__ = [
-    "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Residuals", "Score", "Screened",
-    "Trace", "Trend", "Trial", "Validation", "Window",
-    "analyse", "compare", "contradictions", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle",
+    "Acceptance", "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
+    "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
+    "accept", "analyse", "compare", "contradictions", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle",
     "plastic_region", "prediction", "residuals", "score", "trends", "warnings_of",
 ]  # fmt: skip

@@ -47,6 +47,7 @@ from dampyr.records import Record
 ADD_ONS = ("spring", "delay", "lag", "compliance")
 FINAL_STEPS = 300
 FINALISTS = 5
+FEWEST = 5  # records: as many as parts that are left out in turn
 
 
 @dataclass(frozen=True)
@@ -132,8 +133,7 @@ def leaderboard(
     unknown = [r.name for r in listed if r.input is None]
     if unknown:
         raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
-    if len(listed) < 5:
-        raise InputError(f"a leaderboard needs five records or more to fit, not {len(listed)}; name a model instead")
+    check_count(len(listed))
     begun = time.perf_counter()
     tell = progress or (lambda what, done: None)
     small = screening_set(listed)
@@ -152,6 +152,12 @@ def leaderboard(
     entries = jobs.run_all(finals, executor, lambda done: tell("validating the best", done))
     ranked = with_criteria(sorted(entries, key=lambda one: (one.error, one.model)))
     return Leaderboard(tuple(ranked), tuple(screened), bandwidth, left_out, time.perf_counter() - begun)
+
+
+def check_count(records: int) -> None:
+    """Refuse too few records to choose a model by: each of five parts is to be predicted from the others."""
+    if records < FEWEST:
+        raise InputError(f"a leaderboard needs five records or more to fit, not {records}; name a model instead")
 
 
 def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:

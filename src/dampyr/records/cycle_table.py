@@ -19,8 +19,8 @@ class Cycle:
 
     ``start_s`` and ``period_s``; ``stroke_m`` from its lowest to its highest point; ``least_force`` and ``largest_force``;
     ``energy`` dissipated, J. The peak-velocity pick-up: ``speed_out`` and ``speed_in`` are the largest velocities of extension
-    (positive) and compression (negative), m/s, ``force_out`` and ``force_in`` the forces at those moments less the mean force
-    of the record, N.
+    (positive) and compression (negative), m/s, ``force_out`` and ``force_in`` the forces at those moments less the offset of
+    the record, N.
     """
 
     start_s: float
@@ -35,14 +35,15 @@ class Cycle:
     force_in: float
 
 
-def cycle_table(record: Record) -> list[Cycle]:
+def cycle_table(record: Record, offset: float | None = None) -> list[Cycle]:
     """The whole cycles in their order; the velocity is derived as :func:`~dampyr.records.measure` derives it.
 
-    Raises InputError where there is no whole cycle.
+    ``offset`` in N is taken from the forces at peak velocity; None takes the record's mean force over its whole cycles. Raises
+    InputError where there is no whole cycle.
     """
     found = require_cycles(record, "a table of cycles")
     speed = differentiate(record.time, record.displacement, default_bandwidth(record))
-    energies, mean = cycle_energies(record, found), mean_force(record)
+    energies, zero = cycle_energies(record, found), mean_force(record) if offset is None else offset
     table = []
     for (i0, i1), energy in zip(found, energies, strict=True):
         x, f, v = record.displacement[i0 : i1 + 1], record.force[i0 : i1 + 1], speed[i0 : i1 + 1]
@@ -56,9 +57,9 @@ def cycle_table(record: Record) -> list[Cycle]:
                 largest_force=float(f.max()),
                 energy=float(energy),
                 speed_out=float(v[out]),
-                force_out=float(f[out] - mean),
+                force_out=float(f[out] - zero),
                 speed_in=float(v[back]),
-                force_in=float(f[back] - mean),
+                force_in=float(f[back] - zero),
             )
         )
     return table

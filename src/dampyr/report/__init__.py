@@ -11,6 +11,8 @@ A figure takes plain arrays in SI, shows them in the units people read (mm, N, s
 """
 
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
+from dampyr.report.figure_files import figure_files
+from dampyr.report.figures.acceptance import band_used, peak_velocity_band
 from dampyr.report.figures.building import building_response
 from dampyr.report.figures.calibrated import calibrated
 from dampyr.report.figures.controlled import controlled
@@ -45,6 +47,7 @@ __all__ = [
     "page",
     "write_page",
     "save",
+    "figure_files",
     "Law",
     "loops",
     "history",
@@ -65,6 +68,8 @@ __all__ = [
     "correlation",
     "strong_pairs",
     "calibrated",
+    "peak_velocity_band",
+    "band_used",
     "memory",
     "residual_sizes",
     "residual_velocity",

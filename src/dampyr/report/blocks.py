@@ -11,7 +11,7 @@ from dampyr.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Kind = Literal["agrees", "differs", "cannot be checked"]
+Kind = Literal["agrees", "differs", "cannot be checked", "passed", "failed", "not judged"]
 
 
 @dataclass(frozen=True)

@@ -107,9 +107,10 @@ def trust(dataset: Any) -> list[str]:
     )
     fast = (
         "The accuracy is “fast”: about 0.1 % of the peak in strong motion, up to about 1 % where the motion is small and "
-        "the input high. Accelerations are less sharp, a few per cent at a high input. Accuracy “strict” takes 0.4 of the step."
+        "the input high. Accelerations are less sharp, a few per cent at a high input, rarely ten. Accuracy “strict” takes 0.4 "
+        "of the step."
     )
-    strict = "The accuracy is “strict”, half the step of “fast”. Accelerations are less sharp than drifts."
+    strict = "The accuracy is “strict”, 0.4 of the step of “fast”. Accelerations are less sharp than drifts."
     lost = (
         f"{told['unbounded']} cases grew without bound; they have no peak, and count as exceeding every limit."
         if told["unbounded"]

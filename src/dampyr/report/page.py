@@ -5,20 +5,26 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from dampyr.errors import InputError
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
+from dampyr.report.figure_files import keep
 from dampyr.report.svg import inline_svg
 from dampyr.whole import write_whole
 
 DASH = "–"
-_MARKS = {"agrees": "✓", "differs": "≠", "cannot be checked": "?"}
+STYLES = ("look.css", "page.css")
+_MARKS = {
+    "agrees": "✓", "differs": "≠", "cannot be checked": "?",
+    "passed": "✓", "failed": "✗", "not judged": "?",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -44,15 +50,14 @@ def page(
     if not sections:
         raise InputError("a page needs at least one section")
     ids = _anchors([section.title for section in sections])
+    named = list(zip(ids, sections, strict=True))
+    _keep_figures(named)
     counted = iter(range(1, 1 + sum(len(section.blocks) for section in sections)))
     ready = [
-        {
-            "id": anchor,
-            "title": section.title,
-            "blocks": [_block(b, f"f{next(counted)}") for b in section.blocks],
-        }
-        for anchor, section in zip(ids, sections, strict=True)
+        {"id": anchor, "title": section.title, "blocks": [_block(b, f"f{next(counted)}") for b in section.blocks]}
+        for anchor, section in named
     ]
+    _name_tables(ready)
     facts = {"": provenance} if isinstance(provenance, str) else dict(provenance)
     return str(
         _template().render(
@@ -63,6 +68,29 @@ def page(
             marks=_MARKS,
         )
     )
+
+
+def _name_tables(sections: Sequence[dict[str, Any]]) -> None:
+    """One name per table, for those who hear it: its caption, with its section and a count where that is there twice."""
+    known: set[str] = set()
+    for section in sections:
+        for block in section["blocks"]:
+            if block["kind"] == "table":
+                tries = _names_of(block["caption"] or section["title"], section["title"])
+                block["label"] = next(name for name in tries if name not in known)
+                known.add(block["label"])
+
+
+def _names_of(name: str, section: str) -> Iterator[str]:
+    yield name
+    yield f"{section}: {name}"
+    yield from (f"{section}: {name} ({number})" for number in count(2))
+
+
+def _keep_figures(named: Sequence[tuple[str, Section]]) -> None:
+    found = [(anchor, b.figure) for anchor, section in named for b in section.blocks if isinstance(b, FigureBlock)]
+    for number, (anchor, figure) in enumerate(found, 1):
+        keep(figure, number, anchor)
 
 
 def write_page(path: str | Path, html: str) -> Path:
@@ -86,7 +114,7 @@ def _template() -> Any:
         lstrip_blocks=True,
     )
     folder = files("dampyr.report") / "templates"
-    environment.globals["css"] = Markup((folder / "page.css").read_text("utf-8"))
+    environment.globals["css"] = Markup("\n".join((folder / name).read_text("utf-8") for name in STYLES))
     environment.globals["js"] = Markup((folder / "page.js").read_text("utf-8"))
     return environment.get_template("page.html")
 

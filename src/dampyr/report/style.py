@@ -67,9 +67,13 @@ _RC = {
     "axes.unicode_minus": True,
     "svg.fonttype": "none",
     "svg.hashsalt": "dampyr",
+    "pdf.fonttype": 42,
     "path.simplify": True,
     "path.simplify_threshold": 0.12,
 }
+
+
+_UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}  # the same figure gives the same file
 
 
 @dataclass(frozen=True)
@@ -171,5 +175,5 @@ def save(fig: Figure, path: str | Path) -> Path:
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     with style():
-        fig.savefig(path, facecolor="white", dpi=200)
+        fig.savefig(path, facecolor="white", dpi=200, metadata=_UNDATED.get(path.suffix))
     return path

@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike
 
 from dampyr.report import style
 from dampyr.report.style import Axis
+from dampyr.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PGA = Axis("peak ground acceleration", "g", 1 / 9.80665)
-SA = Axis("Sa at the first period, 5 %", "g", 1 / 9.80665)
+PGA = Axis("peak ground acceleration", "g", 1 / STANDARD_GRAVITY)
+SA = Axis("Sa at the first period, 5 %", "g", 1 / STANDARD_GRAVITY)
 SCALE = Axis("scale of the motions", "1")
 PROBABILITY = Axis("probability of exceeding", "%", 100.0)
 

@@ -30,7 +30,7 @@ def residual_sizes(
         for panel, x in zip(axes[0], (axis, STROKE, FREQUENCY), strict=True):
             panel.set_xlabel(x.label)
             panel.margins(x=0.12)
-        axes[0, 0].set_ylim(bottom=0.0)
+        axes[0, 0].set_ylim(0.0, 1.08 * axes[0, 0].dataLim.ymax or None)
         axes[0, 0].set_ylabel(SIZE.label)
         style.legend(fig, axes[0, 0], columns=5)
     return fig

@@ -27,3 +27,36 @@ for (const table of document.querySelectorAll("table")) {
     });
   });
 }
+
+// Each figure can be saved as a file of its own, in the colours of the page in light.
+function alone(svg) {
+  const root = document.documentElement;
+  const before = root.dataset.theme;
+  root.dataset.theme = "light";
+  const looks = getComputedStyle(root);
+  const value = (_, name) => looks.getPropertyValue(name).trim().replaceAll('"', "'");
+  const copy = svg.cloneNode(true);
+  const [, , width, height] = svg.getAttribute("viewBox").split(" ");
+  copy.setAttribute("width", `${width}pt`);
+  copy.setAttribute("height", `${height}pt`);
+  const text = new XMLSerializer().serializeToString(copy).replace(/var\((--[\w-]+)\)/g, value);
+  if (before === undefined) delete root.dataset.theme;
+  else root.dataset.theme = before;
+  return text;
+}
+
+document.querySelectorAll("figure").forEach((figure, k) => {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = "save";
+  button.textContent = "Save as SVG";
+  button.setAttribute("aria-label", `Save as SVG: figure ${k + 1}`);
+  button.addEventListener("click", () => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([alone(figure.querySelector("svg"))], { type: "image/svg+xml" }));
+    link.download = `${String(k + 1).padStart(2, "0")}-${figure.closest("section").id}.svg`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  });
+  figure.append(button);
+});

@@ -1,0 +1,179 @@
+"""Accept: whether tested dampers lie within a band about a reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dampyr.cli._motion import ratio
+from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._records import Reading, gather, reading_options
+from dampyr.cli._report import report_options
+from dampyr.errors import InputError
+
+if TYPE_CHECKING:
+    from dampyr.identification import Acceptance, Tolerance
+    from dampyr.models import Damper
+    from dampyr.records import Record
+
+FAILED, UNDECIDED = 1, 3
+MOST_REASONS = 6
+COLUMNS = [
+    "record",
+    "input",
+    "verdict",
+    "judged",
+    "outside",
+    "worst",
+    "cycle",
+    "speed",
+    "measured",
+    "expected",
+    "off by",
+]
+UNITS = ["", "", "", "", "", "", "", "mm/s", "N or J", "N or J", "%"]
+QUANTITIES = ("extension", "compression", "energy")
+
+
+@click.command()
+@click.argument("reference", metavar="REFERENCE")
+@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--tolerance", default="15%", show_default=True, help="Of what the reference gives, such as 10% or 0.1.")
+@click.option("--slack", "slacks", multiple=True, metavar="Q", help="And this much more: 20N of force, 0.5J of energy.")
+@click.option("--judge", multiple=True, type=click.Choice(QUANTITIES), help="Only this; may be repeated.")
+@click.option("--offset", metavar="F", help="Taken from every measured force; without it, its mean over whole cycles.")
+@click.option("--role", type=click.Choice(["fit", "validation", "all"]), default="all", help="Of a folder in PATHS.")
+@report_options()
+@reading_options
+@click.option("--allow-extrapolation", is_flag=True, help="Judge beyond what a card was calibrated on, too.")
+@as_json_option
+def command(
+    reference: str,
+    paths: tuple[Path, ...],
+    tolerance: str,
+    slacks: tuple[str, ...],
+    judge: tuple[Any, ...],
+    offset: str | None,
+    role: str,
+    report: Path | None,
+    reading: Reading,
+    allow_extrapolation: bool,
+    as_json: bool,
+) -> int:
+    """Judge records by a reference damper with a band of tolerance.
+
+    REFERENCE is a card, the name of a published damper, or records of a reference damper (a file, or a folder of them). Every
+    whole cycle of every record in PATHS is judged: the force at peak velocity in extension and in compression, and the energy.
+    Exits with 0 when every record passed, with 1 when a point lies outside, with 3 when none does but a record could not be
+    judged.
+    """
+    from dampyr import units
+    from dampyr.identification import accept
+
+    band = _tolerance(tolerance, slacks)
+    against, known = _reference(reference, reading)
+    records = gather(paths, None if role == "all" else role, reading, known=known)
+    zero = None if offset is None else units.parse(offset, "N")
+    found = [accept(r, against, band, judge or QUANTITIES, zero, allow_extrapolation) for r in records]
+    if report:
+        from dampyr.report.acceptance_page import write_acceptance_page
+
+        write_acceptance_page(found, report, reference)
+    if as_json:
+        print_json({"reference": reference, "verdict": _verdict(found), "records": [one.as_dict() for one in found]})
+    else:
+        _print(reference, found)
+        if report:
+            click.echo(f"page: {report}")
+    return {"passed": 0, "failed": FAILED, "not judged": UNDECIDED}[_verdict(found)]
+
+
+def _tolerance(share: str, slacks: tuple[str, ...]) -> Tolerance:
+    from dampyr import units
+    from dampyr.identification import Tolerance
+
+    given: dict[str, float] = {}
+    for text in slacks:
+        for name, unit in (("force", "N"), ("energy", "J")):
+            try:
+                float(text)  # a bare number could be either
+            except ValueError:
+                try:
+                    given[name] = units.parse(text, unit)
+                    break
+                except InputError:
+                    continue
+        else:
+            raise InputError(f"--slack {text!r} has no unit of a force or an energy; write it as in 20N or 0.5J")
+    return Tolerance(ratio(share, "tolerance"), **given)
+
+
+def _reference(text: str, reading: Reading) -> tuple[Damper | list[Record], Sequence[float]]:
+    """The reference, and the inputs that it knows."""
+    from dampyr.models import Damper
+
+    path = Path(text)
+    if path.suffix.lower() == ".toml":
+        damper = Damper.load(path)
+        return damper, damper.range
+    if path.exists():
+        records = gather((path,), None, reading)
+        return records, sorted({r.input_value for r in records if r.input_value is not None})
+    damper = _published(text)
+    return damper, damper.range
+
+
+def _published(name: str) -> Damper:
+    from dampyr import studies
+
+    known = studies.damper_names()
+    if name not in known:
+        raise InputError(
+            f"{name}: no such file, and no published damper; give a card, records, or one of {', '.join(known)}"
+        )
+    return studies.published_damper(name)
+
+
+def _verdict(found: Sequence[Acceptance]) -> str:
+    """Of all records: failed where one failed, not judged where one was not, else passed."""
+    verdicts = {one.verdict for one in found}
+    return next(each for each in ("failed", "not judged", "passed") if each in verdicts)
+
+
+def _print(reference: str, found: Sequence[Acceptance]) -> None:
+    counts = {each: sum(one.verdict == each for one in found) for each in ("passed", "failed", "not judged")}
+    told = ", ".join(f"{count} {each}" for each, count in counts.items() if count)
+    title = f"{len(found)} {'record' if len(found) == 1 else 'records'}: {told}"
+    band = found[0].tolerance
+    slack = [f"{value:g} {unit}" for value, unit in ((band.force, "N"), (band.energy, "J")) if value]
+    notes = [f"by {reference}, ± {' and '.join([f'{100 * band.relative:g} %', *slack])}"]
+    print_table(title, COLUMNS, [_row(one) for one in found], UNITS, notes=[*notes, *_reasons(found)])
+
+
+def _row(one: Acceptance) -> list[Any]:
+    worst = one.worst
+    head = [one.record, one.input_value, one.verdict, f"{len(one.judged)} of {len(one.points)}", len(one.outside)]
+    if worst is None:
+        return [*head, *[None] * 6]
+    off = None if worst.deviation is None else 100 * worst.deviation
+    return [*head, worst.quantity, worst.cycle, 1e3 * worst.speed, worst.measured, worst.expected, off]
+
+
+def _reasons(found: Sequence[Acceptance]) -> list[str]:
+    """Why points were not judged, a line for each reason."""
+    told: dict[str, list[str]] = {}
+    for one in found:
+        for reason in one.reasons or ({one.reason: 0} if one.reason else {}):
+            told.setdefault(reason, []).append(one.record)
+    lines = [f"not judged: {reason} – {_names(names)}" for reason, names in told.items()]
+    more = len(lines) - MOST_REASONS
+    return (
+        lines if more <= 0 else [*lines[:MOST_REASONS], f"and for {more} more reasons, which --json and --report tell"]
+    )
+
+
+def _names(names: list[str]) -> str:
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

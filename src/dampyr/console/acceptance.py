@@ -1,0 +1,219 @@
+"""Records judged by a reference damper: what ``dampyr accept`` does, for the Records page."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query
+from fastapi.responses import Response
+from pydantic import BaseModel, Field
+
+from dampyr import records
+from dampyr.console import shelf
+from dampyr.console.cards import CARDS
+from dampyr.console.dampers import DamperLink, dampers
+from dampyr.console.house import Here
+from dampyr.console.site import DamperAsked
+from dampyr.identification import Acceptance, Point, Tolerance, accept
+from dampyr.identification.acceptance import QUANTITIES, Quantity, band
+
+MOST_RECORDS = 6
+MOST_POINTS, MOST_OUTSIDE = 900, 200
+
+Key = Annotated[str, Field(min_length=3, max_length=340)]
+Slack = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
+
+router = APIRouter()
+
+
+class AcceptanceAsked(BaseModel):
+    """Which records, by what reference, in what band."""
+
+    key: list[Key] = Field(min_length=1, max_length=MOST_RECORDS, description="Records, such as data/uploads/test.h5.")
+    reference: list[Key] = Field(
+        min_length=1,
+        max_length=MOST_RECORDS,
+        description="A card, cards/NAME.toml, a published damper, or records by their keys.",
+    )
+    tolerance: float = Field(default=0.15, ge=0, le=1, allow_inf_nan=False, description="Share of the expected value.")
+    force: Slack = Field(default=0.0, description="N, besides.")
+    energy: Slack = Field(default=0.0, description="J, besides.")
+    judge: list[Quantity] = Field(default=list(QUANTITIES), min_length=1, max_length=3)
+    offset: float | None = Field(
+        default=None,
+        ge=-1e9,
+        le=1e9,
+        allow_inf_nan=False,
+        description="N, taken from measured forces; else their mean.",
+    )
+
+
+class OnePoint(BaseModel):
+    """A point outside, or the worst, SI; ``deviation`` is measured over expected less 1."""
+
+    cycle: int
+    quantity: Quantity
+    speed: float
+    measured: float
+    low: float | None
+    high: float | None
+    deviation: float | None
+
+
+class Points(BaseModel):
+    """The points of a quantity as columns, SI; ``used`` in halves of the band. Those inside are thinned where they are many."""
+
+    quantity: Quantity
+    cycle: list[int]
+    speed: list[float]
+    measured: list[float]
+    used: list[float | None]
+    inside: list[bool | None]
+
+
+class Judged(BaseModel):
+    """One record: how it came out, and why points were not judged (the reason and how many)."""
+
+    key: str
+    name: str
+    input: str | None
+    input_value: float | None
+    verdict: Literal["passed", "failed", "not judged"]
+    count: int
+    judged: int
+    outside_count: int
+    reason: str
+    reasons: dict[str, int]
+    worst: OnePoint | None
+    outside: list[OnePoint] = Field(description=f"The worst {MOST_OUTSIDE} of them.")
+    points: list[Points]
+
+
+class Band(BaseModel):
+    """The band along the speed for the records of one input, in one direction, SI."""
+
+    quantity: Quantity
+    speed: list[float]
+    expected: list[float]
+    low: list[float]
+    high: list[float]
+
+
+class Judgement(BaseModel):
+    """All records, and the bands to draw."""
+
+    records: list[Judged]
+    bands: list[Band]
+
+
+@router.get("/references")
+def list_references(here: Here) -> list[DamperLink]:
+    """Dampers that records can be judged by; every record can be a reference, too."""
+    return dampers(here.data)
+
+
+@router.get("/acceptance")
+def judge(here: Here, asked: Annotated[AcceptanceAsked, Query()]) -> Judgement:
+    """Judge every whole cycle of records by a reference; see `dampyr.identification.accept`."""
+    found = _judged(here.data, asked)
+    return Judgement(records=[_told(key, one) for key, one in found.items()], bands=_bands(list(found.values())))
+
+
+@router.get("/acceptance/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
+def give_page(here: Here, asked: Annotated[AcceptanceAsked, Query()]) -> Response:
+    """The page as `dampyr accept --report` writes it, as a file to keep."""
+    from dampyr.report.acceptance_page import write_acceptance_page
+
+    found = _judged(here.data, asked)
+    name = ", ".join(_shown(each) for each in asked.reference)
+    with tempfile.TemporaryDirectory(prefix="dampyr-") as folder:
+        html = write_acceptance_page(list(found.values()), Path(folder) / "page.html", name).read_bytes()
+    said = {"content-disposition": 'attachment; filename="acceptance.html"'}
+    return Response(html, media_type="text/html", headers=said)
+
+
+def _judged(data: Path, asked: AcceptanceAsked) -> dict[str, Acceptance]:
+    is_damper = len(asked.reference) == 1 and _is_damper(asked.reference[0])
+    damper = DamperAsked(name=asked.reference[0]).damper(data) if is_damper else None
+    keys = list(dict.fromkeys([*asked.key, *([] if is_damper else asked.reference)]))
+    read = records.nominal_inputs([shelf.read(data, key) for key in keys], damper.range if damper else ())
+    known = dict(zip(keys, read, strict=True))
+    against = damper or [known[key] for key in asked.reference]
+    tolerance = Tolerance(asked.tolerance, asked.force, asked.energy)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return {
+            key: accept(known[key], against, tolerance, asked.judge, asked.offset) for key in dict.fromkeys(asked.key)
+        }
+
+
+def _is_damper(name: str) -> bool:
+    """Keys of records have a source, parted by /; names of published dampers have none."""
+    return name.startswith(f"{CARDS}/") or "/" not in name
+
+
+def _shown(name: str) -> str:
+    return Path(name).stem if "/" in name else name
+
+
+def _told(key: str, one: Acceptance) -> Judged:
+    return Judged(
+        key=key,
+        name=one.record,
+        input=one.input,
+        input_value=one.input_value,
+        verdict=one.verdict,
+        count=len(one.points),
+        judged=len(one.judged),
+        outside_count=len(one.outside),
+        reason=one.reason,
+        reasons=one.reasons,
+        worst=_one(one.worst) if one.worst else None,
+        outside=[_one(p) for p in one.outside[:MOST_OUTSIDE]],
+        points=[_points(q, [p for p in one.points if p.quantity == q]) for q in one.quantities],
+    )
+
+
+def _one(p: Point) -> OnePoint:
+    return OnePoint(
+        cycle=p.cycle, quantity=p.quantity, speed=p.speed, measured=p.measured, low=p.low, high=p.high,
+        deviation=_finite(p.deviation),
+    )  # fmt: skip
+
+
+def _points(quantity: Quantity, points: Sequence[Point]) -> Points:
+    stride = -(-len(points) // MOST_POINTS) or 1
+    kept = [p for k, p in enumerate(points) if k % stride == 0]
+    few = {id(p): p for p in [*kept, *[p for p in points if p.inside is False][:MOST_POINTS]]}.values()
+    shown = sorted(few, key=lambda p: p.cycle)
+    return Points(
+        quantity=quantity,
+        cycle=[p.cycle for p in shown],
+        speed=[p.speed for p in shown],
+        measured=[p.measured for p in shown],
+        used=[_finite(p.used) for p in shown],
+        inside=[p.inside for p in shown],
+    )
+
+
+def _bands(found: Sequence[Acceptance]) -> list[Band]:
+    groups: dict[tuple[str | None, float | None], list[Acceptance]] = {}
+    for one in found:
+        groups.setdefault((one.input, one.input_value), []).append(one)
+    made = []
+    for some in groups.values():
+        for quantity in QUANTITIES[:2]:
+            rows = band(some, quantity)
+            if rows:
+                speed, expected, low, high = map(list, zip(*rows, strict=True))
+                made.append(Band(quantity=quantity, speed=speed, expected=expected, low=low, high=high))
+    return made
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None

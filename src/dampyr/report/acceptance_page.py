@@ -1,0 +1,182 @@
+"""The page of an acceptance: which records lie within a band about a reference damper, and which points do not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.identification import Acceptance, Point
+from dampyr.identification.acceptance import UNITS, band
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
+from dampyr.report.figures.acceptance import band_used, peak_velocity_band
+from dampyr.report.page import page, write_page
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+MOST_ROWS, MOST_FIGURES, MOST_POINTS = 40, 8, 60
+
+
+def write_acceptance_page(found: Sequence[Acceptance], path: Path, reference: str) -> Path:
+    """Write the page and return its path: verdicts, the band with the points, the points outside, what was not judged.
+
+    ``reference`` is what the reference is called. Raises :class:`~dampyr.errors.InputError` without any judgement.
+    """
+    if not found:
+        raise InputError("there is no judgement to show; judge one record or more")
+    sections = [
+        Section("In short", _short(found)),
+        Section("The forces at peak velocity", _forces(found)),
+        Section("How much of the band is used", _used(found)),
+        Section("The points outside", _outside(found)),
+    ]
+    if any(one.reasons or one.reason for one in found):
+        sections.append(Section("What was not judged", _open(found)))
+    html = page(
+        f"Judged by {reference}",
+        sections,
+        subtitle=f"Every whole cycle of {_count(len(found), 'record')}, within {_words(found[0])} of the reference.",
+        provenance={"reference": reference, "tolerance": _words(found[0]), "offset": _offset(found[0])},
+    )
+    write_page(path, html)
+    return path
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def _words(one: Acceptance) -> str:
+    given = one.tolerance
+    parts = [
+        f"{100 * given.relative:g} %" if given.relative else "",
+        f"{given.force:g} N" if given.force else "",
+        f"{given.energy:g} J" if given.energy else "",
+    ]
+    return "± " + " and ".join(filter(None, parts))
+
+
+def _offset(one: Acceptance) -> str:
+    if one.offset is None:
+        return "the mean force over whole cycles, taken from each record and from the reference"
+    return f"{one.offset:g} N, taken from every measured force"
+
+
+def _input(one: Acceptance) -> str:
+    return "input not known" if one.input_value is None else f"{one.input_value:.5g} {one.input}"
+
+
+def _verdict(one: Acceptance) -> Verdict:
+    return Verdict(one.verdict)
+
+
+def _short(found: Sequence[Acceptance]) -> list[Block]:
+    counts = {each: sum(one.verdict == each for one in found) for each in ("passed", "failed", "not judged")}
+    told = ", ".join(f"{count} {words}" for words, count in counts.items() if count)
+    rows: list[list[Cell]] = []
+    for one in found:
+        worst = one.worst
+        off = None if worst is None or worst.deviation is None else 100 * worst.deviation
+        rows.append(
+            [one.record, _input(one), _verdict(one), len(one.points), len(one.judged), len(one.outside),
+             worst.quantity if worst else None, worst.cycle if worst else None, off]
+        )  # fmt: skip
+    what = ", ".join(found[0].quantities)
+    return [
+        Text(
+            f"{told.capitalize()}. Judged in every whole cycle: {what}. One point outside fails a record; a record of which "
+            "less than half of the cycles could be judged in one of these has neither passed nor failed."
+        ),
+        Table(
+            ("record", "input", "verdict", "points", "judged", "outside", "worst", "cycle", "off by"),
+            rows,
+            ("", "", "", "", "", "", "", "", "%"),
+            digits=3,
+            caption="The worst point is the one that uses most of its band.",
+        ),
+    ]
+
+
+def _forces(found: Sequence[Acceptance]) -> list[Block]:
+    groups: dict[str, list[Acceptance]] = {}
+    for one in sorted(found, key=lambda one: -np.inf if one.input_value is None else one.input_value):
+        if one.points:
+            groups.setdefault(_input(one), []).append(one)
+    blocks: list[Block] = [
+        FigureBlock(
+            _band(some),
+            f"{name}: forces at the peak velocities of every cycle, extension above and compression below. The band is drawn "
+            "through the mean of points of one speed; each point is judged by its own.",
+        )
+        for name, some in list(groups.items())[:MOST_FIGURES]
+    ]
+    if len(groups) > MOST_FIGURES:
+        blocks.append(Text(f"There are {len(groups)} inputs; the lowest {MOST_FIGURES} are shown."))
+    return blocks or [Text("No record has a whole cycle.")]
+
+
+def _band(some: Sequence[Acceptance]) -> Figure:
+    points: dict[bool | None, list[Point]] = {True: [], False: [], None: []}
+    for one in some:
+        for p in one.points:
+            if p.quantity != "energy":
+                points[p.inside].append(p)
+    drawn = {state: ([p.speed for p in own], [p.measured for p in own]) for state, own in points.items()}
+    return peak_velocity_band([band(some, "extension"), band(some, "compression")], drawn)
+
+
+def _used(found: Sequence[Acceptance]) -> list[Block]:
+    judged = [one for one in found if one.judged]
+    if not judged:
+        return [Text("No point was judged.")]
+    worst = sorted(judged, key=lambda one: -abs(one.worst.used or 0.0) if one.worst else 0.0)[:MOST_ROWS]
+    shown = [one for one in judged if one in worst]
+    rows: dict[str, dict[str, list[float]]] = {
+        one.record: {q: [p.used or 0.0 for p in one.judged if p.quantity == q] for q in one.quantities} for one in shown
+    }
+    few = f" Of {len(judged)} records the {MOST_ROWS} worst are shown." if len(shown) < len(judged) else ""
+    return [
+        FigureBlock(
+            band_used(rows),
+            f"Every judged cycle of every record: 0 is the reference, the edges of the band are at −1 and 1.{few}",
+        )
+    ]
+
+
+def _outside(found: Sequence[Acceptance]) -> list[Block]:
+    points = [(one.record, p) for one in found for p in one.outside]
+    if not points:
+        return [Text("No point lies outside.")]
+    points.sort(key=lambda pair: -abs(pair[1].used or 0.0))
+    rows: list[list[Cell]] = [
+        [name, p.cycle, p.quantity, 1e3 * p.speed, p.measured, p.low, p.high, UNITS[p.quantity],
+         None if p.deviation is None else 100 * p.deviation]
+        for name, p in points[:MOST_POINTS]
+    ]  # fmt: skip
+    more = f" The worst {MOST_POINTS} of {len(points)}." if len(points) > MOST_POINTS else ""
+    return [
+        Table(
+            ("record", "cycle", "quantity", "peak velocity", "measured", "band from", "to", "unit", "off by"),
+            rows,
+            ("", "", "", "mm/s", "", "", "", "", "%"),
+            digits=4,
+            caption=f"Off by more than 0 % is stronger than the reference, in either direction.{more}",
+        )
+    ]
+
+
+def _open(found: Sequence[Acceptance]) -> list[Block]:
+    rows: list[list[Cell]] = []
+    for one in found:
+        for reason, count in (one.reasons or ({one.reason: 0} if one.reason else {})).items():
+            rows.append([one.record, count, sentence(reason)])
+    return [
+        Text("A reference says nothing beyond its own tests and calibration, and nothing is extrapolated from it."),
+        Table(("record", "points", "why"), rows),
+    ]

@@ -1,0 +1,95 @@
+"""``dampyr accept``: records against a card, a published damper, or records of a reference damper."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from tests.identification.synthetic import sine
+
+from dampyr.cli import cli
+from dampyr.models import Damper
+from dampyr.records import write
+
+CARD = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 150.0, "dahl.rho": 3000.0})
+
+
+def run(*args: str | Path) -> Result:
+    return CliRunner().invoke(cli, ["accept", *map(str, args)], catch_exceptions=False)
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Path:
+    """A card, and tests of a damper like it (offset of 120 N), of one that is 20 % stronger, and of one without cycles."""
+    CARD.save(tmp_path / "card.toml")
+    good = sine(CARD, 0.0, "good")
+    write(good, tmp_path / "good.h5")
+    again = sine(CARD, 0.0, "again", noise=0.5)
+    write(again, tmp_path / "again.h5")
+    strong = good.replace(note="stronger", name="strong", force=120.0 + 1.2 * (good.force - 120.0))
+    write(strong, tmp_path / "strong.h5")
+    still = good.replace(note="at rest", name="still", displacement=np.zeros(good.n), velocity=None)
+    write(still, tmp_path / "still.h5")
+    return tmp_path
+
+
+def test_the_exit_code_tells_the_verdict(lab: Path) -> None:
+    passed = run(lab / "card.toml", lab / "good.h5")
+    assert (passed.exit_code, passed.stdout.splitlines()[0]) == (0, "1 record: 1 passed")
+    failed = run(lab / "card.toml", lab / "good.h5", lab / "strong.h5", lab / "still.h5")
+    assert (failed.exit_code, failed.stdout.splitlines()[0]) == (1, "3 records: 1 passed, 1 failed, 1 not judged")
+    assert "not judged: no whole cycle – still" in failed.stdout
+    row = next(line for line in failed.stdout.splitlines() if line.strip().startswith("strong"))
+    assert row.split()[-1] == "20"
+    assert run(lab / "card.toml", lab / "good.h5", lab / "still.h5").exit_code == 3
+    assert run(lab / "card.toml", lab / "good.h5", "--tolerance", "fifteen").exit_code == 2
+
+
+def test_the_band_is_told_in_units_of_people(lab: Path) -> None:
+    wide = run(lab / "card.toml", lab / "strong.h5", "--tolerance", "15%", "--slack", "12 N", "--slack", "400mJ")
+    assert wide.exit_code == 0, wide.stdout
+    assert "± 15 % and 12 N and 0.4 J" in wide.stdout
+    assert run(lab / "card.toml", lab / "strong.h5", "--tolerance", "0.21").exit_code == 0
+    for slack in ("12", "12mm", "N"):
+        refused = run(lab / "card.toml", lab / "strong.h5", "--slack", slack)
+        assert (refused.exit_code, "no unit of a force or an energy" in refused.stderr) == (2, True)
+
+
+def test_json_has_every_point_in_si(lab: Path) -> None:
+    told = json.loads(run(lab / "card.toml", lab / "strong.h5", "--json", "--judge", "energy").stdout)
+    assert told["verdict"] == "failed"
+    (one,) = told["records"]
+    assert {p["quantity"] for p in one["points"]} == {"energy"}
+    assert one["worst"]["deviation"] == pytest.approx(0.2, abs=1e-6)
+    assert one["tolerance"] == {"relative": 0.15, "force": 0.0, "energy": 0.0}
+
+
+def test_records_are_a_reference_too_and_none_judges_itself(lab: Path) -> None:
+    assert run(lab / "again.h5", lab / "good.h5").exit_code == 0
+    assert run(lab / "again.h5", lab / "strong.h5").exit_code == 1
+    itself = run(lab / "good.h5", lab / "good.h5")
+    assert (itself.exit_code, "the reference is this record itself" in itself.stdout) == (3, True)
+    other = run(lab / "again.h5", lab / "good.h5", "--offset", "120N")
+    assert other.exit_code == 0
+
+
+def test_the_zero_of_the_load_cell_may_be_told(lab: Path) -> None:
+    assert run(lab / "card.toml", lab / "good.h5", "--offset", "120 N").exit_code == 0
+    assert run(lab / "card.toml", lab / "good.h5", "--offset", "0 N").exit_code == 1
+
+
+def test_a_published_damper_is_a_reference(lab: Path, campaign_folder: Path) -> None:
+    found = run("raminelli_2020", campaign_folder, "--role", "validation", "--report", lab / "page.html")
+    assert found.exit_code == 0
+    assert "ensaio.vali.1" in (lab / "page.html").read_text("utf-8")
+    unknown = run("raminelli_2021", lab / "good.h5")
+    assert unknown.exit_code == 2
+    assert "no such file, and no published damper; give a card, records, or one of raminelli_2020" in unknown.stderr
+
+
+def test_another_input_is_not_judged(lab: Path) -> None:
+    write(sine(CARD, 0.0).replace(note="told", voltage=9.0), lab / "nine.h5")
+    found = run("spencer_1997", lab / "nine.h5")
+    assert found.exit_code == 3
+    assert "voltage 9 V is outside the calibrated range" in found.stdout

@@ -1,0 +1,47 @@
+"""The page of a command, and its figures as files."""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from dampyr.cli import cli
+
+COMMANDS = ["accept", "demo", "ensemble", "identify", "motion", "reproduce", "run", "simulate", "validate"]
+
+
+def test_figures_are_left_beside_the_page(tmp_path: Path) -> None:
+    page, folder = tmp_path / "motion.html", tmp_path / "figures"
+    asked = ["motion", "--report", str(page), "--figures", str(folder), "--json"]
+    done = CliRunner().invoke(cli, asked)
+    assert done.exit_code == 0
+    count = page.read_text("utf-8").count("<figure>")
+    assert count > 0
+    assert len(list(folder.glob("*.svg"))) == len(list(folder.glob("*.pdf"))) == count
+
+
+@pytest.mark.parametrize("given", [["--figures", "x"], ["--pga", "0.3g", "--figures", "x"]])
+def test_figures_without_a_page_are_refused_before_anything_is_done(given: list[str]) -> None:
+    done = CliRunner().invoke(cli, ["motion", *given])
+    assert done.exit_code == 2
+    assert done.stderr == "dampyr: --figures are those of a page; give --report HTML too\n"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_that_writes_a_page_offers_its_figures(name: str) -> None:
+    command = cli.get_command(None, name)
+    assert command is not None
+    assert "figures" in {each.name for each in command.params}
+
+
+def test_no_command_that_writes_a_page_is_left_out() -> None:
+    folder = Path(__file__).parents[2] / "src" / "dampyr" / "cli"
+    own = [
+        path
+        for path in folder.glob("[!_]*.py")
+        if "figures_option" in (text := path.read_text("utf-8")) or "report_options" in text
+    ]
+    assert sorted(path.stem for path in own) == COMMANDS
+    assert not [
+        path for path in folder.glob("*.py") if '"--report"' in path.read_text("utf-8") and path.stem != "_report"
+    ]
