@@ -120,11 +120,16 @@ def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 class Seen:
     """A page, and what went wrong on it."""
 
-    def __init__(self, page: Any) -> None:
+    def __init__(self, page: Any, refused: int | None) -> None:
         self.page, self.wrong = page, []
         page.on("pageerror", lambda problem: self.wrong.append(f"error: {problem}"))
         page.on(
-            "console", lambda told: told.type in ("error", "warning") and self.wrong.append(f"{told.type}: {told.text}")
+            "console",
+            lambda told: (
+                told.type in ("error", "warning")
+                and f"status of {refused} " not in told.text
+                and self.wrong.append(f"{told.type}: {told.text}")
+            ),
         )
         page.on("request", lambda asked: self._note(asked.url))
 
@@ -135,12 +140,15 @@ class Seen:
 
 @pytest.fixture
 def new_page(chromium: Any) -> Iterator[Callable[..., Any]]:
-    """``new_page(address)``: a page there, in a browser that has seen nothing; at the end nothing may have gone wrong."""
+    """``new_page(address)``: a page there, in a browser that has seen nothing; at the end nothing may have gone wrong.
+
+    ``refused`` is the status of an answer that is expected, and that a browser complains of by itself.
+    """
     made: list[tuple[Any, Seen]] = []
 
-    def open_at(address: str, **settings: Any) -> Any:
+    def open_at(address: str, refused: int | None = None, **settings: Any) -> Any:
         context = chromium.new_context(**{"viewport": {"width": 1280, "height": 900}} | settings)
-        seen = Seen(context.new_page())
+        seen = Seen(context.new_page(), refused)
         made.append((context, seen))
         seen.page.set_default_timeout(20_000)
         seen.page.goto(address)
@@ -150,6 +158,20 @@ def new_page(chromium: Any) -> Iterator[Callable[..., Any]]:
     for context, _ in made:
         context.close()
     assert [wrong for _, seen in made for wrong in seen.wrong] == []
+
+
+@pytest.fixture
+def reach() -> Callable[..., Any]:
+    """``reach(page, locator)``: go there by the Tab key alone, as one does who has no mouse."""
+
+    def go(page: Any, locator: Any, most: int = 120) -> Any:
+        for _ in range(most):
+            page.keyboard.press("Tab")
+            if locator.evaluate("one => one === document.activeElement"):
+                return locator
+        raise AssertionError(f"{locator} is not reached by Tab")
+
+    return go
 
 
 def axe_source() -> Path | None:

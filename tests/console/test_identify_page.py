@@ -53,6 +53,7 @@ def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, da
     ("asked", "words"),
     [
         ({"records": []}, "at least 1 item"),
+        ({"records": KEYS[:2]}, "five records or more"),
         ({"records": KEYS[:1], "model": "dahl + nothing"}, "nothing"),
         ({"records": ["labcontrol/none.mat"], "model": "dahl"}, "no such file"),
         ({"records": KEYS[:1], "model": "dahl", "bandwidth": -1}, "greater than 0"),

@@ -1,5 +1,6 @@
 """Jobs: they end well, fail in a sentence, can be cancelled, and outlive neither their console nor a reload of it."""
 
+import os
 import time
 
 import pytest
@@ -58,6 +59,8 @@ def test_a_job_is_cancelled_and_its_processes_are_gone(client, finished):
     begun(client, job["id"])
     jobs = client.app.inner.state.house.jobs
     process = jobs._running[job["id"]]
+    if hasattr(os, "getpriority"):
+        assert os.getpriority(os.PRIO_PROCESS, process.pid) > os.getpriority(os.PRIO_PROCESS, 0)  # a rig goes before
     assert client.post(f"/api/jobs/{job['id']}/cancel").json()["state"] == "cancelled"
     process.wait(10)
     assert process.returncode != 0
@@ -87,6 +90,7 @@ def test_a_job_ends_with_its_console_and_is_told_when_it_starts_again(data):
     assert job["state"] == "failed"
 
 
+@pytest.mark.prove
 def test_a_result_is_there_after_the_console_was_started_again(client, finished, data):
     id = client.post("/api/building/responses", json=SMALL).json()["id"]
     before = finished(id)

@@ -77,7 +77,7 @@ def test_records_are_filtered_and_overlaid_from_the_keyboard(page, campaign_fold
 def test_the_table_sorts_by_its_numbers(page, campaign_folder):
     go(page, "records", "?source=labcontrol")
     page.get_by_role("button", name=re.compile("stroke")).click()
-    column = page.locator("tbody tr td:nth-child(6)").all_inner_texts()
+    column = page.locator("tbody tr td:nth-child(5)").all_inner_texts()
     assert [float(text) for text in column] == sorted(float(text) for text in column)
 
 

@@ -155,12 +155,12 @@ def test_static_files_end_at_their_folder(client, path):
 
 
 def test_a_fault_tells_nothing_of_the_inside(data, monkeypatch, caplog):
-    from dampyr.console import common
+    from dampyr.console import cards
 
     def broken(*_):
         raise RuntimeError("secret /etc/passwd")
 
-    monkeypatch.setattr(common.places, "files", broken)
+    monkeypatch.setattr(cards.places, "files", broken)
     with TestClient(app(data), base_url=HERE, raise_server_exceptions=False) as client:
         answer = client.get("/api/cards")
     assert answer.status_code == 500

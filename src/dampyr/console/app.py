@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mimetypes
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from importlib.resources import files
@@ -15,7 +16,7 @@ from starlette.staticfiles import StaticFiles
 
 import dampyr
 from dampyr import catalogue
-from dampyr.console import common
+from dampyr.console import cards, job_routes
 from dampyr.console.errors import add_handlers
 from dampyr.console.house import PROBLEMS, House
 from dampyr.console.jobs import Jobs
@@ -23,6 +24,7 @@ from dampyr.console.places import OWN
 from dampyr.console.security import Guard, Rules
 
 PAGES = "dampyr.console.pages"
+LOOK = Path(str(files("dampyr.report"))) / "templates" / "look.css"  # one source of colours for console and reports
 QUOTA = 4 * 2**30
 TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
@@ -74,7 +76,8 @@ def app(
     inner.state.house = house
     add_handlers(inner, folder)
     inner.include_router(_about([PageLink(name=name, title=module.TITLE) for name, module in pages]), prefix="/api")
-    inner.include_router(common.router, prefix="/api")
+    for shared in (job_routes, cards):
+        inner.include_router(shared.router, prefix="/api")
     for name, module in pages:
         inner.include_router(module.router, prefix=f"/api/{name}", tags=[module.TITLE])
     _add_files(inner)
@@ -107,11 +110,17 @@ def _lifespan(house: House, modules: list[Any]) -> Any:
 
 
 def _add_files(inner: FastAPI) -> None:
-    """The page itself and what it loads."""
+    """The page itself and what it loads, by names of types that do not depend on the machine."""
+    for suffix, kind in TYPES.items():
+        mimetypes.add_type(kind, suffix)
     static = Path(str(files("dampyr.console"))) / "static"
 
     @inner.get("/", include_in_schema=False)
     def index() -> FileResponse:
         return FileResponse(static / "index.html")
+
+    @inner.get("/static/look.css", include_in_schema=False)
+    def look() -> FileResponse:
+        return FileResponse(LOOK)
 
     inner.mount("/static", StaticFiles(directory=static))

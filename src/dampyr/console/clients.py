@@ -72,12 +72,6 @@ class Clients:
             self._require_stream(client)
             self.holder = client
 
-    def release(self, client: str) -> None:
-        """Give control back."""
-        with self._lock:
-            if self.holder == client:
-                self.holder = None
-
     def require(self, client: str) -> None:
         """Raise :class:`~dampyr.errors.InputError` where ``client`` does not hold control."""
         with self._lock:

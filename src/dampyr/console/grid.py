@@ -14,7 +14,7 @@ from dampyr.campaigns import Plan, plan, read, specimen
 from dampyr.campaigns.steps.earthquake import BUILT_IN
 from dampyr.console.places import inside
 from dampyr.errors import InputError
-from dampyr.report.plan_page import FORCES, largest_amplitude, plan_notes
+from dampyr.report.plan_page import FORCES, largest_amplitude
 from dampyr.rig import RigSettings
 from dampyr.units import parse, round_trip
 
@@ -139,8 +139,3 @@ def envelope_of(found: Plan) -> Envelope:
 def place_of(speed: float, position: float) -> tuple[float, float]:
     """Frequency [Hz] and amplitude [m] of the sine with a test's peak speed and farthest position."""
     return (speed / (2 * np.pi * position) if position else 0.0), position
-
-
-def notes_of(found: Plan) -> list[str]:
-    """What a plan says beside its table."""
-    return plan_notes(found)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import threading
 from pathlib import Path, PurePosixPath
 
 from dampyr.errors import InputError, MissingData
@@ -12,6 +13,8 @@ NAME = re.compile(r"[^\W_][\w .()+@=-]{0,99}", re.UNICODE)
 LONGEST = 300
 OWN = ".console"
 """The console's own folder below the data folder: jobs, notes."""
+ALONE = threading.Lock()
+"""Held from the look whether a file is there until it is: of two pages that save the same name at once one is told."""
 
 
 def inside(root: Path, name: str) -> Path:
@@ -58,8 +61,15 @@ def files(root: Path, suffixes: tuple[str, ...]) -> list[str]:
 
 
 def used(root: Path) -> int:
-    """Bytes of all files below ``root``."""
-    return sum(Path(folder, name).lstat().st_size for folder, _, names in os.walk(root) for name in names)
+    """Bytes of all files below ``root``; one that goes while they are counted has none."""
+    return sum(_size(Path(folder, name)) for folder, _, names in os.walk(root) for name in names)
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.lstat().st_size
+    except FileNotFoundError:
+        return 0
 
 
 def check_quota(root: Path, more: int, quota: int) -> None:

@@ -7,15 +7,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from dampyr import ground_motions, models, structures
+from dampyr import ground_motions, models, structures, studies
 from dampyr.console import places
-from dampyr.console.common import CARDS
+from dampyr.console.cards import CARDS
 from dampyr.errors import InputError
+from dampyr.studies import THESIS
+from dampyr.units import STANDARD_GRAVITY
 
-THESIS = "raminelli_2020"
 MOTIONS = "motions"
 MOTION_SUFFIXES = (".at2", ".csv", ".txt", ".dat", ".mat")
-G = 9.80665
 DT = 0.01
 
 Positive = Annotated[float, Field(ge=1e-6, le=1e15, allow_inf_nan=False)]  # beyond, sums of squares overflow
@@ -58,7 +58,7 @@ class MotionAsked(Strict):
         """As a `dampyr.ground_motions.GroundMotion`."""
         if self.kind == "kanai_tajimi":
             return ground_motions.kanai_tajimi(
-                self.duration, DT, self.seed if seed is None else seed, pga=self.pga or 0.3 * G
+                self.duration, DT, self.seed if seed is None else seed, pga=self.pga or 0.3 * STANDARD_GRAVITY
             )
         if self.kind == "file":
             path = places.existing(data / MOTIONS, self.file)
@@ -81,7 +81,7 @@ class DamperAsked(Strict):
         """As a `dampyr.models.Damper`."""
         if self.name.startswith(f"{CARDS}/"):
             return models.Damper.load(places.existing(data, self.name))
-        return published(self.name)
+        return studies.published_damper(self.name)
 
     def all_inputs(self, damper: Any) -> list[Any]:
         """The constant inputs, then the control laws over the calibrated range."""
@@ -94,15 +94,6 @@ class DamperAsked(Strict):
     def word(self, damper: Any) -> str:
         """The argument that takes its input."""
         return "voltage" if damper.input == "V" else "current"
-
-
-def published(name: str) -> Any:
-    """The published damper of this name."""
-    if name == THESIS:
-        from dampyr.studies import raminelli_2020
-
-        return raminelli_2020.damper()
-    return models.published.damper(name)
 
 
 class ResponseAsked(Strict):

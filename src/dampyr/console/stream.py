@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
@@ -61,17 +63,17 @@ class Stream:
 
     async def _listen(self) -> None:
         while True:
-            asked = _object(await self.socket.receive_text())
+            asked = _object(await self.socket.receive())
             if not self.bench.clients.knows(self.client):
                 await self.socket.close(4408, "silent for too long")
                 return
             self.bench.clients.hear(self.client)
             if "abort" in asked:
                 await self._abort(asked["abort"])
-            elif isinstance(asked.get("heard"), int):
+            elif type(asked.get("heard")) is int:
                 self.heard = min(asked["heard"], self.sent)
-            elif isinstance(asked.get("jog"), int | float):
-                await self._jog(float(asked["jog"]))
+            elif "jog" in asked:
+                await self._jog(_speed(asked["jog"]))
 
     async def _abort(self, sign: Any) -> None:
         name = self.bench.clients.name(self.client)
@@ -119,10 +121,22 @@ class Stream:
             await self.socket.send_text(json.dumps(told, separators=(",", ":")))
 
 
-def _object(text: str) -> dict[str, Any]:
+def _object(message: Mapping[str, Any]) -> dict[str, Any]:
     """What a page said; empty where it is no object."""
+    if message["type"] == "websocket.disconnect":
+        raise WebSocketDisconnect(message.get("code", 1006))
     try:
-        found = json.loads(text)
-    except ValueError:
+        found = json.loads(message.get("text") or "")
+    except (ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}
+
+
+def _speed(told: Any) -> float:
+    """m/s; what is no number is 0: the table stops."""
+    if isinstance(told, bool) or not isinstance(told, int | float):
+        return 0.0
+    try:
+        return float(told)
+    except OverflowError:
+        return math.inf

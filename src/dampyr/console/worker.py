@@ -24,6 +24,7 @@ from dampyr.plain import plain
 from dampyr.whole import write_whole
 
 EVERY = 0.1  # s between two lines
+YIELDS = 10  # of niceness: the console beside it may be reading a rig that moves
 
 
 class Progress:
@@ -80,4 +81,6 @@ def run(folder: Path) -> int:
 
 if __name__ == "__main__":
     end_with_the_console()
+    if os.name == "posix":
+        os.nice(YIELDS)
     sys.exit(run(Path(sys.argv[1])))

@@ -3,34 +3,26 @@
 from __future__ import annotations
 
 import json
-import warnings
 from typing import Any
 
 from fastapi import APIRouter
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel
 
-from dampyr import models, structures
+from dampyr import structures
 from dampyr.console import places
-from dampyr.console.common import CARDS, Id, JobState, told
+from dampyr.console.cards import CARDS
+from dampyr.console.dampers import DamperLink, dampers
 from dampyr.console.house import Here
-from dampyr.console.site import MOTION_SUFFIXES, MOTIONS, THESIS, DamperAsked, EnsembleAsked, ResponseAsked
-from dampyr.errors import DampyrError, MissingData
+from dampyr.console.job_routes import Id, JobState, told
+from dampyr.console.site import MOTION_SUFFIXES, MOTIONS, EnsembleAsked, ResponseAsked
+from dampyr.console.work import CURVES, PAGE
+from dampyr.errors import MissingData
 
 TITLE, ORDER = "Building", 50
-RESPONSE, ENSEMBLE, PAGE, CURVES = "respond", "ensemble", "page.html", "curves.json"
+RESPONSE, ENSEMBLE = "respond", "ensemble"
 
 router = APIRouter()
-
-
-class DamperLink(BaseModel):
-    """A damper that can stand in a building: its input's unit, and the range it was calibrated on."""
-
-    name: str
-    title: str
-    unit: str
-    low: float
-    high: float
 
 
 class Choices(BaseModel):
@@ -44,20 +36,8 @@ class Choices(BaseModel):
 @router.get("/choices")
 def list_choices(here: Here) -> Choices:
     """Dampers, control laws and ground motions that can be chosen."""
-    found = []
-    cards = [f"{CARDS}/{name}" for name in places.files(here.data / CARDS, (".toml",))]
-    for name in [*cards, THESIS, *models.published.names()]:
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                damper = DamperAsked(name=name).damper(here.data)
-            low, high = damper.range
-        except DampyrError:
-            continue
-        title = name.removeprefix(f"{CARDS}/").removesuffix(".toml") if name in cards else f"published: {name}"
-        found.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high))
     motions = places.files(here.data / MOTIONS, MOTION_SUFFIXES)
-    return Choices(dampers=found, laws=structures.control_laws(), motions=motions)
+    return Choices(dampers=dampers(here.data), laws=structures.control_laws(), motions=motions)
 
 
 @router.post("/responses", status_code=202)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter
+from fastapi import APIRouter, HTTPException
 from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
@@ -16,13 +16,13 @@ from dampyr.console.grid import (
     envelope_of,
     grid_of,
     grid_text,
-    notes_of,
     place_of,
     planned_text,
 )
 from dampyr.console.house import Here
 from dampyr.console.rigs import rig_file, rig_settings
 from dampyr.errors import InputError
+from dampyr.report.plan_page import plan_notes
 from dampyr.whole import write_whole
 
 TITLE, ORDER = "Campaigns", 20
@@ -44,6 +44,12 @@ class Asked(Text):
     """A campaign's TOML on a rig; the original one without a name."""
 
     rig: str = Field("", max_length=100)
+
+
+class Saved(Asked):
+    """A campaign to keep. ``replaces`` is the text that its file may hold; another text there is left alone."""
+
+    replaces: str | None = Field(None, max_length=LONGEST)
 
 
 class GridForm(BaseModel):
@@ -113,7 +119,7 @@ def load(name: Name, here: Here) -> File:
 
 
 @router.put("/files/{name}")
-def save(name: Name, asked: Asked, here: Here) -> File:
+def save(name: Name, asked: Saved, here: Here) -> File:
     """Save a campaign that can be read; what the rig cannot do may be saved."""
     path = places.inside(here.data, f"{FOLDER}/{name}.toml")
     if path.parent != here.data / FOLDER:
@@ -121,7 +127,12 @@ def save(name: Name, asked: Asked, here: Here) -> File:
     _plan(asked, here)
     places.check_quota(here.data, len(asked.text), here.quota)
     path.parent.mkdir(exist_ok=True)
-    write_whole(path, asked.text)
+    with places.ALONE:
+        if asked.replaces is not None and path.exists() and path.read_bytes() != asked.replaces.encode():
+            raise HTTPException(
+                409, f"{name!r} holds another campaign by now; open it anew, or save under another name"
+            )
+        write_whole(path, asked.text)
     return File(name=name, text=asked.text, grid=_grid(asked.text))
 
 
@@ -158,5 +169,5 @@ def _plan(asked: Asked, here: Here) -> PlanAnswer:
     ]  # fmt: skip
     return PlanAnswer(
         name=found.campaign.header.name, rig=found.rig.name, duration_s=found.duration, tests=tests,
-        notes=notes_of(found), refusals=list(found.refusals), envelope=envelope_of(found),
+        notes=plan_notes(found), refusals=list(found.refusals), envelope=envelope_of(found),
     )  # fmt: skip

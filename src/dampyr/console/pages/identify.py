@@ -10,14 +10,16 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from dampyr.console import places, shelf
-from dampyr.console.common import CARDS, Id, JobState, told
+from dampyr.console.cards import CARDS
 from dampyr.console.house import Here, House
+from dampyr.console.job_routes import Id, JobState, told
+from dampyr.console.work import CARD, CURVES, PAGE
 from dampyr.errors import InputError, MissingData
-from dampyr.identification.leaderboard import ADD_ONS
+from dampyr.identification.leaderboard import ADD_ONS, check_count
 from dampyr.models import Damper, compose, names
 
 TITLE, ORDER = "Identify", 40
-KIND, CARD, PAGE, CURVES = "identify", "card.toml", "page.html", "curves.json"
+KIND = "identify"
 
 router = APIRouter()
 
@@ -65,6 +67,8 @@ def identify(here: Here, wanted: Wanted) -> JobState:
     """Start to identify; the job says how far it is, its result what was found."""
     for key in wanted.records:
         shelf.place(here.data, key)
+    if wanted.model is None:
+        check_count(len(wanted.records))
     for model in [wanted.model, *wanted.tried]:
         if model is not None:
             compose(model)
@@ -91,11 +95,13 @@ def keep_card(here: Here, id: Id, card: Card) -> Kept:
     if not places.is_name(card.name):
         raise InputError(f"{card.name!r} is no name of a file; write letters, digits, space and .()+@=-_")
     target = places.inside(here.data, f"{CARDS}/{card.name}.toml")
-    if target.exists():
-        raise HTTPException(409, f"there is a card {card.name!r} already; choose another name")
     places.check_quota(here.data, 2**16, here.quota)
     target.parent.mkdir(exist_ok=True)
-    Damper.load(source).save(target)
+    damper = Damper.load(source)
+    with places.ALONE:
+        if target.exists():
+            raise HTTPException(409, f"there is a card {card.name!r} already; choose another name")
+        damper.save(target)
     return Kept(name=target.name)
 
 

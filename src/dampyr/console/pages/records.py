@@ -17,9 +17,10 @@ from pydantic import BaseModel, Field
 from starlette.background import BackgroundTask
 
 from dampyr import records
-from dampyr.console import curves, limits, places, shelf
+from dampyr.console import acceptance, curves, limits, places, shelf
 from dampyr.console import notes as written
 from dampyr.console.curves import Line
+from dampyr.console.errors import without_places
 from dampyr.console.house import Here
 from dampyr.console.security import MOST_UPLOAD
 from dampyr.errors import DampyrError, InputError
@@ -32,6 +33,7 @@ FORMATS = {"csv": "text/csv", "mat": "application/octet-stream", "h5": "applicat
 Key = Annotated[str, Query(min_length=3, max_length=340, description="Such as data/uploads/test.h5.")]
 
 router = APIRouter()
+router.include_router(acceptance.router)
 
 
 class SourceLink(BaseModel):
@@ -156,7 +158,12 @@ async def take(
         made = folder / "read.h5"
         await to_thread.run_sync(limits.read_apart, folder / name, made, said)
         target.parent.mkdir(exist_ok=True)
-        made.replace(target)
+        with places.ALONE:
+            if target.exists():
+                raise HTTPException(
+                    409, f"a record {target.stem!r} came in meanwhile; rename the file, and upload it again"
+                )
+            made.replace(target)
     return Taken(key=f"{shelf.OWN}/{UPLOADS}/{target.name}")
 
 
@@ -200,8 +207,6 @@ def _with_velocity(record: Record) -> Record:
 
 
 def _known(data: Path, key: str, note: str) -> Known:
-    from dampyr.console.errors import without_places
-
     try:
         return Known(key=key, about=plain(shelf.described(data, key)), note=note)
     except DampyrError as problem:

@@ -5,3 +5,5 @@ tells how far it is. What ``run`` returns, a dictionary, is the result. Errors f
 """
 
 MEMBERS = "kinds of work"
+
+CARD, PAGE, CURVES = "card.toml", "page.html", "curves.json"  # what jobs leave in their folders

@@ -16,6 +16,7 @@ import numpy as np
 
 from dampyr.console import curves, shelf
 from dampyr.console.places import data_of
+from dampyr.console.work import CARD, CURVES, PAGE
 from dampyr.errors import InputError
 from dampyr.identification import (
     Fit,
@@ -37,7 +38,6 @@ from dampyr.report.fitted import parameter_table, score_table
 from dampyr.report.leaderboard_section import leaderboard_section
 from dampyr.whole import write_whole
 
-CARD, PAGE, CURVES = "card.toml", "page.html", "curves.json"
 MOST_WORKERS = 8
 Tell = Callable[[str, float], None]
 

@@ -12,12 +12,12 @@ import numpy as np
 from dampyr.console import curves
 from dampyr.console.places import data_of
 from dampyr.console.site import ResponseAsked
+from dampyr.console.work import CURVES, PAGE
 from dampyr.plain import plain
 from dampyr.report.response_page import write_response_page
 from dampyr.structures import Response, respond
 from dampyr.whole import write_whole
 
-PAGE, CURVES = "page.html", "curves.json"
 BARE = "no damper"
 FRAMES = 900
 POINTS = 1200

@@ -7,10 +7,10 @@ export class Refused extends Error {
   }
 }
 
-async function ask(method, path, body, headers = {}) {
+async function ask(method, path, body, headers = {}, signal = undefined) {
   let answer;
   try {
-    answer = await fetch(`/api/${path}`, { method, body, headers, credentials: "same-origin" });
+    answer = await fetch(`/api/${path}`, { method, body, headers, signal, credentials: "same-origin" });
   } catch {
     throw new Refused(0, "the console does not answer; is `dampyr console` still running?");
   }
@@ -28,7 +28,7 @@ const inJson = { "content-type": "application/json" };
 
 export const get = async (path) => (await ask("GET", path)).json();
 export const text = async (path) => (await ask("GET", path)).text();
-export const post = async (path, data = {}) => (await ask("POST", path, JSON.stringify(data), inJson)).json();
+export const post = async (path, data = {}, signal = undefined) => (await ask("POST", path, JSON.stringify(data), inJson, signal)).json();
 export const put = async (path, data) => (await ask("PUT", path, JSON.stringify(data), inJson)).json();
 export const remove = (path) => ask("DELETE", path);
 export const upload = async (path, file) =>

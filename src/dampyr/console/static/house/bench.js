@@ -3,6 +3,8 @@ import { post, socket } from "./api.js";
 import { say } from "./notice.js";
 
 const AGAIN = 1000; // ms until a lost stream is opened anew
+const SILENT = 500; // ms after which an abort that the stream did not answer goes another way
+const LONGEST = 3000; // ms that it may take there
 const listeners = new Set();
 const signs = new Map();
 let link = null;
@@ -73,15 +75,20 @@ export async function ask(what, more = {}) {
 
 export const jog = (speed) => send({ jog: speed });
 
-/** Brake and cut the coil. Resolves with the ms until the rig had done it; over the stream, or over HTTP where it is lost. */
+/**
+ * Brake and cut the coil. Resolves with the ms until the rig had done it; over the stream, or over HTTP where that is lost or
+ * silent. Rejects where neither answers.
+ */
 export async function abort() {
   const begun = performance.now();
   if (link?.readyState === WebSocket.OPEN) {
     const sign = ++counted;
     const done = new Promise((resolve) => signs.set(sign, resolve));
     send({ abort: sign });
-    return (await done) - begun;
+    const ended = await Promise.race([done, new Promise((resolve) => setTimeout(resolve, SILENT))]);
+    if (ended) return ended - begun;
+    signs.delete(sign);
   }
-  await post("bench/abort", { who: "a page" });
+  await post("bench/abort", { who: "a page" }, AbortSignal.timeout(LONGEST));
   return performance.now() - begun;
 }

@@ -9,8 +9,11 @@ const colour = (name) => getComputedStyle(document.documentElement).getPropertyV
 /**
  * A chart in a figure element.
  *
- * chart({ label, x: { words, unit, time }, y: { words, unit }, series: [{ name, x, y, colour, width, dash, points }],
+ * chart({ label, x: { words, unit, time }, y: { words, unit }, series: [{ name, x, y, colour, width, dash, points, shape, fill }],
  *         height, equal, onmove })
+ *
+ * `points` draws marks, of the `shape` circle, cross or square; `fill` an area within its line.
+ * `x.bare` leaves out the numbers and words of the axis: for a strip above another one with the same time.
  *
  * `label` says in words what is shown, for those who cannot see it. Returns { element, set(series), clear() }; `set` gives new
  * series and is quick enough to be called thirty times a second. Drag zooms, a double click shows all again.
@@ -34,15 +37,15 @@ export function chart({ label, x, y, series = [], height = 260, zero = false }) 
   function options(width) {
     const ink = colour("soft");
     const line = { stroke: colour("grid"), width: 1 };
-    const axis = (one, size) => ({
-      stroke: ink, grid: line, ticks: line, label: one.unit ? `${one.words} [${one.unit}]` : one.words, labelSize: 22, size,
+    const axis = (one, size, space) => ({
+      stroke: ink, grid: line, ticks: line, label: one.unit ? `${one.words} [${one.unit}]` : one.words, labelSize: 22, size, space,
       font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", values: (_, ticks) => ticks.map((t) => number(t, 6)),
     });
     return {
       width, height, mode: 2, legend: { show: false }, padding: [8, 12, 0, 0],
       cursor: { drag: { x: true, y: true, uni: 20 }, points: { show: false }, dataIdx: () => null },
       scales: { x: { time: false, range: padded(x.pad ?? 0) }, y: { range: padded(0.06, zero) } },
-      axes: [axis(x, 36), { ...axis(y, 58), scale: "y" }],
+      axes: [x.bare ? { ...axis(x, 6, 50), label: undefined, values: () => [] } : axis(x, 32, 50), { ...axis(y, 58, height < 200 ? 18 : 30), scale: "y" }],
       series: [null, ...drawn.map((one) => ({
         label: one.name, stroke: one.stroke, width: one.width ?? 1.5, dash: one.dash, paths: path(one),
         facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }],
@@ -95,7 +98,7 @@ export function chart({ label, x, y, series = [], height = 260, zero = false }) 
 }
 
 function mark(one) {
-  const swatch = h("span", { class: one.dash ? "swatch dashed" : "swatch" });
+  const swatch = h("span", { class: ["swatch", one.dash && "dashed", one.fill && "area", one.shape && "dot"].filter(Boolean).join(" ") });
   swatch.style.color = one.stroke;
   return h("span", { class: "name" }, swatch, one.name);
 }
@@ -106,6 +109,20 @@ const padded = (share, zero) => (_, low, high) => {
   const to = zero ? Math.max(0, high) : high;
   const room = (to - from) * share || (to === from ? Math.abs(to) * 0.1 || 1 : 0);
   return [from - (zero && from === 0 ? 0 : room), to + room];
+};
+
+const SHAPES = {
+  circle(line, x, y, size) {
+    line.moveTo(x + size, y);
+    line.arc(x, y, size, 0, 2 * Math.PI);
+  },
+  cross(line, x, y, size) {
+    for (const sign of [1, -1]) {
+      line.moveTo(x - 1.4 * size, y - 1.4 * sign * size);
+      line.lineTo(x + 1.4 * size, y + 1.4 * sign * size);
+    }
+  },
+  square: (line, x, y, size) => line.rect(x - size, y - size, 2 * size, 2 * size),
 };
 
 /** A polyline in the order of its points; null parts it. */
@@ -121,10 +138,8 @@ const path = (one) => (u, k) => {
       }
       const px = toX(xs[i], scaleX, width, left);
       const py = toY(ys[i], scaleY, height, top);
-      if (one.points) {
-        line.moveTo(px + 3, py);
-        line.arc(px, py, 3, 0, 2 * Math.PI);
-      } else if (open) line.lineTo(px, py);
+      if (one.points) SHAPES[one.shape ?? "circle"](line, px, py, 3 * devicePixelRatio);
+      else if (open) line.lineTo(px, py);
       else line.moveTo(px, py);
       open = true;
     }
@@ -138,7 +153,8 @@ const path = (one) => (u, k) => {
     ctx.lineJoin = "round";
     ctx.lineWidth = (one.width ?? 1.5) * devicePixelRatio;
     ctx.setLineDash((one.dash ?? []).map((part) => part * devicePixelRatio));
-    if (one.points) ctx.fill(line);
+    if (one.fill) ctx.globalAlpha = 0.22;
+    if (one.fill || (one.points && (one.shape ?? "circle") === "circle")) ctx.fill(line);
     else ctx.stroke(line);
     ctx.restore();
   });

@@ -18,7 +18,7 @@ export function envelope(plan) {
   const volts = [...new Set(tests.map((one) => one.voltage_V))].sort((a, b) => a - b);
   for (const one of tests) {
     const k = volts.indexOf(one.voltage_V);
-    svg.append(mark(one, k, x(one.frequency_Hz) + 8 * (k - (volts.length - 1) / 2), y(one.position_mm)));
+    svg.append(mark(one, k, x(one.frequency_Hz) + 11 * (k - (volts.length - 1) / 2), y(one.position_mm)));
   }
   return h("figure", { class: "envelope" }, h("div", { class: "legend" }, volts.map((volt, k) => legend(`${number(volt)} V`, k))), svg,
     h("figcaption", {}, "Lines: the largest sine against a braking force. Points: the tests, side by side for each voltage, by their farthest position and the frequency of a sine of that amplitude and peak speed; crossed out where the rig cannot do them."));
@@ -65,12 +65,12 @@ function mark(test, k, x, y) {
   const title = make("title", {});
   title.textContent = `${test.name}: ${test.words}${test.refusal ? " — refused" : ""}`;
   group.append(shape, title);
-  if (test.refusal) group.append(make("path", { class: "refused", d: `M${x - 7} ${y - 7}l14 14m0 -14l-14 14` }));
+  if (test.refusal) group.append(make("path", { class: "refused", d: `M${x - 5} ${y - 5}l10 10m0 -10l-10 10` }));
   return group;
 }
 
 function legend(name, k) {
-  const swatch = h("span", { class: "swatch" });
+  const swatch = h("span", { class: "swatch dot" });
   swatch.style.color = `var(--${COLOURS[k % COLOURS.length]})`;
   return h("span", { class: "name" }, swatch, name);
 }

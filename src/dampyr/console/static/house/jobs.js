@@ -12,7 +12,9 @@ export function watch(root, id, ended) {
   const bar = h("progress", { max: 1, "aria-label": "Progress" });
   const words = h("span", { class: "stage" }, "waiting");
   const cancel = button("Cancel", () => attempt(() => post(`jobs/${id}/cancel`)), { class: "quiet" });
-  root.replaceChildren(h("div", { class: "job", role: "group", "aria-label": "Work in progress" }, bar, words, cancel));
+  const shown = h("div", { class: "job", role: "group", "aria-label": "Work in progress" }, bar, words, cancel);
+  root.replaceChildren(shown);
+  if (shown.getBoundingClientRect().top > innerHeight) shown.scrollIntoView(); // on a phone it stands below the form
 
   async function look() {
     if (!on) return;

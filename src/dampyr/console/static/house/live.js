@@ -10,10 +10,11 @@ const NAMES = ["time", "x_low", "x_high", "force_low", "force_high", "voltage_lo
 
 export function live() {
   const time = { words: "time", unit: "s" };
-  const strip = (words, unit) => chart({ label: `${words} over the last ${SPAN} seconds, live`, x: time, y: { words, unit }, height: 165 });
-  const loop = (words, unit) => chart({ label: `Force over ${words}, the last ${LOOPS} seconds, live`, x: { words, unit, pad: 0.05 }, y: { words: "force", unit: "N" }, height: 330 });
+  const strip = (words, unit, last = false) =>
+    chart({ label: `${words} over the last ${SPAN} seconds, live`, x: { ...time, bare: !last }, y: { words, unit }, height: last ? 176 : 130 });
+  const loop = (words, unit) => chart({ label: `Force over ${words}, the last ${LOOPS} seconds, live`, x: { words, unit, pad: 0.05 }, y: { words: "force", unit: "N" }, height: 286 });
   const parts = {
-    x: strip("position", "mm"), force: strip("force", "N"), voltage: strip("coil", "V"), temperature: strip("damper", "°C"),
+    x: strip("position", "mm"), force: strip("force", "N"), voltage: strip("coil", "V"), temperature: strip("damper", "°C", true),
     fx: loop("displacement", "mm"), fv: loop("velocity", "mm/s"),
   };
   const element = h("div", { class: "live" },

@@ -13,10 +13,10 @@ export async function show(root, query) {
   const charts = live();
   const parts = { ...head(), ...connecting(rigs), ...moving(), ...calibrating(), ...running(files, query.get("campaign")) };
   root.append(
-    parts.control, parts.rings,
+    parts.control, parts.rings, parts.readings,
     h("div", { class: "split" },
       h("div", { class: "side" }, parts.rig, parts.campaign, parts.motion, parts.cell),
-      h("div", {}, parts.readings, charts.element, parts.tests)),
+      h("div", {}, charts.element, parts.tests)),
   );
   const told = (frame) => {
     if (frame?.strips) charts.take(frame.strips);

@@ -1,5 +1,6 @@
 // Building: what stands in which earthquake on the left; how it moved on the right. Responses and ensembles are jobs.
 import { get, post, query as asQuery } from "../house/api.js";
+import { before } from "../house/before.js";
 import { chart, COLOURS } from "../house/chart.js";
 import { button, choice, field, h, number, section, tick } from "../house/dom.js";
 import { watch } from "../house/jobs.js";
@@ -17,15 +18,14 @@ export async function show(root, query) {
   let live = [];
   const progress = h("div");
   const sheet = h("div");
-  const past = h("div");
+  const past = before("building", KINDS, follow);
   const form = asking(known);
   root.append(h("div", { class: "split" },
     h("div", { class: "side" }, form.element,
       h("div", { class: "row" }, button("Shake it", () => start("building/responses", form.response), { class: "main" })),
       h("details", {}, h("summary", {}, "Many earthquakes"), form.many, h("div", { class: "row" }, button("Run the ensemble", () => start("building/ensembles", form.ensemble)))),
-      past),
+      past.element),
     h("div", {}, progress, sheet)));
-  await list();
   if (query.get("job")) follow(query.get("job"));
   else sheet.append(h("p", { class: "blank" }, "Choose a building, a motion and a damper, then shake it. The response stands here."));
 
@@ -39,13 +39,8 @@ export async function show(root, query) {
     const job = await attempt(() => post(path, asked));
     if (job) {
       follow(job.id);
-      list();
+      past.look();
     }
-  }
-
-  async function list() {
-    const jobs = ((await attempt(() => get("jobs"))) ?? []).filter((one) => KINDS.includes(one.kind)).slice(0, 8);
-    past.replaceChildren(...(jobs.length ? [section("Before", h("ul", {}, jobs.map((one) => h("li", {}, h("a", { href: `#/building?job=${one.id}`, onclick: (event) => (event.preventDefault(), follow(one.id)) }, one.title), ` ${one.state}`))))] : []));
   }
 
   function follow(id) {
@@ -54,7 +49,7 @@ export async function show(root, query) {
     clear();
     sheet.replaceChildren();
     stop = watch(progress, id, async (job) => {
-      list();
+      past.look();
       if (job.state === "done") await (job.kind === "respond" ? response(job) : ensemble(job));
     });
   }
@@ -125,6 +120,7 @@ export async function show(root, query) {
 
   return () => {
     stop?.();
+    past.clear();
     clear();
   };
 }

@@ -1,13 +1,14 @@
 // The editor of campaigns: a grid or its text, the rig's envelope, and the dry run beside it.
-import { get, post, put } from "../house/api.js";
+import { get, post, put, query as asQuery } from "../house/api.js";
 import { button, choice, field, h, number, section, tick } from "../house/dom.js";
+import { drafts } from "../house/drafts.js";
 import { envelope } from "../house/envelope.js";
 import { attempt, say } from "../house/notice.js";
 import { table } from "../house/table.js";
 
 const LATER = 350; // ms after the last key until the plan is made anew
 const FIRST = { name: "", operator: "", note: "", amplitude: [2, 4, 8], frequency: [0.5, 1, 2], voltage: [0, 0.8712, 1.98], cycles: 20, repeats: 1, random: false, seed: 0 };
-const COLUMNS = [{ name: "test" }, { name: "what" }, { name: "duration", unit: "s" }, { name: "peak speed", unit: "mm/s" }, { name: "position", unit: "mm" },
+const COLUMNS = [{ name: "test" }, { name: "duration", unit: "s" }, { name: "peak speed", unit: "mm/s" }, { name: "position", unit: "mm" },
   { name: "force", unit: "N" }, { name: "coil", unit: "V" }, { name: "", words: "the rig's answer", plain: true }];
 
 export async function show(root, query) {
@@ -20,8 +21,12 @@ export async function show(root, query) {
   const beyond = h("p", { class: "soft", hidden: true }, "This campaign is more than a grid of sines: edit its text.");
   const plan = h("div", { id: "plan", "aria-live": "polite" });
   const run = h("a", { class: "button", href: "#/bench", hidden: true, id: "to-bench" }, "To the bench");
+  const unsaved = drafts("campaign");
+  const restored = h("div", { class: "row", id: "restored", role: "status", hidden: true }, h("span", {}, "Unsaved changes from before are back."),
+    button("Discard them", () => (unsaved.drop(open.value), load()), { id: "discard" }));
   let timer = 0;
   let turn = 0;
+  let saved = ""; // the text of the file that is open, as this page knows it
 
   const soon = (work) => {
     clearTimeout(timer);
@@ -52,6 +57,11 @@ export async function show(root, query) {
     }
   }
 
+  /** Keep what is not saved yet; what does not differ from the file is no work. */
+  function keep() {
+    unsaved.keep(open.value, { text: source.value, name: name.value, rig: rig.value, grid: form.element.hidden ? null : form.texts() });
+  }
+
   const wrong = (sentence) => plan.replaceChildren(h("p", { class: "verdict bad" }, sentence));
 
   function take(file) {
@@ -62,24 +72,43 @@ export async function show(root, query) {
   }
 
   async function load() {
+    clearTimeout(timer);
+    history.replaceState(null, "", `#/campaigns?${asQuery({ open: open.value })}`);
     run.hidden = true;
     name.value = open.value;
-    if (!open.value) {
-      take({ text: "", grid: FIRST });
-      return fromGrid();
-    }
-    const file = await attempt(() => get(`campaigns/files/${encodeURIComponent(open.value)}`));
+    const file = open.value ? await attempt(() => get(`campaigns/files/${encodeURIComponent(open.value)}`)) : { text: "", grid: FIRST };
     if (file) take(file);
-    return dryRun();
+    saved = file?.text ?? "";
+    const before = unsaved.found(open.value);
+    restored.hidden = !before;
+    if (before) return again(before);
+    return open.value ? dryRun() : fromGrid();
+  }
+
+  function again(before) {
+    name.value = before.name;
+    if (rigs.some((one) => one.name === before.rig)) rig.value = before.rig;
+    take({ text: before.text, grid: null });
+    if (!before.grid) return dryRun();
+    form.element.hidden = false;
+    beyond.hidden = true;
+    form.put(before.grid);
+    return fromGrid();
   }
 
   async function save() {
     if (!name.reportValidity()) return;
     clearTimeout(timer);
-    const kept = await attempt(() => put(`campaigns/files/${encodeURIComponent(name.value)}`, { text: source.value, rig: rig.value }));
+    const replaces = name.value === open.value ? saved : "";
+    const kept = await attempt(() => put(`campaigns/files/${encodeURIComponent(name.value)}`, { text: source.value, rig: rig.value, replaces }));
     if (!kept) return;
+    unsaved.drop(open.value);
+    unsaved.drop(kept.name);
+    saved = kept.text;
+    restored.hidden = true;
     if (![...open.options].some((one) => one.value === kept.name)) open.append(h("option", { value: kept.name }, kept.name));
     open.value = kept.name;
+    history.replaceState(null, "", `#/campaigns?${asQuery({ open: kept.name })}`);
     run.href = `#/bench?campaign=${encodeURIComponent(kept.name)}`;
     run.hidden = false;
     take(kept);
@@ -87,17 +116,22 @@ export async function show(root, query) {
     dryRun();
   }
 
-  form.element.addEventListener("input", () => soon(fromGrid));
-  source.addEventListener("input", () => soon(async () => {
+  form.element.addEventListener("input", () => {
+    keep();
+    soon(async () => (await fromGrid(), keep()));
+  });
+  source.addEventListener("input", () => {
     form.element.hidden = true;
     beyond.hidden = false;
-    await dryRun();
-  }));
+    keep();
+    soon(dryRun);
+  });
+  name.addEventListener("input", keep);
   open.addEventListener("change", load);
   rig.addEventListener("change", dryRun);
   const files_ = h("div", { class: "fields" }, field("Open", open), field("Save as", name), field("Rig", rig));
-  root.append(h("div", { class: "split wide" },
-    h("div", { class: "side" }, files_, h("div", { class: "row" }, button("Save", save, { class: "main", id: "save" }), run), form.element, beyond,
+  root.append(h("div", { class: "split" },
+    h("div", { class: "side" }, files_, h("div", { class: "row" }, button("Save", save, { class: "main", id: "save" }), run), restored, form.element, beyond,
       h("details", { open: true }, h("summary", {}, "As TOML"), field("Text", source, "what is planned, saved and run"))),
     plan));
   const asked = query.get("open");
@@ -140,7 +174,15 @@ function gridForm() {
     for (const [key, part] of Object.entries(parts)) part.value = Array.isArray(grid[key]) ? grid[key].join(", ") : String(grid[key]);
     box.checked = grid.random;
   }
-  return { element, read, write };
+
+  /** What is typed, right or wrong, and back. */
+  const texts = () => ({ ...Object.fromEntries(Object.entries(parts).map(([key, part]) => [key, part.value])), random: box.checked });
+
+  function put(texts) {
+    for (const [key, part] of Object.entries(parts)) part.value = texts[key] ?? "";
+    box.checked = Boolean(texts.random);
+  }
+  return { element, read, write, texts, put };
 }
 
 function told(plan) {
@@ -148,7 +190,7 @@ function told(plan) {
   const refused = plan.refusals.length;
   const verdict = refused ? `The rig cannot do ${refused === 1 ? "one thing" : `${refused} things`} of this campaign; nothing of it would run.`
     : `The rig can do all of it: ${plan.tests.length} tests, ${minutes}.`;
-  const rows = plan.tests.map((one) => [one.name, one.words, one.duration_s, one.speed_mm_s, one.position_mm, one.force_N, one.voltage_V,
+  const rows = plan.tests.map((one) => [{ key: one.name, show: h("span", {}, one.name, h("small", { class: "under" }, one.words)) }, one.duration_s, one.speed_mm_s, one.position_mm, one.force_N, one.voltage_V,
     { key: one.refusal ? 1 : 0, show: h("span", { class: `badge ${one.refusal ? "bad" : "good"}` }, one.refusal ? "refused" : "can") }]);
   return [
     h("p", { class: `verdict ${refused ? "bad" : "good"}`, id: "verdict" }, verdict),

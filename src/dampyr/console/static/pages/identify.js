@@ -1,5 +1,6 @@
 // Identify: records and a model on the left, what was found on the right. A fit is a job: it goes on without the page.
 import { get, post, query as asQuery } from "../house/api.js";
+import { before } from "../house/before.js";
 import { chart } from "../house/chart.js";
 import { button, choice, field, h, number, section, tick } from "../house/dom.js";
 import { watch } from "../house/jobs.js";
@@ -21,7 +22,7 @@ export async function show(root, query) {
   const bandwidth = h("input", { type: "text", inputmode: "decimal" });
   const progress = h("div");
   const sheet = h("div");
-  const past = h("div");
+  const past = before("identify", ["identify"], follow);
   root.append(h("div", { class: "split" },
     h("div", { class: "side" },
       records.element,
@@ -29,9 +30,8 @@ export async function show(root, query) {
         h("div", { class: "row", role: "group", "aria-label": "Added to it" }, ons.map(([, box]) => box))),
       h("details", {}, h("summary", {}, "How it is fitted"), h("div", { class: "fields" }, field("Loss", loss), field("Validate", predict, "on records left out"), field("Velocity bandwidth, Hz", bandwidth, "derived; empty takes the recorded"))),
       h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried: minutes" })),
-      past),
+      past.element),
     h("div", {}, progress, sheet)));
-  await list();
   const open = query.get("job");
   if (open) follow(open);
   else sheet.append(h("p", { class: "blank" }, "Choose records and a model, then identify. What was found stands here."));
@@ -46,13 +46,8 @@ export async function show(root, query) {
     const job = await attempt(() => post("identify/jobs", asked));
     if (job) {
       follow(job.id);
-      list();
+      past.look();
     }
-  }
-
-  async function list() {
-    const jobs = ((await attempt(() => get("jobs"))) ?? []).filter((one) => one.kind === "identify").slice(0, 8);
-    past.replaceChildren(...(jobs.length ? [section("Before", h("ul", {}, jobs.map((one) => h("li", {}, h("a", { href: `#/identify?job=${one.id}`, onclick: (event) => (event.preventDefault(), follow(one.id)) }, one.title), ` ${one.state}`))))] : []));
   }
 
   function follow(id) {
@@ -61,7 +56,7 @@ export async function show(root, query) {
     clear();
     sheet.replaceChildren();
     stop = watch(progress, id, (job) => {
-      list();
+      past.look();
       if (job.state === "done") found(job);
     });
   }
@@ -117,6 +112,7 @@ export async function show(root, query) {
 
   return () => {
     stop?.();
+    past.clear();
     clear();
   };
 }

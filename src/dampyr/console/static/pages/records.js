@@ -1,4 +1,5 @@
 // Records: a list to choose from, and what is chosen, overlaid.
+import { acceptance, forAddress, fromAddress } from "../house/acceptance.js";
 import { get, put, query as asQuery, remove, upload } from "../house/api.js";
 import { chart, COLOURS } from "../house/chart.js";
 import { button, choice, field, h, number, section } from "../house/dom.js";
@@ -10,10 +11,11 @@ const TIME = { words: "time", unit: "s" };
 const FORCE = { words: "force", unit: "N" };
 const DISPLACEMENT = { words: "displacement", unit: "mm" };
 const VELOCITY = { words: "velocity", unit: "mm/s" };
-const TABS = { time: "Time", loops: "Loops", spectra: "Spectra", cycles: "Cycles", about: "About" };
+const TABS = { time: "Time", loops: "Loops", spectra: "Spectra", cycles: "Cycles", acceptance: "Acceptance", about: "About" };
 
 export async function show(root, query) {
   const state = { source: query.get("source"), open: query.getAll("open").slice(0, MOST), tab: query.get("tab") ?? "time", filter: "", role: "" };
+  const asked = fromAddress(query);
   const kept = new Map();
   let listed = [];
   let charts = [];
@@ -28,7 +30,7 @@ export async function show(root, query) {
   root.append(
     h("div", { class: "split wide" },
       h("div", { class: "side" },
-        h("div", { class: "fields" }, field("From", source), field("Filter", filter), field("Which", role)),
+        h("div", { class: "fields sources" }, field("From", source), field("Filter", filter), field("Which", role)),
         list,
         uploads((key) => ((state.source = source.value = "data"), (state.open = [key]), load(true)))),
       sheet),
@@ -46,13 +48,12 @@ export async function show(root, query) {
     const rows = shown.map((one) => {
       const m = one.about?.measured;
       const seen = one.about?.overview;
-      return [tickFor(one), nameOf(one), flags(one), inputOf(one.about), m?.frequency_hz ?? null, m || seen ? 1e3 * (m?.peak_to_peak_m ?? seen.stroke_m) : null,
+      return [tickFor(one), nameOf(one), inputOf(one.about), m?.frequency_hz ?? null, m || seen ? 1e3 * (m?.peak_to_peak_m ?? seen.stroke_m) : null,
         m || seen ? 1e3 * (m?.peak_speed ?? seen.peak_speed) : null];
     });
     list.replaceChildren(table({
       caption: `${shown.length} of ${listed.length} records; up to ${MOST} are overlaid`,
-      columns: [{ words: "Shown", plain: true }, { name: "record" }, { name: "to look at", align: "left" }, { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" },
-        { name: "peak speed", unit: "mm/s" }],
+      columns: [{ words: "Shown", plain: true }, { name: "record" }, { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "peak speed", unit: "mm/s" }],
       rows,
       empty: state.source === "data" ? "No records are here yet; upload one below, or run a campaign." : "Nothing passes the filter.",
     }));
@@ -81,12 +82,16 @@ export async function show(root, query) {
     draw();
   }
 
+  function keepAddress() {
+    history.replaceState(null, "", `#/records?${asQuery({ source: state.source, open: state.open, tab: state.tab, ...forAddress(asked) })}`);
+  }
+
   async function draw() {
-    history.replaceState(null, "", `#/records?${asQuery({ source: state.source, open: state.open, tab: state.tab })}`);
+    keepAddress();
     for (const one of charts) one.clear();
     charts = [];
     if (!state.open.length) {
-      sheet.replaceChildren(h("p", { class: "blank" }, "Choose one or more records on the left."));
+      sheet.replaceChildren(h("p", { class: "blank" }, "Choose one or more records from the list."));
       return;
     }
     const tabs = h("div", { class: "tabs", role: "tablist", "aria-label": "Views" }, Object.entries(TABS).map(([name, words]) => tab(name, words)));
@@ -167,6 +172,7 @@ export async function show(root, query) {
           { name: "peak velocity, in", unit: "mm/s" }, { name: "force there", unit: "N" }],
       }))];
     },
+    acceptance: (keys) => acceptance(keys, asked, keepAddress, charts),
     async about(keys) {
       const found = await Promise.all(keys.map((key) => get(`records/one?${asQuery({ key })}`)));
       return found.map((one) => about(one));
@@ -247,7 +253,7 @@ const times = (values, factor) => (factor === 1 ? values : values.map((value) =>
 const hint = () => h("p", { class: "soft" }, "Drag over a chart to look closer; a double click shows all again.");
 export const short = (key) => key.split("/").at(-1).replace(/\.(mat|csv|txt|h5)$/, "");
 
-const nameOf = (one) => ({ key: one.key, show: h("span", { title: one.key }, short(one.key)) });
+const nameOf = (one) => ({ key: one.key, show: h("span", { class: "named", title: one.key }, short(one.key), flags(one)) });
 
 export function inputOf(about) {
   if (!about?.input) return null;
@@ -258,8 +264,8 @@ export function inputOf(about) {
 function flags(one) {
   const marks = [];
   if (one.problem) marks.push(h("span", { class: "badge bad", title: one.problem }, "cannot be read"));
-  else if (one.about.notes.length) marks.push(h("span", { class: "badge bad", title: one.about.notes.join("; ") }, one.about.notes.length > 1 ? `${one.about.notes.length} things` : "1 thing"));
+  else if (one.about.notes.length) marks.push(h("span", { class: "badge bad", title: one.about.notes.join("; ") }, `look: ${one.about.notes.length}`));
   if (one.about?.role === "validation") marks.push(h("span", { class: "badge" }, "validation"));
   if (one.note) marks.push(h("span", { class: "badge", title: one.note }, "note"));
-  return { key: one.problem || one.about.notes.length, show: h("span", {}, marks.flatMap((mark) => [mark, " "])) };
+  return marks;
 }

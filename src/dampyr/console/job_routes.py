@@ -1,4 +1,4 @@
-"""What several pages ask: how the jobs stand, and which cards there are."""
+"""Jobs over HTTP: how they stand, what came of them, and their end."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ from fastapi import APIRouter
 from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
-from dampyr.console import places
 from dampyr.console.house import Here
 from dampyr.console.jobs import Job, State
 
-CARDS = "cards"
 Id = Annotated[str, InPath(pattern="^[0-9a-f]{16}$")]
 
 router = APIRouter(tags=["Jobs"])
@@ -68,9 +66,3 @@ def cancel_job(id: Id, here: Here) -> JobState:
 def remove_job(id: Id, here: Here) -> None:
     """Forget a job that has ended, with its files."""
     here.jobs.remove(id)
-
-
-@router.get("/cards", tags=["Cards"])
-def list_cards(here: Here) -> list[str]:
-    """The cards of dampers in the folder ``cards`` of the data folder, by their names."""
-    return places.files(here.data / CARDS, (".toml",))

@@ -1,0 +1,41 @@
+"""Dampers that can be chosen on a page: the cards of the data folder, and the published ones."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from dampyr import studies
+from dampyr.console import places
+from dampyr.console.cards import CARDS
+from dampyr.console.site import DamperAsked
+from dampyr.errors import DampyrError
+
+
+class DamperLink(BaseModel):
+    """A damper that can be chosen: its input's unit, and the range it was calibrated on."""
+
+    name: str
+    title: str
+    unit: str
+    low: float
+    high: float
+
+
+def dampers(data: Path) -> list[DamperLink]:
+    """The cards first; what cannot be read is left out."""
+    found = []
+    cards = [f"{CARDS}/{name}" for name in places.files(data / CARDS, (".toml",))]
+    for name in [*cards, *studies.damper_names()]:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                damper = DamperAsked(name=name).damper(data)
+            low, high = damper.range
+        except DampyrError:
+            continue
+        title = name.removeprefix(f"{CARDS}/").removesuffix(".toml") if name in cards else f"published: {name}"
+        found.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high))
+    return found

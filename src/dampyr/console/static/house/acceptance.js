@@ -1,0 +1,162 @@
+// Records judged by a reference damper: what is asked, the band with the points in it, and what lies outside.
+import { get, query as asQuery } from "./api.js";
+import { chart, COLOURS } from "./chart.js";
+import { choice, field, h, number, section, tick } from "./dom.js";
+import { attempt } from "./notice.js";
+import { table } from "./table.js";
+
+const OTHERS = "others";
+const QUANTITIES = ["extension", "compression", "energy"];
+const START = { reference: "", tolerance: "15", force: "0", energy: "0", offset: "", judge: QUANTITIES };
+const SHAPES = [[true, "circle"], [false, "cross"], [null, "square"]];
+const BADGES = { passed: "badge good", failed: "badge bad", "not judged": "badge" };
+const short = (key) => key.split("/").at(-1).replace(/\.(mat|csv|txt|h5|toml)$/, "");
+
+/** What is asked, from an address. */
+export function fromAddress(query) {
+  const judge = query.getAll("judge").filter((one) => QUANTITIES.includes(one));
+  const said = Object.fromEntries(Object.keys(START).map((name) => [name, query.get(name) ?? START[name]]));
+  return { ...said, judge: judge.length ? judge : [...QUANTITIES] };
+}
+
+/** What is asked, for an address: what stands as it starts is left out. */
+export function forAddress(asked) {
+  const kept = Object.entries(asked).filter(([name, value]) => String(value) !== String(START[name]));
+  return Object.fromEntries(kept);
+}
+
+/** acceptance(keys of the records, asked, kept): elements; `asked` is changed by the form, which then calls `kept()`. */
+export async function acceptance(keys, asked, kept, charts) {
+  const dampers = await get("records/references");
+  const result = h("div");
+  let last = 0;
+
+  async function judge() {
+    const mine = ++last;
+    kept();
+    if (!asked.reference) return result.replaceChildren(h("p", { class: "blank" }, "Choose a reference: a card, a published damper, or a record of a reference damper."));
+    const question = asQuery(asWanted(keys, asked));
+    if (!result.children.length) result.append(h("p", { class: "soft" }, "Judging …"));
+    const found = await attempt(() => get(`records/acceptance?${question}`));
+    if (mine !== last) return undefined;
+    for (const one of charts.splice(0)) one.clear();
+    return result.replaceChildren(...(found ? shown(found, question, charts) : []));
+  }
+
+  const form = asking(keys, dampers, asked, judge);
+  judge();
+  return [form, result];
+}
+
+function asking(keys, dampers, asked, changed) {
+  const reference = h("select", { onchange: () => take("reference", reference.value) }, h("option", { value: "" }, "choose …"));
+  const groups = [
+    ["Cards", dampers.filter((one) => one.name.startsWith("cards/")).map((one) => [one.name, one.title])],
+    ["Published dampers", dampers.filter((one) => !one.name.startsWith("cards/")).map((one) => [one.name, one.title.replace("published: ", "")])],
+    ["Records shown", [...(keys.length > 1 ? [[OTHERS, "each by the others"]] : []), ...keys.map((key) => [key, short(key)])]],
+  ];
+  const known = groups.flatMap(([, all]) => all.map(([value]) => value));
+  if (asked.reference && !known.includes(asked.reference)) groups[2][1].push([asked.reference, short(asked.reference)]);
+  for (const [label, all] of groups) {
+    if (all.length) reference.append(h("optgroup", { label }, all.map(([value, words]) => h("option", { value }, words))));
+  }
+  reference.value = asked.reference;
+  const take = (name, value) => {
+    asked[name] = value;
+    changed();
+  };
+  const box = (name, extra = {}) => h("input", { type: "text", inputmode: "decimal", value: asked[name], onchange: (event) => take(name, event.target.value.trim().replace(",", ".")), ...extra });
+  const ticks = QUANTITIES.map((name) => tick(name, { checked: asked.judge.includes(name), onchange: (event) => {
+    const judged = QUANTITIES.filter((one) => (one === name ? event.target.checked : asked.judge.includes(one)));
+    if (judged.length) take("judge", judged);
+    else event.target.checked = true;
+  } }));
+  return h("div", { class: "asking" },
+    h("div", { class: "fields" }, field("Reference", reference), field("Tolerance, %", box("tolerance")), field("and force, N", box("force")), field("and energy, J", box("energy")),
+      field("Load cell zero, N", box("offset", { placeholder: "the mean" }))),
+    h("div", { class: "row", role: "group", "aria-label": "What is judged" }, h("span", { class: "label" }, "Judge"), ticks));
+}
+
+/** The question as the API takes it; what is no number is sent as it is, and refused in a sentence. */
+function asWanted(keys, asked) {
+  const share = Number(asked.tolerance);
+  const reference = asked.reference === OTHERS ? keys : [asked.reference];
+  return { key: keys, reference, tolerance: asked.tolerance !== "" && Number.isFinite(share) ? share / 100 : asked.tolerance, force: asked.force, energy: asked.energy, offset: asked.offset, judge: asked.judge };
+}
+
+function shown(found, question, charts) {
+  const names = found.records.map((one) => one.name);
+  const forces = chart({
+    label: `Forces at peak velocity of ${names.join(", ")} in the band about the reference`, height: 380,
+    x: { words: "peak velocity", unit: "mm/s", pad: 0.06 }, y: { words: "force", unit: "N" },
+    series: [...found.bands.flatMap(asBand), ...found.records.flatMap((one, k) => asPoints(one, k, one.points.filter((p) => p.quantity !== "energy"), (p, i) => [1e3 * p.speed[i], p.measured[i]]))],
+  });
+  const cycles = Math.max(1, ...found.records.flatMap((one) => one.points.flatMap((p) => p.cycle)));
+  const used = chart({
+    label: `How much of its band every cycle of ${names.join(", ")} uses`, height: 260,
+    x: { words: "cycle", pad: 0.04 }, y: { words: "off by", unit: "half bands" },
+    series: [{ name: "edges of the band", x: [0, cycles + 1, null, 0, cycles + 1], y: [1, 1, null, -1, -1], colour: "ink", dash: [6, 5], width: 1, always: true },
+      ...found.records.flatMap((one, k) => asPoints(one, k, one.points, (p, i) => (p.used[i] === null ? null : [p.cycle[i], p.used[i]])))],
+  });
+  charts.push(forces, used);
+  const judged = found.records.some((one) => one.judged);
+  const any = found.records.some((one) => one.count);
+  return [
+    h("p", { class: "verdict", role: "status" }, inShort(found.records)),
+    summary(found.records),
+    h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/acceptance/page?${question}`, download: "acceptance.html" }, "Save the page")),
+    any ? section("Forces at peak velocity", forces.element, h("p", { class: "soft" }, "● inside, ✕ outside, □ not judged. Extension above, compression below; the band goes through the mean of points of one speed.")) : null,
+    judged ? section("How much of the band is used", used.element, h("p", { class: "soft" }, "All that is judged, in halves of the band: 0 is the reference, 1 and −1 are the edges; above 0 the damper is stronger, in either direction.")) : null,
+    outside(found.records),
+    open(found.records),
+  ].filter(Boolean);
+}
+
+function inShort(records) {
+  const told = Object.keys(BADGES).map((verdict) => [verdict, records.filter((one) => one.verdict === verdict).length]).filter(([, count]) => count);
+  return `${told.map(([verdict, count]) => `${count} ${verdict}`).join(", ")}.`;
+}
+
+function summary(records) {
+  return table({
+    caption: "One point outside fails a record. Where less than half of the cycles could be judged, it has neither passed nor failed.",
+    columns: [{ name: "record" }, { name: "verdict", align: "left" }, { name: "judged", align: "right" }, { name: "outside" }, { name: "worst", align: "left" }, { name: "cycle" }, { name: "off by", unit: "%", digits: 3 }],
+    rows: records.map((one) => [one.name, { key: one.verdict, show: h("span", { class: BADGES[one.verdict] }, { passed: "✓ ", failed: "✗ ", "not judged": "? " }[one.verdict], one.verdict) },
+      { key: one.judged, show: `${one.judged} of ${one.count}` }, one.outside_count, one.worst?.quantity ?? null, one.worst?.cycle ?? null, percent(one.worst?.deviation)]),
+  });
+}
+
+function outside(records) {
+  const rows = records.flatMap((one) => one.outside.map((p) => [one.name, p.cycle, p.quantity, percent(p.deviation), 1e3 * p.speed, p.measured, p.low, p.high, p.quantity === "energy" ? "J" : "N"]));
+  if (!rows.length) return null;
+  const all = records.reduce((sum, one) => sum + one.outside_count, 0);
+  return section("Points outside", table({
+    caption: rows.length < all ? `The worst ${rows.length} of ${all}` : "The worst of each record first; above 0 % is stronger than the reference",
+    columns: [{ name: "record" }, { name: "cycle" }, { name: "quantity", align: "left" }, { name: "off by", unit: "%", digits: 3 }, { name: "at", unit: "mm/s" }, { name: "measured" }, { name: "band from" }, { name: "to" },
+      { name: "unit", align: "left" }],
+    rows,
+  }));
+}
+
+function open(records) {
+  const rows = records.flatMap((one) => Object.entries(Object.keys(one.reasons).length || !one.reason ? one.reasons : { [one.reason]: 0 }).map(([why, count]) => [one.name, count, why]));
+  return rows.length ? section("Not judged", table({ caption: "Nothing is extrapolated from a reference", columns: [{ name: "record" }, { name: "points" }, { name: "why", align: "left" }], rows })) : null;
+}
+
+const percent = (value) => (value === null || value === undefined ? null : 100 * value);
+
+function asBand(one, k) {
+  const speeds = one.speed.map((value) => 1e3 * value);
+  const reach = 0.02 * Math.max(...speeds);
+  const x = [speeds[0] - reach, ...speeds, speeds.at(-1) + reach];
+  const ends = (values) => [values[0], ...values, values.at(-1)];
+  const round = { name: k ? "" : "band", x: [...x, ...[...x].reverse()], y: [...ends(one.high), ...ends(one.low).reverse()], colour: "sky", fill: true, always: true };
+  return [round, { name: k ? "" : "reference", x, y: ends(one.expected), colour: "ink", dash: [6, 5], width: 1.2, always: true }];
+}
+
+function asPoints(record, k, columns, place) {
+  return SHAPES.map(([state, shape]) => {
+    const at = columns.flatMap((p) => p.inside.flatMap((inside, i) => (inside === state ? [place(p, i)] : []))).filter(Boolean);
+    return { name: state === true ? record.name : "", points: true, shape, colour: COLOURS[k], always: true, x: at.map(([x]) => x), y: at.map(([, y]) => y) };
+  }).filter((one) => one.x.length || one.name);
+}

@@ -1,0 +1,155 @@
+"""The pages that the commands write, in a real browser: alone in the world, readable by everyone, on a phone and on paper."""
+
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from dampyr.cli import cli
+
+CAMPAIGN = """
+name = "sines"
+[[step]]
+kind = "sine"
+amplitude = ["2 mm", "4 mm"]
+frequency = ["0.5 Hz", "1 Hz"]
+voltage = ["0 V", "0.8712 V"]
+"""
+ENSEMBLE = ["--voltage", "1.98", "--synthetic", "4", "--duration", "4", "--scale", "0.2:2:0.6", "--without-damper"]
+LONG = ("simulate", "ensemble", "demo", "reproduce")
+NAMES = ["motion", "run", "identify", "validate", *LONG]
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory, campaign_folder):
+    """``report("motion")``: the page that this command wrote."""
+    folder = tmp_path_factory.mktemp("reports")
+    (folder / "campaign.toml").write_text(CAMPAIGN)
+    records = [str(campaign_folder / f"{name}.mat") for name in ("ensaio.A.1", "ensaio.A.4")]
+    read = ["--voltage", "3.212"]
+    card = str(folder / "card.toml")
+    calls = {
+        "motion": [],
+        "run": [str(folder / "campaign.toml"), "--dry-run"],
+        "identify": [*records, *read, "--model", "dahl + spring", "--save", card],
+        "validate": [card, *records, *read],
+        "simulate": ["--voltage", "1.98", "--control", "on_off"],
+        "ensemble": [*ENSEMBLE, "--limit", "12mm"],
+        "demo": ["--out", str(folder)],
+        "reproduce": ["--data", str(campaign_folder), "--out", str(folder)],
+    }
+    own = {"demo": "report.html", "reproduce": "reproduce.html"}
+
+    def write(name):
+        path = folder / own.get(name, f"{name}.html")
+        if not path.exists():
+            if name == "validate":
+                write("identify")
+            asked = [name, *calls[name], *([] if name in own else ["--report", str(path)])]
+            done = CliRunner().invoke(cli, asked, catch_exceptions=False)
+            assert done.exit_code == 0, done.output
+        return path
+
+    return write
+
+
+@pytest.fixture
+def show(chromium):
+    """``show(path, **settings)``: the page in a browser; it asks for nothing but itself, and complains of nothing."""
+    contexts, asked, wrong = [], [], []
+
+    def open_file(path, **settings):
+        context = chromium.new_context(**{"viewport": {"width": 1280, "height": 900}} | settings)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("request", lambda request: asked.append(request.url))
+        page.on("pageerror", lambda problem: wrong.append(str(problem)))
+        page.on("console", lambda told: wrong.append(told.text))
+        page.goto(path.as_uri())
+        return page
+
+    yield open_file
+    for context in contexts:
+        context.close()
+    assert {url for url in asked if not url.startswith(("file://", "blob:"))} == set()
+    assert len([url for url in asked if url.startswith("file://")]) == len(contexts)
+    assert wrong == []
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("name", NAMES)
+def test_a_report_is_readable_in_light_and_dark_on_a_desk_and_a_phone(report, show, accessible, name):
+    path = report(name)
+    for scheme, width in (("light", 1280), ("dark", 390)):
+        page = show(path, color_scheme=scheme, viewport={"width": width, "height": 844})
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert page.evaluate(FIGURES_CUT) == []
+        assert page.evaluate(LETTERS) >= 5.5, "letters of a figure, in pixels"
+        accessible(page)
+
+
+FIGURES_CUT = """() => [...document.querySelectorAll("figure svg")].filter((svg) => {
+    const box = svg.getBoundingClientRect();
+    return box.width < 200 || box.left < 0 || box.right > innerWidth;
+}).map((svg) => svg.getAttribute("aria-label"))"""
+LETTERS = """() => Math.min(99, ...[...document.querySelectorAll("figure svg text")].filter((text) => text.textContent.trim())
+    .map((text) => parseFloat(getComputedStyle(text).fontSize) * Math.hypot(text.getScreenCTM().c, text.getScreenCTM().d)))"""
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("name", NAMES)
+def test_a_report_on_paper_is_light_and_cuts_nothing(report, show, name):
+    page = show(report(name), color_scheme="dark")
+    page.emulate_media(media="print", color_scheme="dark")
+    page.set_viewport_size({"width": 658, "height": 1000})  # A4 less its margins, in CSS pixels
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert page.evaluate("getComputedStyle(document.body).color") == "rgb(0, 0, 0)"
+    wide = page.evaluate("""() => [...document.querySelectorAll("table, figure svg")].filter((one) =>
+        one.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
+        .map((one) => one.closest("[aria-label]")?.getAttribute("aria-label"))""")
+    assert wide == []
+    paper = page.pdf(format="A4", prefer_css_page_size=True)
+    assert paper.startswith(b"%PDF")
+    assert len(re.findall(rb"/Type /Page\b", paper)) >= 1
+
+
+def test_a_table_is_sorted_from_the_keyboard(report, show):
+    page = show(report("run"))
+    table = page.get_by_role("table").first
+    head = table.get_by_role("button", name=re.compile("peak speed"))
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        if head.evaluate("button => button === document.activeElement"):
+            break
+    column = head.evaluate("button => button.parentElement.cellIndex")
+    shown = f"rows => rows.map((row) => Number(row.cells[{column}].dataset.key))"
+    for key, falling in (("Enter", False), ("Space", True)):
+        page.keyboard.press(key)
+        values = table.locator("tbody tr").evaluate_all(shown)
+        assert values == sorted(values, reverse=falling)
+        assert len(set(values)) > 1
+    assert head.evaluate("button => button.parentElement.ariaSort") == "descending"
+
+
+def test_a_figure_is_saved_from_the_page(report, show, tmp_path):
+    page = show(report("motion"), color_scheme="dark", accept_downloads=True)
+    with page.expect_download() as taken:
+        page.get_by_role("button", name="Save as SVG: figure 1").press("Enter")
+    target = tmp_path / taken.value.suggested_filename
+    taken.value.save_as(target)
+    assert re.fullmatch(r"01-[a-z-]+\.svg", target.name)
+    text = target.read_text("utf-8")
+    assert "var(" not in text
+    assert "#1b2026" in text  # the ink of light paper, though the page was dark
+    drawn = show(target)
+    assert drawn.evaluate("document.documentElement.getBBox().width") > 300
+    assert page.evaluate("document.documentElement.dataset.theme") is None
+
+
+def test_what_a_page_embeds_is_what_the_console_serves(client):
+    own = Path(__file__).parents[2] / "src" / "dampyr" / "report" / "templates" / "look.css"
+    answer = client.get("/static/look.css")
+    assert answer.text == own.read_text("utf-8")
+    assert answer.headers["content-type"].startswith("text/css")
+    assert ":root" not in client.get("/static/console.css").text  # no second list of colours
