@@ -19,7 +19,7 @@ SOON = 0.100  # s of simulated time
 def made(*faults: str, interlocked: bool = True, settings: RigSettings | None = None) -> tuple[Rig, Simulator]:
     rig = simulated(settings, faults=faults, in_process=True)
     rig.interlocked = interlocked
-    return rig, rig.board.simulator  # type: ignore[attr-defined]
+    return rig, rig.board.simulator
 
 
 def sine(amplitude: float, frequency: float, seconds: float, volts: float = 2.0) -> Drive:

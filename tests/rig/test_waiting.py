@@ -59,7 +59,7 @@ def test_a_reader_that_fails_stops_the_rig_and_says_so() -> None:
 def test_the_rig_is_read_on_while_a_long_record_is_finished() -> None:
     with simulated() as rig, rig.armed() as table:
         table.home(here=True)
-        table.meanwhile(lambda: time.sleep(1.5))  # in lockstep the watchdog acts after half a second of silence
+        table.meanwhile(lambda: time.sleep(4.0))  # in lockstep the watchdog acts after three seconds of silence
         table.go(0.001)
         with pytest.raises(KeyError):
             table.meanwhile(lambda: {}["x"])

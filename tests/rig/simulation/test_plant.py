@@ -31,10 +31,10 @@ def driven(made: Simulator, seconds: float, duty: int) -> None:
     made.alone(seconds)
 
 
-def held_at(kernel, duty):  # type: ignore[no-untyped-def]
+def held_at(kernel, duty):
     """The kernel with the firmware out of the way: state REVERSING with a top that is reached at once."""
 
-    def run(until, m, y, n, z, *rest):  # type: ignore[no-untyped-def]
+    def run(until, m, y, n, z, *rest):
         registers = rest[5]
         registers[[c.R_STATE, c.R_RATE, c.R_SIGN, c.R_STROKES, c.R_DUTY]] = (
             State.REVERSING,
@@ -59,6 +59,7 @@ def test_free_speed_is_reached_with_the_lag(duty: int) -> None:
     np.testing.assert_allclose(truth.speed, expected, atol=2e-4 * 0.078)
 
 
+@pytest.mark.prove
 def test_a_load_slows_by_the_droop_and_one_along_does_not_hasten() -> None:
     made, _ = rig(settings(table={"friction": 15.0}, actuator={"backlash": 0.0}), specimen=friction(1000.0))
     driven(made, 0.3, 255)
@@ -216,6 +217,7 @@ def test_the_force_is_the_dampers_own_along_the_same_path() -> None:
                                     "delay.tau": 0.004}),
     ],
 )  # fmt: skip
+@pytest.mark.prove
 def test_it_converges_with_its_step_for_stiff_specimens(parts: str, laws: dict[str, float]) -> None:
     found = []
     for step in (2e-4, 1e-4, 1.25e-5):
@@ -230,6 +232,7 @@ def test_it_converges_with_its_step_for_stiff_specimens(parts: str, laws: dict[s
     assert found[1][1] == pytest.approx(found[2][1], rel=0.01)
 
 
+@pytest.mark.prove
 def test_free_play_leaves_the_piston_behind() -> None:
     made, host = rig(settings(specimen={"free_play": 2e-3}))
     host.arm()

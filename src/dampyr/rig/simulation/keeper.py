@@ -1,6 +1,6 @@
 """Who moves the clock of a simulated rig at the end of its wires: the host in lockstep, the rig alone, or the wall's clock.
 
-In lockstep the host's reads and heartbeats move it. When the host's connection closes, or after half a second of silence
+In lockstep the host's reads and heartbeats move it. When the host's connection closes, or after three seconds of silence
 while the rig is armed or moves, it runs on alone: the firmware's watchdog has to act. In real time the wall's clock moves it.
 """
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from dampyr.rig.simulation.board import TIMEOUT, BoardError
 from dampyr.rig.simulation.simulator import Simulator
 
-SILENCE = 0.5  # s of the wall's clock
+SILENCE = 3.0  # s of the wall's clock: longer than a slow disk keeps a host that lives
 STRIDE = 0.01  # s simulated at once when alone
 PATIENCE = 60.0  # s of the wall's clock until a client must have come
 
