@@ -41,9 +41,11 @@ HOW_TO = [
         "campaigns",
         "control",
         "rig",
+        "acceptance",
     )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
+LONG = ("ensembles", "control", "rig", "another-laboratory")  # pages whose code compiles or runs for long: proofs
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -156,13 +158,16 @@ def steps(page: Path) -> Iterator[tuple[str, str]]:
             yield info, text
 
 
-@pytest.mark.parametrize("page", RUN, ids=name)
+@pytest.mark.parametrize(
+    "page", [pytest.param(page, marks=[pytest.mark.prove] * (page.stem in LONG)) for page in RUN], ids=name
+)
 def test_what_a_page_has_its_reader_do_works(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
     text = page.read_text(encoding="utf-8")
     needs_data = "datasets fetch" in text or "locate(" in text
     desk = Desk(tmp_path, request.getfixturevalue("campaign_folder") if needs_data else None)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")  # a reader of the README has them
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("DAMPYR_DATA", "data")
     done = 0

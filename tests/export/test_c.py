@@ -37,7 +37,7 @@ def everything() -> Damper:
 
 
 @needs_gcc
-def test_a_loaded_card_in_c_follows_a_varying_voltage(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_a_loaded_card_in_c_follows_a_varying_voltage(tmp_path) -> None:
     card = everything().save(tmp_path / "card.toml")
     damper = Damper.load(card)
     t = np.linspace(0.0, 3.0, 2001)
@@ -49,14 +49,14 @@ def test_a_loaded_card_in_c_follows_a_varying_voltage(tmp_path) -> None:  # type
 
 
 @needs_gcc
-def test_outside_the_range_c_gives_no_number_unless_allowed(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_outside_the_range_c_gives_no_number_unless_allowed(tmp_path) -> None:
     t, x, v = np.array([0.0, 0.1, 0.2]), np.array([0.0, 1e-3, 2e-3]), np.full(3, 0.01)
     assert np.all(np.isnan(run_c(everything(), tmp_path, t, x, v, 3.2)))
     assert np.all(np.isfinite(run_c(everything(), tmp_path, t, x, v, 3.2, allow_extrapolation=True)))
 
 
 @needs_gcc
-def test_a_delay_longer_than_the_history_gives_no_number(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_a_delay_longer_than_the_history_gives_no_number(tmp_path) -> None:
     damper = Damper("dahl + delay", {"dahl.kx": 1.0, "dahl.kw": 9.0, "dahl.rho": 100.0, "delay.tau": 0.5})
     t = np.arange(6000) * 1e-4
     x = 1e-3 * np.sin(40 * t)
@@ -65,18 +65,18 @@ def test_a_delay_longer_than_the_history_gives_no_number(tmp_path) -> None:  # t
     assert np.isnan(force[5500])
 
 
-def test_names_that_c_cannot_use_are_refused(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_names_that_c_cannot_use_are_refused(tmp_path) -> None:
     with pytest.raises(InputError, match="cannot name a C function"):
         export(everything(), "c", tmp_path, name="2nd damper")
 
 
-def test_unknown_kinds_are_named(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_unknown_kinds_are_named(tmp_path) -> None:
     with pytest.raises(InputError, match="choose from c"):
         export(everything(), "cc", tmp_path)
 
 
 @needs_gcc
-def test_two_dampers_fit_in_one_c_program(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_two_dampers_fit_in_one_c_program(tmp_path) -> None:
     export(everything(), "c", tmp_path, name="front")
     export(Damper("dahl", {"dahl.kx": 1.0, "dahl.kw": 9.0, "dahl.rho": 100.0}), "c", tmp_path, name="rear")
     (tmp_path / "both.c").write_text(

@@ -115,7 +115,7 @@ def test_another_step_must_be_asked_for_by_name() -> None:
         with pytest.raises(InputError, match="say how='linear' or how='band-limited'"):
             resampled(el_centro(), dt)
     with pytest.raises(InputError, match="choose from linear, band-limited"):
-        resampled(el_centro(), 0.03, "cubic")  # type: ignore[arg-type]
+        resampled(el_centro(), 0.03, "cubic")
     with pytest.raises(InputError, match="not in a ratio of whole numbers up to 1000"):
         resampled(el_centro(), 0.02 * np.pi / 2, "band-limited")
     with pytest.raises(InputError, match="longer than the motion"):
@@ -209,6 +209,6 @@ def test_the_history_tells_everything_in_order() -> None:
 @pytest.mark.parametrize("degree", [0, 7, 1.5])
 def test_a_baseline_of_no_sense_is_refused(degree: float) -> None:
     with pytest.raises(InputError, match="a whole number from 1 to 6"):
-        corrected(el_centro(), degree)  # type: ignore[arg-type]
+        corrected(el_centro(), degree)
     with pytest.raises(InputError, match="too few for a baseline"):
         corrected(GroundMotion(np.ones(5), 0.1))

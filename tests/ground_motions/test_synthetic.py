@@ -90,7 +90,7 @@ def test_a_seed_is_a_motion_bit_for_bit() -> None:
 @pytest.mark.parametrize("envelope", [RisePlateauDecay(), ShinozukaSato(0.2, 0.6), stationary])
 def test_the_ground_comes_to_rest_where_it_began(soil: Soil, envelope: object) -> None:
     for seed in range(5):
-        motion = kanai_tajimi(20.0, 0.01, seed, pga=3.0, soil=soil, envelope=envelope)  # type: ignore[arg-type]
+        motion = kanai_tajimi(20.0, 0.01, seed, pga=3.0, soil=soil, envelope=envelope)
         assert abs(motion.velocity[-1]) < 1e-3 * pgv(motion)
         assert abs(motion.displacement[-1]) < 2e-3 * pgd(motion)
         assert np.abs(motion.acceleration[-50:]).max() < 1e-4 * motion.pga, "nothing rings at the Nyquist frequency"
@@ -152,7 +152,7 @@ def test_the_envelope_shapes_the_mean_strength() -> None:
 def test_what_makes_no_sense_is_refused(change: dict[str, object], words: str) -> None:
     given: dict[str, object] = {"duration": 20.0, "dt": 0.01, "seed": 1, "pga": 3.0} | change
     with pytest.raises(InputError, match=words):
-        kanai_tajimi(**given)  # type: ignore[arg-type]
+        kanai_tajimi(**given)
 
 
 def test_filters_and_envelopes_of_no_sense_are_refused() -> None:

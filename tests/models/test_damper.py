@@ -22,7 +22,7 @@ def published(**changes: object) -> Damper:
         "dahl.kw": Polynomial((50.237, 201.92, -24.866, 3.6157), 0.0, 3.212),
         "dahl.rho": Polynomial((42745.0, -39038.0, 17881.0, -2836.8), 0.0, 3.212),
     }
-    return Damper("dahl", laws, **changes)  # type: ignore[arg-type]
+    return Damper("dahl", laws, **changes)
 
 
 def test_at_gives_the_model_at_one_voltage() -> None:

@@ -11,7 +11,7 @@ from dampyr.models.formula import partials_of, read, tangent, tangents
 K = 3.0
 
 
-def everything(w, x, v, p):  # type: ignore[no-untyped-def]
+def everything(w, x, v, p):
     a = sin(w) * cos(x) + tanh(v) / (1.0 + p**2)
     if v > 0.5:
         b = exp(-a) - K * sqrt(p)
@@ -21,23 +21,23 @@ def everything(w, x, v, p):  # type: ignore[no-untyped-def]
     return a * b + atan(w * x) ** 3
 
 
-def two_states(w, z, x1, p):  # type: ignore[no-untyped-def]
+def two_states(w, z, x1, p):
     w1 = w + p * x1
     return w1, z * w1
 
 
-def with_intrinsic(w, p):  # type: ignore[no-untyped-def]
+def with_intrinsic(w, p):
     return flow(w, p * 0.3, 1.4, 2.0 * p)
 
 
-def numeric(function, arguments, k):  # type: ignore[no-untyped-def]
+def numeric(function, arguments, k):
     up, down = list(arguments), list(arguments)
     up[k] += 1e-6
     down[k] -= 1e-6
     return (np.array(function(*up)) - np.array(function(*down))) / 2e-6
 
 
-def derived(function, active, unit):  # type: ignore[no-untyped-def]
+def derived(function, active, unit):
     formula = read(function, "f")
     names = dict(function.__globals__) | partials_of(formula)
     exec(tangent(formula, "derivative", active, unit), names)
@@ -68,7 +68,7 @@ def test_the_chain_goes_through_intrinsics(w: float) -> None:
 
 
 def test_what_cannot_be_said_is_refused() -> None:
-    def looping(w):  # type: ignore[no-untyped-def]
+    def looping(w):
         while w > 1:
             w = w / 2
         return w

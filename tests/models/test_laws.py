@@ -40,7 +40,7 @@ def test_interpolation_meets_its_values_and_never_leaves_them(values: list[float
     "law", [Constant(3.0, 0.0, 2.0), Polynomial((1.0, 0.1), 0.0, 3.0), Interpolation((0.0, 1.0), (2.0, 3.0))]
 )
 def test_a_law_survives_its_card(law: object) -> None:
-    assert from_card(law.card()) == law  # type: ignore[attr-defined]
+    assert from_card(law.card()) == law
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ CONSTANT = [(name, False) for name in (*ALONE, *TOGETHER)]
 VARYING = [(name, True) for name, _ in CONSTANT if not compose(name).n_states]
 
 
+@pytest.mark.prove  # its kernels take long to compile
 @pytest.mark.parametrize(("name", "varying"), [*CONSTANT, *VARYING])
 def test_sums_of_products_are_those_of_the_stored_columns(name: str, varying: bool) -> None:
     composition = compose(name)

@@ -65,7 +65,7 @@ def test_integrals_agree_with_quadrature_of_a_real_record() -> None:
     time, a = motion.time, motion.acceleration
 
     def integral(of: object) -> float:
-        pieces = [quad(of, t0, t1)[0] for t0, t1 in pairwise(time)]  # type: ignore[call-overload]
+        pieces = [quad(of, t0, t1)[0] for t0, t1 in pairwise(time)]
         return float(np.sum(pieces))
 
     assert motion.velocity[-1] == pytest.approx(integral(lambda t: np.interp(t, time, a)), rel=1e-10)

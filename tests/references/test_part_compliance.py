@@ -50,6 +50,7 @@ def test_a_spring_in_series_with_a_spring() -> None:
     np.testing.assert_allclose(damper.force(t, x, voltage=0.0), x / (1 / 4e4 + 2.5e-5), atol=1e-9)
 
 
+@pytest.mark.prove
 def test_a_building_with_a_dashpot_on_a_brace_that_gives_way() -> None:
     building, motion, c, s = two_storey(), el_centro(), 300.0, 2e-5
     ours = respond(

@@ -92,6 +92,7 @@ def test_the_letters_of_the_source_come_back() -> None:
     assert vars(again) == pytest.approx(vars(RD_1000), rel=1e-12)
 
 
+@pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
     model = ModifiedBoucWen(kw=120.0, k1=600.0, vc=0.01, r=0.15, kappa=8.0, rho=900.0, sigma=1.0, n=1.6)
     found = fit("modified_bouc_wen", sine(damper(model), 0.0))

@@ -148,4 +148,4 @@ def test_shapes_and_labels() -> None:
 )
 def test_what_makes_no_sense_is_refused(periods: object, damping: float, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        spectrum(el_centro(), periods, damping)  # type: ignore[arg-type]
+        spectrum(el_centro(), periods, damping)

@@ -101,6 +101,7 @@ def test_the_earthquake_is_predicted(laboratory: Path, card: Path, tmp_path: Pat
         assert l1 == pytest.approx(score["l1"], rel=1e-4)
 
 
+@pytest.mark.prove
 def test_a_model_that_remembers_the_path_predicts_better(laboratory: Path, tmp_path: Path) -> None:
     card = tmp_path / "card.toml"
     told("identify", laboratory, "--model", "dahl + hyperbolic_tangent + compliance", "--save", card)

@@ -8,7 +8,7 @@ import pytest
 from tests.stories.test_bad_input import dampyr
 
 
-def told(*arguments: str | Path) -> dict:  # type: ignore[type-arg]
+def told(*arguments: str | Path) -> dict:
     done = dampyr(*arguments, "--json")
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
@@ -50,6 +50,7 @@ def test_the_demonstration_needs_nothing_but_the_installation(tmp_path: Path) ->
     assert {k: v["l1"] for k, v in again["scores"].items()} == pytest.approx(done["l1_held_out"])
 
 
+@pytest.mark.prove
 def test_the_demonstration_is_the_same_twice(tmp_path: Path) -> None:
     first, second = (told("demo", "--out", tmp_path / name) for name in ("a", "b"))
     assert first["parameters"] == second["parameters"]
