@@ -211,6 +211,7 @@ def test_abort_while_armed_and_on_the_way_to_it(armed: Bench) -> None:
     assert table_rests.state in ("watching", "acted")
     until(lambda: armed.state().rings[0].state == "acted", 2.0)
     armed.arm("a")
+    assert armed.state().note == ""
     armed.abort()
     phase(armed, "idle", 5.0)
     assert not armed.state().armed

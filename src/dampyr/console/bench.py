@@ -14,7 +14,7 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from dampyr.campaigns import Control, load, plan, specimen
+from dampyr.campaigns import load, plan, specimen
 from dampyr.console.bench_state import BenchState, Known, Phase, Run, check_ring, firmware_ring, interlock_ring
 from dampyr.console.bench_thread import BenchThread
 from dampyr.console.clients import Clients
@@ -64,8 +64,7 @@ class Bench:
         """Let energy in."""
         with self._thread.lock:
             self._accept(client, ("idle",), "arming")
-            self._thread.aborted.clear()
-            self._thread.control = Control()
+            self._thread.expect()
         self._thread.jobs.put(self._thread.arm)
 
     def disarm(self, client: str) -> None:
@@ -118,8 +117,7 @@ class Bench:
         found.require()
         with self._thread.lock:
             self._accept(client, ("idle", "armed"), "campaign")
-            self._thread.aborted.clear()
-            self._thread.control = Control()
+            self._thread.expect()
             self._thread.run = Run(name, folder.name, len(found.tests), time_left=found.duration)
         self._thread.leave.set()
         self._thread.jobs.put(partial(self._thread.perform, found, folder))

@@ -66,6 +66,12 @@ class BenchThread:
         with self.lock:
             self.note, self.fault = note, fault
 
+    def expect(self) -> None:
+        """Something is about to begin: what ended the last thing is past."""
+        with self.lock:
+            self.aborted.clear()
+            self.control, self.note, self.fault = Control(), "", False
+
     def enter(self, phase: Phase, unless: tuple[Phase, ...] = ()) -> None:
         """Another phase begins."""
         with self.lock:
@@ -117,6 +123,8 @@ class BenchThread:
                 self.enter("armed")
                 while not (self.leave.is_set() or self.closing.is_set()):
                     self._step(table)
+        except Exception as problem:  # told before the bench is idle again
+            self._tell(problem)
         finally:
             self.table = None
             while not self._motions.empty():
@@ -131,9 +139,9 @@ class BenchThread:
             self.control.check()
             perform(found, rig, folder, self._progress, self.control)
             self.progressed(outcome="complete", fraction=1.0, done=len(found.tests), time_left=0.0)
-        except BaseException as problem:
+        except Exception as problem:
             self.progressed(outcome=outcome_of(problem), reason=str(problem) or type(problem).__name__)
-            raise
+            self._tell(problem)
         finally:
             self._look(rig)
             self.enter("idle")
@@ -241,7 +249,7 @@ class BenchThread:
         self.say(words, fault=not isinstance(problem, Cancelled | Stopped))
 
 
-def outcome_of(problem: BaseException) -> Outcome:
+def outcome_of(problem: Exception) -> Outcome:
     """How a campaign ended."""
     if isinstance(problem, Stopped):
         return "stopped"

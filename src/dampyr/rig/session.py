@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.acquisition import Acquisition
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
+from dampyr.rig.collector import hold, set_aside
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.instruments.board import Board
@@ -54,10 +55,14 @@ class Rig:
         kept = load_calibration(self.folder) if self.folder else None
         self.calibration = self.calibration or kept or calibration_of(self.settings)
         self.warmth = Warmth(self.settings, self.settings.specimen.room)
+        if self.threaded:
+            self.on_close.append(hold())
 
     @contextmanager
     def armed(self) -> Iterator[Table]:
         """Let energy in; a `Table` that can be moved. On leaving: stop, coil to 0 V, rest, disarm, in this order."""
+        if self.threaded:
+            set_aside()
         self.uno.hello()
         if self.uno.heartbeat().state is not State.IDLE:
             self.uno.disarm()
@@ -129,7 +134,7 @@ class Table:
         loop.player = None
         for step in (self._stop, loop.cut, loop.end, self._settle, uno.disarm, self.rig.board.stop):
             try:
-                with loop.lock if step in (self._stop, uno.disarm) else _nothing():
+                with loop.lock if step in (self._stop, uno.disarm) else nullcontext():
                     step()
             except Exception as trouble:  # whatever it is, the next step is tried
                 failed.append(trouble)
@@ -315,8 +320,3 @@ class Table:
 
 def _go_on() -> None:
     """No reason to stop."""
-
-
-@contextmanager
-def _nothing() -> Iterator[None]:
-    yield

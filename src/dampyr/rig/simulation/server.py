@@ -17,6 +17,7 @@ from threading import Thread
 
 from dampyr.errors import DampyrError
 from dampyr.models import Damper
+from dampyr.rig.collector import set_aside
 from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.keeper import BlackBox, Keeper
@@ -102,6 +103,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     server, port = serve(keeper)
     serial = Serial(keeper)
+    set_aside()
     keeper.begin()
     print(json.dumps({"serial": f"socket://127.0.0.1:{serial.port}", "grpc": f"127.0.0.1:{port}"}), flush=True)
     try:

@@ -1,0 +1,94 @@
+"""No full collection of garbage, which stops every thread, takes long while a rig is connected."""
+
+import gc
+import time
+
+import pytest
+
+from dampyr.errors import RigFault
+from dampyr.rig import simulated
+from dampyr.rig.collector import hold, set_aside
+
+
+@pytest.fixture(autouse=True)
+def nothing_set_aside():
+    """As a fresh process has it, before and after."""
+    gc.unfreeze()
+    yield
+    gc.unfreeze()
+
+
+def longest_collection():
+    """s of a full collection."""
+    begun = time.perf_counter()
+    gc.collect()
+    return time.perf_counter() - begun
+
+
+def test_what_exists_is_not_looked_at_again():
+    kept = [[k] for k in range(500_000)]
+    before = longest_collection()
+    release = hold()
+    assert gc.get_freeze_count() > len(kept)
+    assert longest_collection() < before / 10
+    release()
+    assert gc.get_freeze_count() == 0
+
+
+def test_new_garbage_is_still_collected():
+    release = hold()
+    gc.collect()
+    for _ in range(100):  # fewer than set a collection off
+        circle = []
+        circle.append(circle)
+    del circle
+    found = gc.collect()
+    release()
+    assert found >= 100
+
+
+def test_what_was_garbage_before_is_not_kept():
+    class Circle:
+        seen = 0
+
+        def __init__(self):
+            self.me = self
+
+        def __del__(self):
+            Circle.seen += 1
+
+    Circle()
+    set_aside()
+    assert Circle.seen == 1
+
+
+def test_the_last_one_undoes_it_once():
+    first, second = hold(), hold()
+    first()
+    first()
+    assert gc.get_freeze_count() > 0
+    second()
+    assert gc.get_freeze_count() == 0
+
+
+def test_what_others_set_aside_stays():
+    gc.freeze()
+    first, second = hold(), hold()
+    second()
+    first()
+    assert gc.get_freeze_count() > 0
+
+
+def test_a_rig_in_real_time_sets_aside_what_exists_when_it_is_connected_and_when_it_is_armed():
+    def unplugged():
+        raise RigFault("the wire is cut")
+
+    with simulated(real_time=True) as rig:
+        connected = gc.get_freeze_count()
+        assert connected > 0
+        kept = [[k] for k in range(100_000)]
+        rig.uno.hello = unplugged
+        with pytest.raises(RigFault, match="the wire is cut"), rig.armed():
+            pass
+        assert gc.get_freeze_count() > connected + 0.9 * len(kept)
+    assert gc.get_freeze_count() == 0
