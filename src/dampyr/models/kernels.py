@@ -18,7 +18,8 @@ import sys
 import tempfile
 import time
 import uuid
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from dis import get_instructions
 from functools import lru_cache
 from pathlib import Path
 from types import FunctionType
@@ -74,13 +75,15 @@ def jit(
 ) -> Any:
     """``function`` compiled by numba without Python objects; ``keep`` puts the machine code on disk.
 
-    Without numba's reference counting (``_nrt``): the kernels make no arrays, and counting every row they look at took half of
-    their time. A driver that did make one would not compile.
+    What is not kept is called by kernels only, and has none of the wrappers that Python would call: these took a third of
+    the time of compiling. Without numba's reference counting (``_nrt``): the kernels make no arrays, and counting every row
+    they look at took half of their time. A driver that did make one would not compile.
     """
     from numba import njit
 
     fast = {*flags, "reassoc"} if reordered else set(flags)
-    compiled = njit(error_model="numpy", fastmath=fast, nogil=True, _nrt=False)(function)
+    inner = {} if keep else {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    compiled = njit(error_model="numpy", fastmath=fast, nogil=True, _nrt=False, **inner)(function)
     if keep:
         compiled._cache = _cache_class()(function)
     return compiled
@@ -157,7 +160,7 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more
     text, names = namespace_of(compositions)
     text = f"{text}\n\n{more}" if more else text
     names.update((name, getattr(math, name)) for name in _MATH)
-    names.update((name, _without_calls(name)) for name in QUICK)
+    names.update((name, _rebound(getattr(quick, name), {}, "alone", _shared)) for name in QUICK)
     exec(compile(text, f"<{' | '.join(map(str, compositions))}>", "exec"), names)
     key = hashlib.sha256(text.encode()).hexdigest()[:16]
     for name, value in list(names.items()):
@@ -166,27 +169,39 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more
     return _rebound(driver, {name: names[name] for name in (*BOUND, *MORE) if name in names}, key, {}, keep=True)
 
 
-@lru_cache(maxsize=8)
-def _without_calls(name: str) -> Any:
-    """A function of `dampyr.models.quick`, compiled."""
-    return _rebound(getattr(quick, name), {}, "quick", {})
+_shared: dict[Any, Any] = {}  # compiled functions that reach no part of a damper: one for all kernels
 
 
 def _rebound(function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any], keep: bool = False) -> Any:
-    if function in done:
+    if not keep and not _reaches(function, frozenset(bound)):
+        bound, key, done = {}, "alone", _shared
+    if function in done and not keep:
         return done[function]
     names = {**function.__globals__, **bound}
-    rooms = (function.__module__, *names.get("BOUND_WITH", ()))
-    for name in function.__code__.co_names:
-        called = names.get(name)
-        if isinstance(called, FunctionType) and called.__module__ in rooms:
-            names[name] = _rebound(called, bound, key, done)
+    names |= {name: _rebound(called, bound, key, done) for name, called in _called(function) if name not in bound}
     copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
-    done[function] = jit(named(copy, function.__module__, key), keep, getattr(function, "reordered", False))
-    return done[function]
+    compiled = jit(named(copy, function.__module__, key), keep, getattr(function, "reordered", False))
+    if not keep:
+        done[function] = compiled
+    return compiled
+
+
+@lru_cache(maxsize=1024)
+def _reaches(function: FunctionType, bound: frozenset[str]) -> bool:
+    """Whether a function, or one that is bound with it, calls by one of these names."""
+    return any(name in bound or _reaches(called, bound) for name, called in _called(function))
+
+
+def _called(function: FunctionType) -> Iterator[tuple[str, FunctionType]]:
+    """The functions that are bound with ``function``, by the names by which it calls them."""
+    rooms = (function.__module__, *function.__globals__.get("BOUND_WITH", ()))
+    for name in {told.argval for told in get_instructions(function) if told.opname == "LOAD_GLOBAL"}:
+        called = function.__globals__.get(name)
+        if isinstance(called, FunctionType) and called.__module__ in rooms:
+            yield name, called
 
 
 @lru_cache(maxsize=64)
 def kept(function: Callable[..., Any]) -> Any:
     """A function that needs no composition, compiled with those of its own module that it calls, and kept on disk."""
-    return _rebound(function, {}, "alone", {}, keep=True)
+    return _rebound(function, {}, "alone", _shared, keep=True)
