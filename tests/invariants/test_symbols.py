@@ -114,3 +114,11 @@ def test_functions_of_one_symbol_are_one_function() -> None:
             plain = function.py_func
             assert known.setdefault((plain.__module__, plain.__qualname__), content(function)) == content(function)
     assert len(known) > 300
+
+
+def test_what_reaches_no_part_of_a_damper_is_compiled_once() -> None:
+    one, other = ({f.py_func.__name__: f for f in everything(bind(coupled, (compose(c),)))} for c in ("dahl", "spring"))
+    for name in ("observe", "times", "correct", "off_by", "keep"):
+        assert one.get(name) is other.get(name), name
+    for name in ("settle", "evaluate", "along", "force", "march"):
+        assert one[name] is not other[name], name
