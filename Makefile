@@ -60,10 +60,10 @@ demo: $(READY)
 	$(BIN)/dampyr demo --out out/demo
 
 test: $(READY) compiler chromium axe
-	$(BIN)/python -m pytest -n $(WORKERS) -m "not prove"
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not prove"
 
 prove: $(READY) compiler chromium axe
-	$(BIN)/python -m pytest -n $(WORKERS) -m "prove and not quiet"
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not quiet"
 	$(BIN)/python -m pytest -m quiet
 
 check: $(READY)

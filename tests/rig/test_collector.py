@@ -26,7 +26,7 @@ def longest_collection():
 
 
 def test_what_exists_is_not_looked_at_again():
-    kept = [[k] for k in range(500_000)]
+    kept = [[k] for k in range(150_000)]
     before = longest_collection()
     release = hold()
     assert gc.get_freeze_count() > len(kept)
