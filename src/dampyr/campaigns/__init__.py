@@ -11,7 +11,7 @@ A kind of step is one file on the shelf ``dampyr.campaigns.steps``; `kinds` list
 
 from dampyr.campaigns.campaign import Campaign, Header, Test, load, read
 from dampyr.campaigns.check import Finding, findings, largest
-from dampyr.campaigns.control import Control, Progress, Stopped
+from dampyr.campaigns.control import Control, Progress, Stopped, exit_status
 from dampyr.campaigns.expected import envelope, specimen
 from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import kind, kinds
@@ -40,6 +40,7 @@ __all__ = [
     "Control",
     "Progress",
     "Stopped",
+    "exit_status",
     "Journal",
     "read_journal",
     "specimen",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Literal
 
 from dampyr.errors import DampyrError, RigFault
 from dampyr.rig.interlock import Samples
@@ -12,6 +13,13 @@ from dampyr.rig.interlock import Samples
 
 class Stopped(DampyrError):
     """A campaign was stopped in order by its operator; it can be run on."""
+
+
+def exit_status(problem: BaseException) -> Literal["stopped", "aborted", "failed"]:
+    """How a test or a campaign ended that ended early."""
+    if isinstance(problem, Stopped | KeyboardInterrupt | SystemExit):
+        return "stopped"
+    return "aborted" if isinstance(problem, RigFault) and problem.ring == "operator" else "failed"
 
 
 @dataclass(frozen=True, eq=False)

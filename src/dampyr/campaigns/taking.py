@@ -17,7 +17,7 @@ import numpy as np
 
 import dampyr
 from dampyr.campaigns.campaign import Campaign
-from dampyr.campaigns.control import Stopped
+from dampyr.campaigns.control import Stopped, exit_status
 from dampyr.campaigns.plan import PlannedTest
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.derivative import differentiate, window
@@ -107,14 +107,14 @@ def history(rig: RigSettings) -> tuple[str, ...]:
 
 def reason(problem: BaseException) -> dict[str, str]:
     """Exit status and reason of what ended a test early."""
+    status = exit_status(problem)
     if isinstance(problem, Stopped):
-        return {"exit_status": "stopped", "reason": "by the operator"}
+        return {"exit_status": status, "reason": "by the operator"}
     if isinstance(problem, RigFault):
-        status = "aborted" if problem.ring == "operator" else "failed"
         return {"exit_status": status, "reason": str(problem), "ring": problem.ring}
-    if isinstance(problem, KeyboardInterrupt | SystemExit):
-        return {"exit_status": "stopped", "reason": "interrupted"}
-    return {"exit_status": "failed", "reason": f"{type(problem).__name__}: {problem}"}
+    if status == "stopped":
+        return {"exit_status": status, "reason": "interrupted"}
+    return {"exit_status": status, "reason": f"{type(problem).__name__}: {problem}"}
 
 
 def capacity(drive: Drive, rig: Rig) -> int:

@@ -9,8 +9,8 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from dampyr.campaigns import Control, Plan, Progress, Stopped, perform
-from dampyr.console.bench_state import Live, Outcome, Phase, Run, advanced
+from dampyr.campaigns import Control, Plan, Progress, Stopped, exit_status, perform
+from dampyr.console.bench_state import Live, Phase, Run, advanced
 from dampyr.console.clients import Clients
 from dampyr.console.decimation import Strips
 from dampyr.console.guided import Guided, Step
@@ -140,7 +140,7 @@ class BenchThread:
             perform(found, rig, folder, self._progress, self.control)
             self.progressed(outcome="complete", fraction=1.0, done=len(found.tests), time_left=0.0)
         except Exception as problem:
-            self.progressed(outcome=outcome_of(problem), reason=str(problem) or type(problem).__name__)
+            self.progressed(outcome=exit_status(problem), reason=str(problem) or type(problem).__name__)
             self._tell(problem)
         finally:
             self._look(rig)
@@ -247,10 +247,3 @@ class BenchThread:
         known = isinstance(problem, DampyrError)
         words = str(problem) if known else f"an error of dampyr: {type(problem).__name__}: {problem}"
         self.say(words, fault=not isinstance(problem, Cancelled | Stopped))
-
-
-def outcome_of(problem: Exception) -> Outcome:
-    """How a campaign ended."""
-    if isinstance(problem, Stopped):
-        return "stopped"
-    return "aborted" if isinstance(problem, RigFault) and problem.ring == "operator" else "failed"
