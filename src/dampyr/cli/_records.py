@@ -27,6 +27,16 @@ class Reading:
     columns: dict[str, str] | None
 
 
+def role_option(what: str = "Of a folder.") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """``--role``, which comes as ``role``: None takes all."""
+    chosen = click.Choice(["fit", "validation", "all"])
+    return click.option("--role", type=chosen, default="all", callback=lambda *given: _role(given[-1]), help=what)
+
+
+def _role(chosen: str) -> str | None:
+    return None if chosen == "all" else chosen
+
+
 def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options ``--voltage --current --unit --column``; they come as ``reading``, a `Reading`."""
 

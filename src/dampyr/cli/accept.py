@@ -10,7 +10,7 @@ import click
 
 from dampyr.cli._motion import ratio
 from dampyr.cli._output import as_json_option, print_json, print_table
-from dampyr.cli._records import Reading, gather, reading_options
+from dampyr.cli._records import Reading, gather, reading_options, role_option
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
@@ -45,7 +45,7 @@ QUANTITIES = ("extension", "compression", "energy")
 @click.option("--slack", "slacks", multiple=True, metavar="Q", help="And this much more: 20N of force, 0.5J of energy.")
 @click.option("--judge", multiple=True, type=click.Choice(QUANTITIES), help="Only this; may be repeated.")
 @click.option("--offset", metavar="F", help="Taken from every measured force; without it, its mean over whole cycles.")
-@click.option("--role", type=click.Choice(["fit", "validation", "all"]), default="all", help="Of a folder in PATHS.")
+@role_option("Of a folder in PATHS.")
 @report_options()
 @reading_options
 @click.option("--allow-extrapolation", is_flag=True, help="Judge beyond what a card was calibrated on, too.")
@@ -57,7 +57,7 @@ def command(
     slacks: tuple[str, ...],
     judge: tuple[Any, ...],
     offset: str | None,
-    role: str,
+    role: str | None,
     report: Path | None,
     reading: Reading,
     allow_extrapolation: bool,
@@ -75,7 +75,7 @@ def command(
 
     band = _tolerance(tolerance, slacks)
     against, known = _reference(reference, reading)
-    records = gather(paths, None if role == "all" else role, reading, known=known)
+    records = gather(paths, role, reading, known=known)
     zero = None if offset is None else units.parse(offset, "N")
     found = [accept(r, against, band, judge or QUANTITIES, zero, allow_extrapolation) for r in records]
     if report:
@@ -144,12 +144,10 @@ def _verdict(found: Sequence[Acceptance]) -> str:
 
 
 def _print(reference: str, found: Sequence[Acceptance]) -> None:
-    counts = {each: sum(one.verdict == each for one in found) for each in ("passed", "failed", "not judged")}
-    told = ", ".join(f"{count} {each}" for each, count in counts.items() if count)
-    title = f"{len(found)} {'record' if len(found) == 1 else 'records'}: {told}"
-    band = found[0].tolerance
-    slack = [f"{value:g} {unit}" for value, unit in ((band.force, "N"), (band.energy, "J")) if value]
-    notes = [f"by {reference}, ± {' and '.join([f'{100 * band.relative:g} %', *slack])}"]
+    from dampyr.identification.acceptance import in_short
+
+    title = f"{len(found)} {'record' if len(found) == 1 else 'records'}: {in_short(found)}"
+    notes = [f"by {reference}, {found[0].tolerance}"]
     print_table(title, COLUMNS, [_row(one) for one in found], UNITS, notes=[*notes, *_reasons(found)])
 
 
@@ -166,7 +164,7 @@ def _reasons(found: Sequence[Acceptance]) -> list[str]:
     """Why points were not judged, a line for each reason."""
     told: dict[str, list[str]] = {}
     for one in found:
-        for reason in one.reasons or ({one.reason: 0} if one.reason else {}):
+        for reason in one.unjudged:
             told.setdefault(reason, []).append(one.record)
     lines = [f"not judged: {reason} – {_names(names)}" for reason, names in told.items()]
     more = len(lines) - MOST_REASONS

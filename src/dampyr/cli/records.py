@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
-from dampyr.cli._records import Reading, gather, reading_options
+from dampyr.cli._records import Reading, gather, reading_options, role_option
 
 if TYPE_CHECKING:
     from dampyr.records import Overview
@@ -20,12 +20,12 @@ BY_INPUT = ["input", "records", "frequency", "peak to peak", "peak speed"]
 
 @click.command()
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path))
-@click.option("--role", type=click.Choice(["fit", "validation", "all"]), default="all", help="Of a folder.")
+@role_option()
 @reading_options
 @as_json_option
 def command(
     paths: tuple[Path, ...],
-    role: str,
+    role: str | None,
     reading: Reading,
     as_json: bool,
 ) -> None:
@@ -38,7 +38,7 @@ def command(
     from dampyr import records
 
     places = paths or (records.locate("labcontrol"),)
-    found = gather(places, None if role == "all" else role, reading, warn=False)
+    found = gather(places, role, reading, warn=False)
     absent = [row for path in places if path.is_dir() for row in _without_file(path)]
     told = [records.describe(record) for record in found]
     if as_json:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
-from dampyr.cli._records import Reading, gather, reading_options
+from dampyr.cli._records import Reading, gather, reading_options, role_option
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
@@ -25,7 +25,7 @@ NAMES = ["record", "input", "fitted on", "L1", "NRMSE", "R²", "pointwise", "pea
 @click.command()
 @click.argument("card", type=click.Path(path_type=Path))
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--role", type=click.Choice(["fit", "validation", "all"]), default="all", help="Of a folder.")
+@role_option()
 @click.option("--settling", default=2.0, show_default=True, help="s after the motion starts that are not scored.")
 @click.option(
     "--forces", type=click.Path(path_type=Path), metavar="DIR", help="Write measured and predicted forces as CSV."
@@ -37,7 +37,7 @@ NAMES = ["record", "input", "fitted on", "L1", "NRMSE", "R²", "pointwise", "pea
 def command(
     card: Path,
     paths: tuple[Path, ...],
-    role: str,
+    role: str | None,
     settling: float,
     forces: Path | None,
     report: Path | None,
@@ -55,7 +55,7 @@ def command(
     from dampyr.models import Damper
 
     damper = Damper.load(card)
-    records = gather(paths, None if role == "all" else role, reading, known=damper.range)
+    records = gather(paths, role, reading, known=damper.range)
     _check_names(records)
     predicted = {r.name: prediction(damper, r, allow_extrapolation) for r in records}
     scores = {r.name: compare(r, predicted[r.name], settling) for r in records}

@@ -58,6 +58,10 @@ class Tolerance:
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"{name} = {value:g} {unit} is not allowed; it must be finite and at least 0")
 
+    def __str__(self) -> str:
+        given = ((100 * self.relative, "%"), (self.force, "N"), (self.energy, "J"))
+        return "± " + " and ".join(f"{value:g} {unit}" for value, unit in given if value)
+
     def half(self, quantity: str, value: float) -> float:
         """Half the width of the band about ``value``, in N or J."""
         return self.relative * abs(value) + (self.energy if quantity == "energy" else self.force)
@@ -152,6 +156,11 @@ class Acceptance:
         """Why points were not judged: the reason -> how many."""
         return dict(Counter(p.reason for p in self.points if p.reason).most_common())
 
+    @property
+    def unjudged(self) -> dict[str, int]:
+        """`reasons`, or that of a record without any point, with 0."""
+        return self.reasons or ({self.reason: 0} if self.reason else {})
+
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, for JSON."""
         points = [asdict(p) | {"deviation": p.deviation, "used": p.used} for p in self.points]
@@ -197,6 +206,12 @@ def accept(
     points = tuple(_point(k, q, cycle, known[q][k], band) for k, cycle in enumerate(table) for q in asked)
     reason = _reason(points, asked) if points else "no whole cycle"
     return Acceptance(record.name, record.input, record.input_value, band, asked, offset, points, reason)
+
+
+def in_short(found: Sequence[Acceptance]) -> str:
+    """How many records came out how, such as "2 passed, 1 failed"."""
+    counts = {each: sum(one.verdict == each for one in found) for each in ("passed", "failed", "not judged")}
+    return ", ".join(f"{count} {each}" for each, count in counts.items() if count)
 
 
 def band(found: Iterable[Acceptance], quantity: Quantity) -> list[tuple[float, float, float, float]]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.identification import Acceptance, Point
-from dampyr.identification.acceptance import UNITS, band
+from dampyr.identification.acceptance import UNITS, band, in_short
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.figures.acceptance import band_used, peak_velocity_band
 from dampyr.report.page import page, write_page
@@ -36,13 +36,13 @@ def write_acceptance_page(found: Sequence[Acceptance], path: Path, reference: st
         Section("How much of the band is used", _used(found)),
         Section("The points outside", _outside(found)),
     ]
-    if any(one.reasons or one.reason for one in found):
+    if any(one.unjudged for one in found):
         sections.append(Section("What was not judged", _open(found)))
     html = page(
         f"Judged by {reference}",
         sections,
-        subtitle=f"Every whole cycle of {_count(len(found), 'record')}, within {_words(found[0])} of the reference.",
-        provenance={"reference": reference, "tolerance": _words(found[0]), "offset": _offset(found[0])},
+        subtitle=f"Every whole cycle of {_count(len(found), 'record')}, within {found[0].tolerance} of the reference.",
+        provenance={"reference": reference, "tolerance": str(found[0].tolerance), "offset": _offset(found[0])},
     )
     write_page(path, html)
     return path
@@ -50,16 +50,6 @@ def write_acceptance_page(found: Sequence[Acceptance], path: Path, reference: st
 
 def _count(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
-
-
-def _words(one: Acceptance) -> str:
-    given = one.tolerance
-    parts = [
-        f"{100 * given.relative:g} %" if given.relative else "",
-        f"{given.force:g} N" if given.force else "",
-        f"{given.energy:g} J" if given.energy else "",
-    ]
-    return "± " + " and ".join(filter(None, parts))
 
 
 def _offset(one: Acceptance) -> str:
@@ -77,8 +67,6 @@ def _verdict(one: Acceptance) -> Verdict:
 
 
 def _short(found: Sequence[Acceptance]) -> list[Block]:
-    counts = {each: sum(one.verdict == each for one in found) for each in ("passed", "failed", "not judged")}
-    told = ", ".join(f"{count} {words}" for words, count in counts.items() if count)
     rows: list[list[Cell]] = []
     for one in found:
         worst = one.worst
@@ -90,8 +78,8 @@ def _short(found: Sequence[Acceptance]) -> list[Block]:
     what = ", ".join(found[0].quantities)
     return [
         Text(
-            f"{told.capitalize()}. Judged in every whole cycle: {what}. One point outside fails a record; a record of which "
-            "less than half of the cycles could be judged in one of these has neither passed nor failed."
+            f"{in_short(found).capitalize()}. Judged in every whole cycle: {what}. One point outside fails a record; a record "
+            "of which less than half of the cycles could be judged in one of these has neither passed nor failed."
         ),
         Table(
             ("record", "input", "verdict", "points", "judged", "outside", "worst", "cycle", "off by"),
@@ -174,7 +162,7 @@ def _outside(found: Sequence[Acceptance]) -> list[Block]:
 def _open(found: Sequence[Acceptance]) -> list[Block]:
     rows: list[list[Cell]] = []
     for one in found:
-        for reason, count in (one.reasons or ({one.reason: 0} if one.reason else {})).items():
+        for reason, count in one.unjudged.items():
             rows.append([one.record, count, sentence(reason)])
     return [
         Text("A reference says nothing beyond its own tests and calibration, and nothing is extrapolated from it."),
