@@ -194,7 +194,8 @@ HELD = {
     "hyperbolic_tangent.c": 1500.0, "hyperbolic_tangent.ft": 200.0, "hyperbolic_tangent.v0": 0.0032, "spring.k0": 900.0,
     "hyperbolic_tangent.s": 0.13, "bouc_wen.c0": 1400.0, "bouc_wen.k0": 500.0, "bouc_wen.kw": 227.0, "bouc_wen.rho": 18800.0,
     "bouc_wen.sigma": 0.8, "bouc_wen.n": 1.5, "free_play.g": 4e-4, "free_play.fc": 20.0,
-    "hysteretic_biviscous.c": 1400.0, "sigmoid.ft": 200.0, "sigmoid.c": 1500.0, "sigmoid.vk": 0.004, "sigmoid.vh": 0.003,
+    "hysteretic_biviscous.c": 1400.0, "hysteretic_biviscous.fy": 200.0, "hysteretic_biviscous.vy": 0.004,
+    "hysteretic_biviscous.vh": 0.003, "sigmoid.ft": 200.0, "sigmoid.c": 1500.0, "sigmoid.vk": 0.004, "sigmoid.vh": 0.003,
 }  # fmt: skip
 
 
@@ -212,6 +213,7 @@ def of(name: str) -> Damper:
         pytest.param("dahl + compliance", 0, marks=pytest.mark.prove),
         pytest.param("hyperbolic_tangent + compliance", 0, marks=pytest.mark.prove),
         pytest.param("dahl + free_play", 0, marks=pytest.mark.prove),
+        pytest.param("hysteretic_biviscous + spring + compliance", 0, marks=pytest.mark.prove),
         pytest.param("dahl + compliance + delay", 0, marks=pytest.mark.prove),
         ("dahl + inertia", 1),
     ],

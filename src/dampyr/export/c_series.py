@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from dampyr.models import Composition
 from dampyr.models.formula import Formula
-from dampyr.models.series import INNER, slots
+from dampyr.models.series import INNER, rate, slots
 
 Call = Callable[[Formula, dict[str, str]], str]
 
@@ -43,13 +43,16 @@ def _phi(composition: Composition, prefix: str, call: Call) -> str:
         if slot.part.force:
             terms.append(call(slot.part.force, places | {n: f"e[{k}]" for n, k in slot.states.items()}))
     motion = "double x0, double x1, double v0, double v1, double dt"
+    place = rate(composition)
+    before, kept = ("", []) if place is None else (f"u0 = v0 - s[{place}], ", [f"    e[{place}] = r;"])
     return "\n".join(
         [
             f"static double {prefix}phi(const double *s, double f, {motion}, const double *p, double *e)",
             "{",
             f"    double z0 = {prefix}stretch(s[{composition.n_states - 1}], p), z1 = {prefix}stretch(f, p);",
-            "    double a0 = x0 - z0, a1 = x1 - z1, r = (z1 - z0)/dt, u0 = v0 - r, u1 = v1 - r;",
-            "    (void)e; (void)a0; (void)u0; (void)u1;",
+            f"    double a0 = x0 - z0, a1 = x1 - z1, r = (z1 - z0)/dt, {before}u1 = v1 - r;",
+            "    (void)e; (void)a0; (void)v0; (void)u1;",
+            *kept,
             *lines,
             f"    return {' + '.join(terms)};",
             "}",

@@ -68,7 +68,8 @@ class Problem:
     @cached_property
     def states(self) -> list[tuple[float, float]]:
         """The bounds of the states that each record keeps to itself."""
-        return list(self.composition.states.values()) if "state" in self.nuisances else []
+        bounds = list(self.composition.states.values())
+        return [bounds[k] for k in self.composition.unknown_at_start] if "state" in self.nuisances else []
 
     @cached_property
     def locals(self) -> int:
@@ -153,9 +154,10 @@ class Point:
 
     def states(self, problem: Problem, record: int) -> Array:
         """The states at the start of a record's motion; none kept means no memory."""
-        if not problem.states:
-            return np.array(problem.composition.state0)
-        return self.local[record, len(problem.common) :]
+        states = np.array(problem.composition.state0)
+        if problem.states:
+            states[list(problem.composition.unknown_at_start)] = self.local[record, len(problem.common) :]
+        return states
 
     def coordinates(self, problem: Problem) -> Array:
         """The coefficients as the search walks them, logarithms where they are."""

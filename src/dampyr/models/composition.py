@@ -47,6 +47,11 @@ class Composition:
         return any(p.stretch for p in self.parts)
 
     @cached_property
+    def keeps_rate(self) -> bool:
+        """Whether the rate of the stretch in series is a state, because a part's states follow its velocity."""
+        return self.in_series and any(series.follows_velocity(p) for p in self.parts)
+
+    @cached_property
     def parameters(self) -> tuple[str, ...]:
         """The flat parameter names."""
         return tuple(self.quantities)
@@ -55,7 +60,14 @@ class Composition:
     def states(self) -> dict[str, tuple[float, float]]:
         """Flat state names such as ``dahl.w`` -> their bounds."""
         found = {f"{p.name}.{key}": bounds for p in self.parts for key, bounds in p.states.items()}
-        return found | ({series.STATE: (-math.inf, math.inf)} if self.in_series else {})
+        added = [series.RATE] * self.keeps_rate + [series.FORCE] * self.in_series
+        return found | dict.fromkeys(added, (-math.inf, math.inf))
+
+    @cached_property
+    def unknown_at_start(self) -> tuple[int, ...]:
+        """Which states a record's past may have left anywhere: all but the rate of a stretch, which acts on the first step
+        only, and there as the states that follow it do."""
+        return tuple(k for k, name in enumerate(self.states) if name != series.RATE)
 
     @property
     def n_states(self) -> int:

@@ -12,6 +12,8 @@ motions and are left out.
 
 The step is exact while the velocity is monotone between samples. Do not use it for a building: the shift was read off
 cycles of sine and has no energy balance (see `hysteretic_biviscous`); there use `dahl`, `bouc_wen` or `modified_bouc_wen`.
+Where the velocity turns within vh of zero, c makes the force fall while the velocity rises. Behind a `compliance` or
+`free_play` that equation has more than one solution, and the force may jump between them by up to about 2 c vh.
 
 Ma, Wang, Rakheja and Su (2002), Proceedings of the 41st IEEE Conference on Decision and Control; Wang, Ma, Rakheja and Su
 (2003), Proceedings of the Institution of Mechanical Engineers D 217, 537.
