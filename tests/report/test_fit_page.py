@@ -108,10 +108,29 @@ def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> N
         assert "0, 1, 2 A" in html
 
 
-def test_intervals_are_those_of_the_fit_in_the_units_of_people(joint: Fit) -> None:
-    row = next(row for row in parameter_table(joint).rows if row[0] == "dahl.kx @ 1 V")
-    low, high = joint.intervals()["dahl.kx @ 1 V"]
-    assert row[1:4] == pytest.approx([1e-3 * joint.parameters["dahl.kx @ 1 V"], 1e-3 * low, 1e-3 * high])
+def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path: Path) -> None:
+    found = fit("dahl", [*records((0.0,), 3), *records((2.0,), 2)], laws={"dahl.rho": "constant"})
+    table = parameter_table(found)
+    rows = {row[0]: dict(zip(table.columns, row, strict=True)) for row in table.rows}
+    assert rows["dahl.kx @ 2 V"]["95 % from"] is rows["dahl.kx @ 2 V"]["to"] is None
+    assert {name: row["error holds"] for name, row in rows.items()} == {
+        "dahl.kx @ 0 V": "between records",
+        "dahl.kx @ 2 V": "within these records only",
+        "dahl.kw @ 0 V": "between records",
+        "dahl.kw @ 2 V": "within these records only",
+        "dahl.rho": "between records",
+    }
+    html = write_fit_page(found, tmp_path / "page.html").read_text("utf-8")
+    assert "2 of these errors hold within these records only" in html
+    assert "between-record variance is not estimated from 2 records" in html.lower()
+
+
+def test_intervals_are_those_of_the_fit_in_the_units_of_people() -> None:
+    found = fit("dahl", records(each=3))
+    assert "error holds" not in parameter_table(found).columns
+    row = next(row for row in parameter_table(found).rows if row[0] == "dahl.kx @ 1 V")
+    low, high = found.intervals()["dahl.kx @ 1 V"]
+    assert row[1:4] == pytest.approx([1e-3 * found.parameters["dahl.kx @ 1 V"], 1e-3 * low, 1e-3 * high])
     assert row[-1] == "N s/mm"
 
 

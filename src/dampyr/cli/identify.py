@@ -216,6 +216,11 @@ def _told(fit: Fit) -> dict[str, Any]:
         "parameters": fit.parameters,
         "stderr": fit.stderr,
         "naive_stderr": fit.naive_stderr,
+        "intervals_95": {name: None if name in fit.within_records else span for name, span in fit.intervals().items()},
+        "within_records_only": {
+            name: f"between-record variance is not estimated from {count} record{'s' * (count > 1)}"
+            for name, count in fit.within_records.items()
+        },
         "units": fit.units,
         "correlation": fit.correlation,
         "nuisances": fit.nuisances,
@@ -227,11 +232,14 @@ def _print(fit: Fit) -> None:
     from dampyr.units import for_people
 
     rows = []
-    for name, value in fit.parameters.items():
+    for (name, value), (_, high) in zip(fit.parameters.items(), fit.intervals().values(), strict=True):
         unit, factor = for_people(fit.units[name])
-        rows.append([name, value * factor, fit.stderr[name] * factor, fit.naive_stderr[name] * factor, unit])
+        reach = None if name in fit.within_records else (high - value) * factor
+        row = [name, value * factor, reach, fit.stderr[name] * factor, fit.naive_stderr[name] * factor, unit]
+        rows.append([*row, *([fit.error_holds(name)] if fit.within_records else [])])
     notes = [f"The search {fit.reason}.", *(f"{note}." for note in fit.notes)]
-    names = ["parameter", "value", "standard error", "naive error", "unit"]
+    names = ["parameter", "value", "95 % ±", "standard error", "naive error", "unit"]
+    names += ["error holds"] if fit.within_records else []
     print_table(f"{fit.problem.composition}, {len(fit.records)} records", names, rows, digits=5, notes=notes)
     title = "How well it describes what it was fitted to (no prediction)"
     _print_groups(title, list(fit.records), {name: s.l1 for name, s in fit.scores.items()})

@@ -46,8 +46,10 @@ class Fit:
     make no damper. ``parameters``, ``stderr`` and ``naive_stderr`` are in SI units, by labels such as ``dahl.kx @ 1.98 V``;
     an infinite error means that the records do not determine the number, NaN that it stands at its limit.
     ``correlation`` (m, m) follows the same order. ``converged`` and ``reason`` say how the search ended;
-    ``notes`` what a reader should know besides. ``clusters`` are what the errors were clustered by ("record" or "cycle"),
-    ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that speak of it.
+    ``notes`` what a reader should know besides. ``clusters`` are what the errors were clustered by ("record", "cycle", or
+    "record and cycle"), ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that
+    speak of it. ``within_records`` holds the labels that only one or two records speak of, and how many: their errors are by
+    cycle, hold within these records only and give no interval.
     ``starts`` says from how many starts was searched, and how many of them ended in the same optimum.
     """
 
@@ -62,6 +64,7 @@ class Fit:
     notes: tuple[str, ...]
     clusters: str
     freedom: dict[str, float]
+    within_records: dict[str, int]
     nuisances: dict[str, Nuisance]
     iterations: int
     problem: Problem = field(repr=False)
@@ -82,7 +85,8 @@ class Fit:
 
         Estimate and standard error with Student's t of ``freedom``. They hold the truth where the model does; where it misses
         the damper's behaviour they describe the fit. Infinite where the records do not determine the number, NaN where it
-        stands at its limit.
+        stands at its limit and where one or two records alone speak of it (``within_records``): how records differ is not
+        estimated from so few.
         """
         if not 0.0 < level < 1.0:
             raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
@@ -91,8 +95,15 @@ class Fit:
         found = {}
         for label, value in self.parameters.items():
             reach = float(t.ppf(0.5 + 0.5 * level, self.freedom[label])) * self.stderr[label]
+            reach = np.nan if label in self.within_records else reach
             found[label] = (value - reach, value + reach)
         return found
+
+    def error_holds(self, label: str) -> str:
+        """What the standard error of a number speaks of, in words; empty where it has none."""
+        if label in self.within_records:
+            return "within these records only"
+        return "between records" if np.isfinite(self.stderr[label]) else ""
 
     @cached_property
     def forces(self) -> list[Array]:
@@ -128,21 +139,25 @@ def found(
     known = uncertainty(problem, outcome.point, outcome.at_limit)
     labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
     unit_of = [c.quantity.unit for c in problem.columns for _ in range(c.size)]
-    damper, trouble = _damper(problem, outcome, known, records, bandwidth)
+    stderr = _errors(labels, known.covariance, outcome.at_limit)
+    few = zip(labels, known.within, known.records, strict=True)
+    within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
+    damper, trouble = _damper(problem, outcome, known, records, bandwidth, tuple(within))
     trouble = trouble or trouble_of(problem, outcome)
     states = list(problem.composition.states)
     return Fit(
         damper=damper,
         parameters=dict(zip(labels, map(float, outcome.point.theta), strict=True)),
-        stderr=_errors(labels, known.covariance, outcome.at_limit),
+        stderr=stderr,
         naive_stderr=_errors(labels, known.naive, outcome.at_limit),
         units=dict(zip(labels, unit_of, strict=True)),
         correlation=_correlation(known.covariance),
         converged=outcome.converged and not trouble,
         reason=trouble or outcome.reason,
-        notes=(*notes(problem, outcome, known, labels), *told, *_promises(damper, records)),
-        clusters=known.clusters,
+        notes=(*notes(problem, outcome, known, labels, within), *told, *_promises(damper, records)),
+        clusters=_clusters([label in within for label in labels if np.isfinite(stderr[label])]),
         freedom=dict(zip(labels, map(float, known.freedom), strict=True)),
+        within_records=within,
         nuisances={
             p.name: Nuisance(
                 outcome.point.nuisance(problem, r, "offset"),
@@ -166,6 +181,12 @@ def _promises(damper: Damper | None, records: tuple[Record, ...]) -> list[str]:
     return [words for sheet in sorted(sheets) if damper for words in contradictions(damper, sheet)]
 
 
+def _clusters(within: list[bool]) -> str:
+    if not any(within):
+        return "record"
+    return "cycle" if all(within) else "record and cycle"
+
+
 def _errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:
     errors = np.sqrt(np.diag(covariance))
     errors[list(at_limit)] = np.nan
@@ -186,6 +207,7 @@ def _damper(
     known: Uncertainty,
     records: tuple[Record, ...],
     bandwidth: float | None,
+    within: tuple[str, ...],
 ) -> tuple[Damper | None, str]:
     """The damper that the coefficients make, or None and why they make none."""
     inputs = np.concatenate([np.ravel(p.u) for p in problem.pieces])
@@ -201,6 +223,7 @@ def _damper(
             ranges=_ranges(records, problem.pieces),
             covariance=_law_covariance(problem, known.covariance),
             bandwidth=bandwidth,
+            within_records=within,
             provenance=_provenance(records),
         )
     except InputError as problem_:

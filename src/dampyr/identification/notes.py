@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from dampyr.identification.pieces import Piece
 from dampyr.identification.problem import Problem
 from dampyr.identification.solver import Outcome
-from dampyr.identification.uncertainty import Uncertainty
+from dampyr.identification.uncertainty import FEWEST_RECORDS, Uncertainty
+from dampyr.models.damper import INPUTS
 
 FEWEST_STEPS = 25  # of the displacement's resolution over the stroke
 SLIDING = 1.0  # rho times the peak-to-peak stroke above which friction comes near its limit
 
 
-def notes(problem: Problem, outcome: Outcome, known: Uncertainty, labels: list[str]) -> list[str]:
-    """All notes: on the parameters, on the motion, on single records."""
-    return [*_of_parameters(problem, outcome, known, labels), *_of_motion(problem, outcome), *_of_records(problem)]
+def notes(
+    problem: Problem, outcome: Outcome, known: Uncertainty, labels: list[str], within: Mapping[str, int]
+) -> list[str]:
+    """All notes: on the parameters, of which one or two records alone speak of those ``within``, on the motion, on single
+    records."""
+    return [
+        *_of_parameters(problem, outcome, known, labels),
+        *_of_few_records(problem, known, labels, within),
+        *_of_motion(problem, outcome),
+        *_of_records(problem),
+    ]
 
 
 def _of_parameters(problem: Problem, outcome: Outcome, known: Uncertainty, labels: list[str]) -> list[str]:
@@ -31,8 +42,23 @@ def _of_parameters(problem: Problem, outcome: Outcome, known: Uncertainty, label
         notes.append(
             f"the error of {', '.join(labels[k] for k in vague)} is larger than the value: the records hardly hold it"
         )
-    few = int(np.min(np.delete(known.counts, list(outcome.at_limit)), initial=10**6))
-    if known.clusters == "cycle" and few < 10:
+    return notes
+
+
+def _of_few_records(problem: Problem, known: Uncertainty, labels: list[str], within: Mapping[str, int]) -> list[str]:
+    """Errors that rest on the cycles of one or two records."""
+    notes = []
+    inputs = {round(float(np.mean(p.u)), 6) for p in problem.pieces}
+    where = f"at {'this' if len(inputs) == 1 else 'each'} {INPUTS[problem.pieces[0].unit]}"
+    for count in sorted(set(within.values())):
+        some = [label for label in labels if within.get(label) == count]
+        errors = "the errors" if len(some) == len(labels) else f"the errors of {', '.join(some)}"
+        notes.append(
+            f"between-record variance is not estimated from {count} record{'s' * (count > 1)}: {errors} hold within these "
+            f"records only and give no 95 % interval; record {FEWEST_RECORDS} or more {where}"
+        )
+    few = min((int(known.counts[labels.index(label)]) for label in within), default=10)
+    if few < 10:
         notes.append(f"errors rest on {few} cycles only; they are rough")
     return notes
 

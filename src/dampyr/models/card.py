@@ -41,6 +41,8 @@ def _tables(damper: Damper) -> dict[str, Any]:
         tables["ranges"] = {name: list(map(float, span)) for name, span in damper.ranges.items()}
     if damper.covariance is not None:
         tables["covariance"] = {"matrix": damper.covariance.tolist()}
+        if damper.within_records:
+            tables["covariance"]["within_records_only"] = list(damper.within_records)
     if damper.provenance:
         tables["provenance"] = dict(damper.provenance)
     return tables
@@ -75,7 +77,12 @@ def _damper(tables: dict[str, Any]) -> Damper:
             laws[name] = from_card(table)
         except InputError as problem:
             raise InputError(f"law {name}: {problem}") from None
-    covariance = tables.get("covariance", {}).get("matrix")
+    known = tables.get("covariance", {})
+    covariance, within = known.get("matrix"), known.get("within_records_only", [])
+    if not (isinstance(within, list) and all(isinstance(one, str) for one in within)):
+        raise InputError(
+            f"covariance.within_records_only = {within!r} is not allowed; give a list of names, or leave it out"
+        )
     damper = Damper(
         parts=tuple(head["parts"]),
         laws=laws,
@@ -84,6 +91,7 @@ def _damper(tables: dict[str, Any]) -> Damper:
         covariance=None if covariance is None else np.asarray(covariance, dtype=float),
         bandwidth=head.get("velocity_bandwidth_Hz"),
         provenance=tables.get("provenance", {}),
+        within_records=tuple(within),
     )
     for name, quantity in damper.composition.quantities.items():
         said = tables["laws"][name].get("unit", quantity.unit or "1")

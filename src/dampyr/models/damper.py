@@ -35,6 +35,9 @@ class Damper:
         what the calibration covered: ``displacement`` (m, peak), ``velocity`` (m/s, peak), ``frequency`` (Hz) -> (low, high).
     ``covariance``
         of the laws' coefficients in their order, shape (m, m), or None where it is not known.
+    ``within_records``
+        the fitted numbers, such as ``"dahl.kx @ 1.98 V"``, whose variance holds within the fitted records only: one or two
+        records spoke of each, so how records differ is not in the covariance.
     ``bandwidth``
         of the derivative that gives the velocity where none is passed, in Hz; None: plain central differences.
     ``provenance``
@@ -50,6 +53,7 @@ class Damper:
     covariance: Array | None = None
     bandwidth: float | None = None
     provenance: Mapping[str, str] = field(default_factory=dict)
+    within_records: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         composition = compose(self.parts)
@@ -140,6 +144,7 @@ class Damper:
             parts=tuple(name for name in self.composition.names if name not in names),
             laws=laws,
             covariance=None if self.covariance is None else self.covariance[np.ix_(kept, kept)],
+            within_records=tuple(one for one in self.within_records if one.partition(".")[0] not in names),
         )
 
     def on_brace(self, stiffness: float) -> Damper:
@@ -303,13 +308,21 @@ class Damper:
     def draws(self, n: int, seed: int) -> list[Self]:
         """``n`` dampers from the distribution of the fit (normal in the coefficients, inadmissible ones drawn again).
 
-        Raises InputError without a covariance, where the fit was blind to a coefficient, or where fewer than 1 % of the
-        draws are admissible.
+        Warns where the covariance holds within the fitted records only: one or two records spoke of a coefficient, and how
+        another record would differ is not in it. Raises InputError without a covariance, where the fit was blind to a
+        coefficient, or where fewer than 1 % of the draws are admissible.
         """
         if self.covariance is None:
             raise InputError("this damper has no covariance to draw from; identify it from records first")
         if not np.all(np.isfinite(self.covariance)):
             raise InputError("the fit was blind to a coefficient (infinite variance), so there is nothing to draw from")
+        if self.within_records:
+            warnings.warn(
+                f"the draws of {_shortened(self.within_records)} hold within the fitted records only: between-record variance "
+                "is not estimated from fewer than three records; record three or more at each input",
+                DampyrWarning,
+                stacklevel=2,
+            )
         rng = np.random.default_rng(seed)
         found: list[Self] = []
         for _ in range(100 * n):
@@ -334,6 +347,10 @@ class Damper:
         from dampyr.models.card import read
 
         return read(Path(path))
+
+
+def _shortened(labels: tuple[str, ...]) -> str:
+    return ", ".join(labels[:3]) + (f" and {len(labels) - 3} more" if len(labels) > 3 else "")
 
 
 def _path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:

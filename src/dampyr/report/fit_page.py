@@ -110,7 +110,10 @@ def _unsure(fit: Fit) -> str:
     ]
     blind = len(fit.parameters) - len(known)
     text = f"{sum(known)} of {len(fit.parameters)} parameters have a standard error of 10 % or less"
-    return f"{text}, of {blind} it is not known" if blind else text
+    text = f"{text}, of {blind} it is not known" if blind else text
+    if not fit.within_records:
+        return text
+    return f"{text}; {len(fit.within_records)} of these errors hold within these records only"
 
 
 def _scores(fit: Fit) -> Section:

@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 
 def parameter_table(fit: Fit) -> Table:
-    """Every fitted number with its 95 % interval, its standard error and the naive one, in units that people read."""
+    """Every fitted number with its 95 % interval, its standard error and the naive one, in units that people read.
+
+    Where some errors hold within the fitted records only, a column says which: these have no interval.
+    """
     rows: list[list[Cell]] = []
     for (name, value), (low, high) in zip(fit.parameters.items(), fit.intervals().values(), strict=True):
         unit, factor = for_people(fit.units[name])
@@ -31,20 +34,34 @@ def parameter_table(fit: Fit) -> Table:
             [
                 name,
                 value * factor,
-                low * factor,
-                high * factor,
+                None if name in fit.within_records else low * factor,
+                None if name in fit.within_records else high * factor,
                 _told(fit.stderr[name], factor),
                 _told(fit.naive_stderr[name], factor),
                 unit,
+                *([fit.error_holds(name)] if fit.within_records else []),
             ]
         )
+    labelled = ("error holds",) if fit.within_records else ()
     return Table(
-        columns=("parameter", "value", "95 % from", "to", "standard error", "naive error", "unit"),
+        columns=("parameter", "value", "95 % from", "to", "standard error", "naive error", "unit", *labelled),
         rows=rows,
-        align=("left", *("right",) * 5, "left"),
-        caption=f"Errors allow for residuals that are correlated within each {fit.clusters}, intervals take Student's t with "
-        "the effective number of these; the naive errors take every sample for independent and are shown for comparison.",
+        align=("left", *("right",) * 5, "left", *("left" for _ in labelled)),
+        caption=_caption(fit),
         digits=4,
+    )
+
+
+def _caption(fit: Fit) -> str:
+    within = (
+        " Errors within these records only come from how the cycles differ, not the records, and give no interval."
+        if fit.within_records
+        else ""
+    )
+    intervals = "" if fit.clusters == "cycle" else ", intervals take Student's t with the effective number of records"
+    return (
+        f"Errors allow for residuals that are correlated within each {fit.clusters}{intervals}; the naive errors take every "
+        f"sample for independent and are shown for comparison.{within}"
     )
 
 
@@ -151,10 +168,12 @@ def fit_blocks(fit: Fit) -> list[Block]:
     """Parameters, laws, and what a reader should know."""
     blocks: list[Block] = [parameter_table(fit)]
     if fit.damper is not None and fit.damper.range[0] < fit.damper.range[1]:
+        bars = "fitted values" if fit.clusters == "cycle" else "fitted values with 95 % intervals"
+        some = " (none where an error holds within these records only)" if fit.clusters == "record and cycle" else ""
         blocks.append(
             FigureBlock(
                 law_figure(fit, fit.damper),
-                "Parameters over the input: fitted values with 95 % intervals, the laws through them, the calibrated range.",
+                f"Parameters over the input: {bars}{some}, the laws through them, the calibrated range.",
             )
         )
     blocks.append(Text("\n\n".join(map(sentence, (f"the search {fit.reason}", *fit.notes)))))

@@ -110,6 +110,7 @@ class Demo:
             "reason": self.fit.reason,
             "parameters": self.fit.parameters,
             "stderr": self.fit.stderr,
+            "within_records_only": list(self.fit.within_records),
             "l1_fitted": {name: s.l1 for name, s in self.fit.scores.items()},
             "l1_held_out": {name: s.l1 for name, s in self.scores.items()},
             "peak_displacement_m": {name: r.peak_displacement for name, r in self.responses.items()},

@@ -115,7 +115,11 @@ def _told(found: Fit, checks: list[Validation], board: Leaderboard | None, held:
         "doubts": [*warnings_of(found.residuals), *found.notes],
         "findings": list(findings(found.residuals)),
         "mean_l1": float(np.mean(l1)),
-        "parameters": {"columns": list(parameters.columns), "rows": [list(row) for row in parameters.rows]},
+        "parameters": {
+            "columns": list(parameters.columns),
+            "rows": [list(row) for row in parameters.rows],
+            "caption": parameters.caption,
+        },
         "scores": {
             "columns": list(scores.columns),
             "units": list(scores.units),

@@ -85,7 +85,7 @@ export async function show(root, query) {
       r.leaderboard ? board(r.leaderboard) : "",
       section("Measured and modelled", field("Record", which), plots),
       section("Parameters", table({
-        caption: "95 % intervals; errors allow for correlated residuals, the naive ones do not", columns: r.parameters.columns.map((words) => ({ name: words })), rows: r.parameters.rows })),
+        caption: r.parameters.caption, columns: r.parameters.columns.map((words) => ({ name: words })), rows: r.parameters.rows })),
       section("How well it describes each record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: "From 2 s after the motion starts, each record's own offset taken" })),
       section("What the model leaves", r.findings.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`))),
     );

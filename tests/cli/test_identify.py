@@ -1,0 +1,52 @@
+"""What dampyr identify prints of errors, and what it refuses before it fits."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+from tests.identification.test_uncertainty import records
+
+from dampyr.cli import cli
+from dampyr.records import write
+
+
+def run(*words: str | Path) -> Result:
+    return CliRunner().invoke(cli, ["identify", *map(str, words)], catch_exceptions=False)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three records at 0 V and one at 2 V."""
+    place = tmp_path_factory.mktemp("few")
+    for record in (*records(0.0, 3), *records(2.0, 1)):
+        write(record, place / f"{record.name}.h5")
+    return place
+
+
+def test_the_table_has_a_dash_and_a_label_where_there_is_no_interval(folder: Path) -> None:
+    done = run(folder, "--model", "dahl")
+    assert done.exit_code == 0, done.output
+    lines = {line.strip().partition("  ")[0]: line for line in done.stdout.splitlines()}
+    assert "within these records only" in lines["dahl.kw @ 2 V"]
+    assert " \u2013 " in lines["dahl.kw @ 2 V"]
+    assert "between records" in lines["dahl.kw @ 0 V"]
+    assert "\u2013" not in lines["dahl.kw @ 0 V"]
+    assert "between-record variance is not estimated from 1 record" in done.stdout
+
+
+def test_json_has_null_and_the_reason_where_there_is_no_interval(folder: Path) -> None:
+    told = json.loads(run(folder, "--model", "dahl", "--json").stdout)
+    assert told["clusters"] == "record and cycle"
+    assert told["intervals_95"]["dahl.kw @ 2 V"] is None
+    low, high = told["intervals_95"]["dahl.kw @ 0 V"]
+    assert low < told["parameters"]["dahl.kw @ 0 V"] < high
+    assert told["within_records_only"] == {
+        f"dahl.{name} @ 2 V": "between-record variance is not estimated from 1 record" for name in ("kx", "kw", "rho")
+    }
+
+
+def test_of_every_record_by_itself_json_labels_the_errors(folder: Path) -> None:
+    for told in json.loads(run(folder, "--model", "dahl", "--each", "--json").stdout):
+        assert set(told["within_records_only"]) == set(told["parameters"])
+        assert set(told["intervals_95"].values()) == {None}
