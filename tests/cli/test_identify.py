@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
+from tests.identification.test_leaderboard import without_velocity
 from tests.identification.test_uncertainty import records
 
 from dampyr.cli import cli
@@ -50,3 +51,33 @@ def test_of_every_record_by_itself_json_labels_the_errors(folder: Path) -> None:
     for told in json.loads(run(folder, "--model", "dahl", "--each", "--json").stdout):
         assert set(told["within_records_only"]) == set(told["parameters"])
         assert set(told["intervals_95"].values()) == {None}
+
+
+@pytest.fixture(scope="module")
+def different_speeds(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Files without a velocity, of 0.1 to 5 Hz."""
+    place = tmp_path_factory.mktemp("speeds")
+    for record in without_velocity():
+        write(record, place / f"{record.name}.csv")
+    return place
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("options", [[], ["--bandwidth", "20"]])
+def test_a_folder_without_velocity_is_ranked_although_speeds_differ(
+    different_speeds: Path, options: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})  # in this process
+    done = run(different_speeds, "--try", "dahl", *options)
+    assert done.exit_code == 0, done.output
+    assert f"velocity derived with {'20' if options else '40'} Hz" in done.stdout
+
+
+@pytest.mark.parametrize("options", [[], ["--model", "dahl"], ["--model", "dahl", "--each"]])
+def test_a_bandwidth_that_a_record_does_not_carry_is_one_sentence(different_speeds: Path, options: list[str]) -> None:
+    done = run(different_speeds, *options, "--bandwidth", "60")
+    assert done.exit_code == 2
+    assert done.stderr == (
+        "dampyr: 0V-0.1Hz: a bandwidth of 60 Hz is not allowed, as its samples 0.005 s apart carry at most 50 Hz; lower it to "
+        "50 Hz or less\n"
+    )

@@ -1,7 +1,9 @@
 """The model that predicts best is found, and everything says what it was not fitted on."""
 
+import importlib
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +11,10 @@ import pytest
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import Leaderboard, jobs, leaderboard
+from dampyr.identification import Leaderboard, cross_validate, fit, jobs, leaderboard
 from dampyr.identification.thinning import screening_set, shortened
 from dampyr.models import Damper, Interpolation
-from dampyr.records import Record, read_campaign
+from dampyr.records import Record, read_campaign, with_velocity
 
 VOLTS = (0.0, 1.0, 2.0)
 NAME = "hyperbolic_tangent"
@@ -149,6 +151,80 @@ def test_the_screening_set_is_small_and_holds_every_input() -> None:
     short = shortened(slow)
     assert short.n < 2000 < slow.n
     assert short.time[-1] >= 4 / 0.2
+
+
+def without_velocity(rate: float = 200.0, seconds: float = 45.0) -> list[Record]:
+    """Dahl at two voltages, sines of 0.1 to 5 Hz whose displacement alone was recorded."""
+    laws = {"dahl.kx": Interpolation((0.0, 2.0), (900.0, 1900.0)), "dahl.kw": Interpolation((0.0, 2.0), (70.0, 300.0))}
+    truth = Damper("dahl", laws | {"dahl.rho": 2500.0})
+    made = []
+    for u in (0.0, 2.0):
+        for f in (0.1, 0.7, 5.0):
+            t = np.arange(0.0, seconds if f < 1.0 else 8.0, 1.0 / rate)
+            run = np.maximum(t - 0.5, 0.0)
+            x = 0.006 * np.minimum(run * f, 1.0) * np.sin(2.0 * np.pi * f * run)
+            force = truth.force(t, x, voltage=u) + np.random.default_rng(int(10 * f)).normal(100.0, 1.0, t.size)
+            made.append(Record(t, x, force, voltage=u, name=f"{u:g}V-{f:g}Hz"))
+    return made
+
+
+@pytest.mark.parametrize("bandwidth", [None, 20.0])
+def test_records_without_velocity_may_differ_in_speed(bandwidth: float | None) -> None:
+    found = leaderboard(without_velocity(), ("dahl",), (), bandwidth=bandwidth)
+    assert found.bandwidth == (bandwidth or 40.0)  # a fifth of the rate, less than 15 times 5 Hz
+    assert found.velocity == f"derived with {found.bandwidth:g} Hz"
+    assert found.winner.fit is not None
+    assert found.winner.fit.damper is not None
+    assert found.winner.fit.damper.bandwidth == found.bandwidth
+    assert found.winner.error < 0.05
+    assert found.screened[0].bare.error < 0.05
+
+
+def test_samples_are_left_out_after_the_velocity_is_derived() -> None:
+    slow = without_velocity()[0]
+    [thin] = screening_set([slow], 40.0)
+    assert thin.n < slow.n / 5
+    whole = with_velocity(slow, 40.0)
+    at = np.searchsorted(whole.time, thin.time)
+    np.testing.assert_array_equal(thin.velocity, whole.velocity[at])
+
+
+def test_records_whose_rates_no_bandwidth_serves_have_each_its_own() -> None:
+    records = without_velocity()
+    coarse = [r.thinned(20).replace(note="a slow logger", name=r.name) if "0.1Hz" in r.name else r for r in records]
+    found = leaderboard(coarse, ("dahl",), ())
+    assert found.bandwidth is None
+    assert found.velocity == "as recorded, or derived with each record's own bandwidth"
+    assert found.winner.error < 0.05
+
+
+@pytest.mark.parametrize("call", [leaderboard, partial(fit, "dahl"), partial(cross_validate, "dahl", folds=2)])
+def test_a_bandwidth_that_a_record_does_not_carry_is_refused_before_any_fit(
+    call: Callable[..., object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def search(*args: object, **options: object) -> None:
+        raise AssertionError("a search began")
+
+    monkeypatch.setattr(importlib.import_module("dampyr.identification.fit"), "search", search)
+    records = without_velocity()
+    records[4] = records[4].thinned(4)
+    with pytest.raises(
+        InputError, match=r"2V-0\.7Hz: a bandwidth of 20 Hz .* 0\.02 s apart carry at most 12\.5 Hz; lower it to 12\.5"
+    ):
+        call(records, bandwidth=20.0)
+    with pytest.raises(
+        InputError, match=r"0V-5Hz: .* 7\.995 s of samples carry at least 0\.5003 Hz; raise it to 0\.5003 Hz"
+    ):
+        call(without_velocity(), bandwidth=0.3)
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("bandwidth", [None, 20.0])
+def test_the_campaign_without_its_velocity(campaign_folder: Path, bandwidth: float | None) -> None:
+    records = [r.replace(note="no velocity", velocity=None) for r in read_campaign(campaign_folder)]
+    found = leaderboard(records, ("dahl",), ("spring",), finalists=1, bandwidth=bandwidth)
+    assert found.bandwidth == (bandwidth or pytest.approx(18.2, abs=0.1))
+    assert found.winner.error < 0.12
 
 
 @pytest.mark.prove

@@ -53,10 +53,9 @@ def print_leaderboard(board: Leaderboard) -> None:
         "fit",
         "converged",
     ]
-    velocity = "as recorded" if board.bandwidth is None else f"derived, {board.bandwidth:g} Hz"
     notes = [
         "error: 3/4 of L1 over records left out (five parts), 1/4 of L1 over inputs left out; every score is of a prediction",
-        f"velocity {velocity}; {board.seconds:.0f} s in all",
+        f"velocity {board.velocity}; {board.seconds:.0f} s in all",
         *board.left_out,
     ]
     units = ["", "", "%", "%", "%", "%", "%", "%", "", "", "s", ""]

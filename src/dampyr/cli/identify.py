@@ -75,9 +75,13 @@ def command(
     one input left out at a time, five parts in the order of frequency or stroke, one kind of motion left out, or the last
     part of every record.
     """
+    from dampyr.records import check_bandwidth
+
     records = gather(paths, "fit", reading)
     _check(model, each, bool(save or report or splits), bool(fixed or tied), tried)
     _check_splits(splits, records)
+    if bandwidth is not None:
+        check_bandwidth(records, bandwidth)
     options: dict[str, Any] = {"laws": _laws(laws), "fixed": _numbers(fixed), "bandwidth": bandwidth, "loss": loss}
     options |= {"nuisances": ("offset", "state", *nuisances), "tied": pairs(tied), "starts": starts}
     if each:

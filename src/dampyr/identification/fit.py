@@ -15,7 +15,7 @@ from dampyr.identification.robust import check_loss, reweighted
 from dampyr.identification.solver import MOST_ITERATIONS, search
 from dampyr.identification.starting import begin, best_of
 from dampyr.models import Composition, Damper, compose
-from dampyr.records import Record
+from dampyr.records import Record, check_bandwidth
 
 __all__ = ["Fit", "Nuisance", "fit", "prepared"]
 
@@ -79,7 +79,8 @@ def fit(
     Raises
     ------
     InputError
-        a record without input, without motion, with a constant force, or of mixed inputs; an unknown name or law.
+        a record without input, without motion, with a constant force, or of mixed inputs; an unknown name or law; a
+        bandwidth that a record's samples do not carry.
     """
     listed = [records] if isinstance(records, Record) else list(records)
     check_loss(loss)
@@ -109,6 +110,8 @@ def prepared(
     """What `fit` solves: the records conditioned and the unknowns laid out, before anything is searched."""
     composition = model.composition if isinstance(model, Damper) else _composition(model)
     _check(list(records))
+    if bandwidth is not None:
+        check_bandwidth(records, bandwidth)
     pieces = [piece(record, bandwidth) for record in records]
     made = columns(composition, [p.u for p in pieces], laws, fixed, tied)
     if not any(column.size for column in made):

@@ -42,7 +42,7 @@ from dampyr.identification.screening import (
 from dampyr.identification.thinning import screening_set
 from dampyr.identification.validation import Validation
 from dampyr.models import names, part
-from dampyr.records import Record
+from dampyr.records import Record, check_bandwidth
 
 ADD_ONS = ("spring", "delay", "lag", "compliance")
 FINAL_STEPS = 300
@@ -82,6 +82,15 @@ class Leaderboard:
     bandwidth: float | None
     left_out: tuple[str, ...]
     seconds: float
+
+    @property
+    def velocity(self) -> str:
+        """Which velocity was used, in words."""
+        if self.bandwidth is not None:
+            return f"derived with {self.bandwidth:g} Hz"
+        fitted = self.winner.fit.records if self.winner.fit else ()
+        derived = any(record.velocity is None for record in fitted)
+        return "as recorded, or derived with each record's own bandwidth" if derived else "as recorded"
 
     @property
     def winner(self) -> Entry:
@@ -124,7 +133,8 @@ def leaderboard(
         called with what is being done and the fraction done.
     options
         of `dampyr.identification.fit`, for every fit. ``bandwidth`` is chosen by a probe where it is not given: as recorded, or
-        derived from the displacement with 15 times the highest test frequency.
+        derived from the displacement with 15 times the highest test frequency (each record with its own where no bandwidth
+        serves all).
 
     Raises :class:`~dampyr.errors.InputError` for fewer than five records, or where no model could be fitted.
     """
@@ -136,19 +146,20 @@ def leaderboard(
     check_count(len(listed))
     begun = time.perf_counter()
     tell = progress or (lambda what, done: None)
-    small = screening_set(listed)
-    tell("choosing the velocity", 0.0)
     bandwidth = options.pop("bandwidth", None)
+    if bandwidth is not None:
+        check_bandwidth(listed, bandwidth)
+    tell("choosing the velocity", 0.0)
     if bandwidth is None:
-        bandwidth = chosen_bandwidth(listed, small, options)
-    options["bandwidth"] = bandwidth
+        bandwidth = chosen_bandwidth(listed, options)
+    small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
     allowed, left_out = _allowed(add_ons, listed)
     bases = list(models) if models else [*(name for name in names() if not part(name).add_on), *PAIRS]
     screened = screen_all(bases, small, allowed, seed, options, executor, lambda done: tell("screening models", done))
     best = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
     if not best:
         raise InputError(f"no model could be fitted; the first said: {screened[0].bare.reason}")
-    finals = [partial(judge, one.model, listed, seed, options) for one in best[:finalists]]
+    finals = [partial(judge, one.model, listed, seed, options | {"bandwidth": bandwidth}) for one in best[:finalists]]
     entries = jobs.run_all(finals, executor, lambda done: tell("validating the best", done))
     ranked = with_criteria(sorted(entries, key=lambda one: (one.error, one.model)))
     return Leaderboard(tuple(ranked), tuple(screened), bandwidth, left_out, time.perf_counter() - begun)

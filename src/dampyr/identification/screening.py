@@ -14,9 +14,10 @@ import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import jobs
+from dampyr.identification.thinning import screening_set
 from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import compose
-from dampyr.records import Record, default_bandwidth
+from dampyr.records import Record, check_bandwidth, default_bandwidth
 
 #: compositions that are tried like a model of the catalogue, and what one of the two parts leaves to the other
 PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}}
@@ -55,12 +56,20 @@ class Screened:
         return min(self.trials, key=lambda one: one.error)
 
 
-def chosen_bandwidth(records: list[Record], small: list[Record], options: dict[str, Any]) -> float | None:
-    """The velocity as recorded (None) or derived, whichever lets the probe predict better."""
-    derived = round(max(default_bandwidth(record) for record in records), 1)
-    if any(record.velocity is None for record in records):
+def chosen_bandwidth(records: list[Record], options: dict[str, Any]) -> float | None:
+    """That of the derived velocity, or None for the velocity as recorded, whichever lets the probe predict better.
+
+    Records without a velocity, sampled so differently that no bandwidth serves all of them, keep each its own: None.
+    """
+    derived: float | None = round(max(default_bandwidth(record) for record in records), 1)
+    try:
+        assert derived is not None
+        check_bandwidth(records, derived)
+    except InputError:
+        derived = None
+    if derived is None or any(record.velocity is None for record in records):
         return derived
-    errors = {b: trial(PROBE, small, 0, options | {"bandwidth": b}).error for b in (None, derived)}
+    errors = {b: trial(PROBE, screening_set(records, b), 0, options).error for b in (None, derived)}
     return None if errors[None] < errors[derived] else derived
 
 

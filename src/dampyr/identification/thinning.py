@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dampyr.records import Record, cycles, default_bandwidth, measure, motion_start
+from dampyr.records import Record, cycles, default_bandwidth, measure, motion_start, with_velocity
 
 PER_INPUT = 4
 MOST_SAMPLES = 600
@@ -15,8 +15,12 @@ FEWEST_CYCLES = 4
 SAMPLES_PER_BANDWIDTH = 4.0
 
 
-def screening_set(records: Sequence[Record]) -> list[Record]:
-    """At most four records of each input, from the smallest to the largest peak speed, shortened and thinned."""
+def screening_set(records: Sequence[Record], bandwidth: float | None = None) -> list[Record]:
+    """At most four records of each input, from the smallest to the largest peak speed, shortened and thinned.
+
+    Each has a velocity: as recorded, or derived with ``bandwidth`` Hz (its own by default where it has none) before samples are
+    left out, as the rest of a slow record would not carry the bandwidth of a fast one.
+    """
     groups: dict[float, list[Record]] = {}
     for record in records:
         groups.setdefault(float(record.input_value or 0.0), []).append(record)
@@ -24,8 +28,12 @@ def screening_set(records: Sequence[Record]) -> list[Record]:
     for _, some in sorted(groups.items()):
         ranked = sorted(some, key=_speed)
         places = np.unique(np.round(np.linspace(0, len(ranked) - 1, PER_INPUT)).astype(int))
-        chosen += [shortened(ranked[k]) for k in places]
+        chosen += [shortened(_moving(ranked[k], bandwidth)) for k in places]
     return chosen
+
+
+def _moving(record: Record, bandwidth: float | None) -> Record:
+    return record if record.velocity is not None and bandwidth is None else with_velocity(record, bandwidth)
 
 
 def _speed(record: Record) -> float:

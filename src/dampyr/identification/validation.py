@@ -19,7 +19,7 @@ from dampyr.identification.fit import fit
 from dampyr.identification.score import SETTLING, Score, score
 from dampyr.identification.splits import Target, Task, split_tasks
 from dampyr.models import Composition, Damper
-from dampyr.records import Record, motion_start
+from dampyr.records import Record, check_bandwidth, motion_start
 
 
 @dataclass(frozen=True)
@@ -97,6 +97,8 @@ def cross_validate(
     """
     listed = list(records)
     tasks = split_tasks(listed, split, folds, seed)
+    if options.get("bandwidth") is not None:
+        check_bandwidth(listed, options["bandwidth"])
     done = []
     for k, task in enumerate(tasks):
         if progress:

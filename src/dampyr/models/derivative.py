@@ -68,9 +68,14 @@ def response(frequency_hz: Array | float, bandwidth_hz: float) -> Array:
     return (1.0 + u) * np.exp(-u)
 
 
+def carried(dt: float, duration: float) -> tuple[float, float]:
+    """The lowest and the highest bandwidth in Hz of samples ``dt`` s apart: 4 over the duration, a quarter of the rate."""
+    return 4.0 / duration, FINEST / dt * (1 + 1e-9)
+
+
 def _check(bandwidth_hz: float, dt: float, duration: float) -> None:
-    low, high = 4.0 / duration, FINEST / dt
-    if not low <= bandwidth_hz <= high * (1 + 1e-9):
+    low, high = carried(dt, duration)
+    if not low <= bandwidth_hz <= high:
         raise InputError(
             f"bandwidth_hz = {bandwidth_hz:g} Hz is not allowed; samples {dt:g} s apart over {duration:g} s "
             f"carry from {low:.4g} to {high:.4g} Hz"

@@ -11,7 +11,7 @@ from dampyr.records.cycle_table import Cycle, cycle_table
 from dampyr.records.cycles import cycle_average, cycles, legs, turning_points
 from dampyr.records.datasets import fetch, locate
 from dampyr.records.delay import Delay, correct_delay, estimate_delay
-from dampyr.records.derivative import default_bandwidth, differentiate, with_velocity
+from dampyr.records.derivative import check_bandwidth, default_bandwidth, differentiate, with_velocity
 from dampyr.records.description import describe
 from dampyr.records.drift import drift, remove_drift
 from dampyr.records.files import read, write
@@ -45,6 +45,7 @@ __all__ = [
     "cycles",
     "cycle_average",
     "differentiate",
+    "check_bandwidth",
     "default_bandwidth",
     "with_velocity",
     "mean_force",

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dampyr.models.derivative import differentiate, response
+from collections.abc import Sequence
+
+from dampyr.errors import InputError
+from dampyr.models.derivative import carried, differentiate, response
 from dampyr.records.record import Record
 
 PER_TEST_FREQUENCY = 15.0
@@ -21,6 +24,21 @@ def default_bandwidth(record: Record) -> float:
     return min(PER_TEST_FREQUENCY * rate, most)
 
 
+def check_bandwidth(records: Sequence[Record], bandwidth_hz: float) -> None:
+    """InputError, naming a record, where one's samples do not carry this bandwidth of the velocity in Hz."""
+    spans = [(record, *carried(record.dt, float(record.time[-1] - record.time[0]))) for record in records]
+    lowest, highest = max(spans, key=lambda one: one[1]), min(spans, key=lambda one: one[2])
+    if not bandwidth_hz <= highest[2]:
+        record, limit, repair = highest[0], highest[2], f"lower it to {highest[2]:.4g} Hz or less"
+        carry = f"samples {record.dt:.4g} s apart carry at most {limit:.4g} Hz"
+    elif bandwidth_hz < lowest[1]:
+        record, limit, repair = lowest[0], lowest[1], f"raise it to {lowest[1]:.4g} Hz or more"
+        carry = f"{record.time[-1] - record.time[0]:.4g} s of samples carry at least {limit:.4g} Hz"
+    else:
+        return
+    raise InputError(f"{record.name}: a bandwidth of {bandwidth_hz:g} Hz is not allowed, as its {carry}; {repair}")
+
+
 def with_velocity(record: Record, bandwidth_hz: float | None = None) -> Record:
     """The record with the velocity derived from its displacement, 3 dB down at ``bandwidth_hz``.
 
@@ -37,4 +55,4 @@ def with_velocity(record: Record, bandwidth_hz: float | None = None) -> Record:
     return record.replace(note=note, velocity=velocity, provenance=provenance)
 
 
-__all__ = ["default_bandwidth", "differentiate", "response", "with_velocity"]
+__all__ = ["check_bandwidth", "default_bandwidth", "differentiate", "response", "with_velocity"]

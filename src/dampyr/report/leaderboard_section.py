@@ -47,8 +47,7 @@ def _screened(board: Leaderboard) -> Table:
         added = one.best.model.removeprefix(one.base).removeprefix(" + ") or "nothing"
         failed = f"no damper: {one.best.reason}" if math.isinf(one.best.error) else ""
         rows.append([one.base, _percent(one.bare.error), added, _percent(one.best.error), len(one.trials), failed])
-    velocity = "as recorded" if board.bandwidth is None else f"derived with {board.bandwidth:g} Hz"
-    caption = " ".join([f"Screened; the velocity is {velocity}.", *(f"{said}." for said in board.left_out)])
+    caption = " ".join([f"Screened; the velocity is {board.velocity}.", *(f"{said}." for said in board.left_out)])
     return Table(
         ("model", "bare", "best with", "error", "tried", ""),
         rows,
