@@ -28,7 +28,9 @@ differ are all here and name each other. The damper of Raminelli (2020), read in
 `dp.studies.raminelli_2020.damper()`.
 
 Where a set has a rate eta, the source passes the command V through u' = -eta (u - V) first and lets the parameters follow u.
-No part expresses this yet: the dampers take u. At a constant voltage the two are the same after a few 1/eta.
+The damper has this as the part [`lag`](models.md#lag), tau = 1/eta, and takes the command. A constant voltage lags behind
+nothing. The part counts once: with a control law that has a `lag` of its own, and for C code, which takes u itself, leave it
+out first with `damper.without("lag")`, and filter the command outside.
 
 A test integrates the equations of each set in its own units and letters and compares the force.
 """

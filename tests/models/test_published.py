@@ -5,6 +5,7 @@ from __future__ import annotations
 import runpy
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from dampyr import ground_motions, structures
 from dampyr.errors import DampyrWarning, InputError
+from dampyr.export import export
 from dampyr.models import Damper, published
 from dampyr.models.published._conversion import ratio
 
@@ -26,12 +29,12 @@ PER_METRE = {
 STEPS = 4000
 
 
-def made(name: str) -> Damper:
-    """The damper, without the warning of the sets that bulge."""
+def made(name: str, *without: str) -> Damper:
+    """The damper less some parts, without the warning of the sets that bulge."""
     with warnings.catch_warnings():
         if name in BULGING:
             warnings.simplefilter("ignore", DampyrWarning)
-        return published.damper(name)
+        return published.damper(name).without(*without)
 
 
 def sine(name: str, cycles: int = 3) -> tuple[Array, Array, Array]:
@@ -144,6 +147,79 @@ def test_a_ratio_of_laws_is_kept_to_a_ten_thousandth(name: str) -> None:
         assert at["modified_bouc_wen.kw"] == pytest.approx(alpha * z_max, rel=1e-12)
 
 
+WITH_ETA = [name for name in published.names() if published.about(name).eta is not None]
+
+
+@pytest.mark.parametrize("name", WITH_ETA)
+def test_a_step_of_the_command_is_followed_by_one_less_an_exponential(name: str) -> None:
+    """The force is that of the damper without the lag whose input goes as V (1 - exp(-eta t)) after the step."""
+    eta, (low, high) = published.about(name).eta, published.about(name).limits
+    damper = made(name)
+    t, x, v = sine(name, 1)
+    t0 = t[STEPS // 3]
+    command = np.where(t >= t0, high, low)
+    late = np.maximum(t - t0 + 0.5 * t[1], 0.0)  # the command rises along one sample, in its middle on average
+    followed = low + (high - low) * -np.expm1(-eta * late)
+    ours = damper.force(t, x, voltage=command, velocity=v)
+    theirs, at_once = (made(name, "lag").force(t, x, voltage=u, velocity=v) for u in (followed, command))
+    assert np.abs(ours - theirs).max() < 2e-3 * np.ptp(theirs)
+    assert np.abs(ours - at_once).max() > 0.2 * np.ptp(theirs)
+
+
+@pytest.mark.parametrize("name", WITH_ETA)
+def test_a_changing_command_gives_the_force_of_the_published_equations_with_their_filter(name: str) -> None:
+    about, scale = published.about(name), PER_METRE.get(name, 1.0)
+    family, (low, high) = FAMILY.get(name, spencer), about.limits
+    t, x, v = sine(name, 1)
+    a, omega = scale * about.motion.amplitude, 2.0 * np.pi * about.motion.frequency
+
+    def command(s: Array | float) -> Array:
+        return np.asarray(0.5 * (low + high) + 0.5 * (high - low) * np.sin(4.7 * omega * s))
+
+    def rates(s: float, q: Array) -> list[float]:
+        z, y, u = q
+        own, _ = family(about.numbers, u)
+        return [*own(a * np.sin(omega * s), a * omega * np.cos(omega * s), z, y), -about.eta * (u - command(s))]
+
+    done = solve_ivp(
+        rates, (0.0, t[-1]), [0.0, 0.0, float(command(0.0))], t_eval=t, max_step=t[2], rtol=1e-8, atol=1e-10
+    )
+    z, y, u = done.y
+    theirs = family(about.numbers, u)[1](scale * x, scale * v, z, y)
+    ours = made(name).force(t, x, voltage=command(t), velocity=v)
+    assert np.sqrt(np.mean((ours - theirs) ** 2)) < 2e-4 * np.abs(theirs).max()
+
+
+@pytest.mark.parametrize("name", WITH_ETA)
+def test_a_constant_command_lags_behind_nothing(name: str) -> None:
+    t, x, v = sine(name, 1)
+    u, damper = published.about(name).limits[1], made(name)
+    ours, theirs = (one.force(t, x, voltage=u, velocity=v) for one in (damper, made(name, "lag")))
+    np.testing.assert_array_equal(ours, theirs)
+    np.testing.assert_allclose(damper.force(t, x, voltage=np.full(t.size, u), velocity=v), theirs, rtol=1e-12)
+
+
+LAW = partial(structures.control_law, "on_off", low=0.0, high=2.25)
+
+
+def test_a_control_law_with_a_lag_of_its_own_and_c_code_are_told_to_leave_it_out(tmp_path: Path) -> None:
+    motion, building = ground_motions.el_centro().scaled(0.05), structures.two_storey()
+    with pytest.raises(InputError, match="leave one of the two out"):
+        structures.respond(building, motion, {1: made("spencer_1997")}, voltage=LAW(lag=1.0 / 190.0))
+    words = r"export damper.without\('lag'\), or with --without lag, .* u' = \(u_c - u\)/0.00526316 s"
+    with pytest.raises(InputError, match=words):
+        export(made("spencer_1997"), "c", tmp_path)
+    assert export(made("spencer_1997", "lag"), "c", tmp_path)
+
+
+@pytest.mark.prove
+def test_its_lag_under_a_control_law_is_that_of_a_law_with_the_same_lag() -> None:
+    motion, building = ground_motions.el_centro().scaled(0.05), structures.two_storey()
+    ours = structures.respond(building, motion, {1: made("spencer_1997")}, voltage=LAW())
+    theirs = structures.respond(building, motion, {1: made("spencer_1997", "lag")}, voltage=LAW(lag=1.0 / 190.0))
+    np.testing.assert_allclose(ours.peak_displacement, theirs.peak_displacement, rtol=1e-9)
+
+
 def test_ratio_of_two_straight_lines() -> None:
     law = ratio([1.0, 2.0], [4.0, 0.5], (0.0, 2.0))
     assert (law.low, law.high) == (0.0, 2.0)
@@ -209,12 +285,12 @@ def test_what_the_readme_of_the_damper_lab_states() -> None:
 def test_the_capacities_that_the_sources_state() -> None:
     """1000 kN at 10 V (Max_for, Umax) and 50 kN at 5 V (Fmax, Vmax): the hysteretic force alone, and 5 % with the dashpot."""
     for name, u, capacity in (("tan_agrawal_2004", 10.0, 1000e3), ("azimi_2020", 5.0, 50e3)):
-        assert made(name).at(u).kw == pytest.approx(capacity, rel=0.02)
+        assert made(name).at(u)[0].kw == pytest.approx(capacity, rel=0.02)
         assert last_cycle(name, u)[0].max() == pytest.approx(capacity, rel=0.05)
 
 
 def test_the_a_of_the_damper_lab_scales_the_hysteretic_force() -> None:
-    ratio_of_kw = made("spencer_1997_damper_lab").at(1.0).kw / made("spencer_1997").at(1.0)[0].kw
+    ratio_of_kw = made("spencer_1997_damper_lab").at(1.0)[0].kw / made("spencer_1997").at(1.0)[0].kw
     assert ratio_of_kw == pytest.approx(np.sqrt(58 / 301), rel=1e-12)
 
 

@@ -14,9 +14,14 @@ from dampyr.cli._output import as_json_option, print_json
 @click.option("--to", "kind", required=True, metavar="KIND", help="What to write; c is C99 without dependencies.")
 @click.option("--out", default=".", type=click.Path(path_type=Path), help="The folder to write into.")
 @click.option("--name", default="damper", show_default=True, help="What the damper is called there.")
+@click.option(
+    "--without", multiple=True, metavar="PART", help="Leave out a part, such as lag where C filters the command."
+)
 @click.option("--allow-extrapolation", is_flag=True, help="Let it run outside the calibrated range of its input.")
 @as_json_option
-def command(card: Path, kind: str, out: Path, name: str, allow_extrapolation: bool, as_json: bool) -> None:
+def command(
+    card: Path, kind: str, out: Path, name: str, without: tuple[str, ...], allow_extrapolation: bool, as_json: bool
+) -> None:
     """Write a damper's card for another tool.
 
     What is written refuses inputs outside the calibrated range (in C: the force is NAN) unless allowed here.
@@ -24,7 +29,7 @@ def command(card: Path, kind: str, out: Path, name: str, allow_extrapolation: bo
     from dampyr.export import export
     from dampyr.models import Damper
 
-    written = export(Damper.load(card), kind, out, name, allow_extrapolation)
+    written = export(Damper.load(card).without(*without), kind, out, name, allow_extrapolation)
     if as_json:
         print_json({"written": written})
         return

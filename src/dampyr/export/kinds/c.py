@@ -24,9 +24,12 @@ def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = F
             raise InputError(
                 f"{p.name} needs the acceleration, which the C code is not given; export damper.without({p.name!r})"
             )
-    if damper.composition.lag is not None:
+    k = damper.composition.lag
+    if k is not None:
+        tau = float(list(damper.all_laws.values())[k](damper.range[0]))
         raise InputError(
-            "the C code takes the input, not its command; export damper.without('lag') and filter the command"
+            "the C code takes the input, not its command; export damper.without('lag'), or with --without lag, and filter the "
+            f"command u_c before: u' = (u_c - u)/{tau:.6g} s"
         )
     folder.mkdir(parents=True, exist_ok=True)
     header, source = folder / f"{name}.h", folder / f"{name}.c"

@@ -39,8 +39,8 @@ class About:
     ``motion``
         a sine that the source runs.
     ``eta``
-        the rate in 1/s of the first-order filter u' = -eta (u - V) between command and damper; None without one. No part
-        expresses it: the damper takes the filtered input u.
+        the rate in 1/s of the first-order filter u' = -eta (u - V) between command and damper; None without one. The damper
+        has it as the part ``lag``, tau = 1/eta.
     ``notes``
         what a user must know.
     ``differs``
@@ -72,11 +72,14 @@ class About:
         return tuple(dict.fromkeys(unit for _, unit in self.printed.values()))
 
     def damper(self, parts: str, laws: Mapping[str, Law | float]) -> Damper:
-        """A damper of these laws that says where it comes from."""
+        """A damper of these laws, and of the lag of its input, that says where it comes from."""
         said = {"paper": self.paper, "where": self.where, "read": self.read, "device": self.device}
         said |= {"limits": self.limits_from}
         if self.eta is not None:
-            said["filter"] = f"the source filters the input first, u' = -{self.eta:g} (u - V); this damper takes u"
+            said["filter"] = (
+                f"the source filters the command V first, u' = -{self.eta:g} (u - V): the part lag, tau = 1/eta"
+            )
+            parts, laws = f"{parts} + lag", {**laws, "lag.tau": 1.0 / self.eta}
         if self.differs:
             said["differs"] = "; ".join(f"{name}: {what}" for name, what in self.differs.items())
         return Damper(parts, laws, input=self.input, provenance=said)
