@@ -173,6 +173,7 @@ def test_a_card_comes_back_to_the_last_bit(tmp_path: Path) -> None:
         ('input = "V"', 'input = "W"', "'V' or 'A'"),
         ("42745.0", "-42745.0", "greater than 0"),
         ("[damper]", "[dumper]", "lacks 'damper'"),
+        ("[damper]", "[covariance]\nwithin_records_only = 3\n[damper]", "= 3 is not allowed; give a list of names"),
     ],
 )
 def test_a_broken_card_is_refused_by_name(tmp_path: Path, old: str, new: str, words: str) -> None:
@@ -217,6 +218,20 @@ def test_without_takes_a_part_and_its_errors_away() -> None:
     np.testing.assert_array_equal(np.diag(less.covariance), [1.0, 2.0, 3.0, 5.0])
     with pytest.raises(InputError, match="no part"):
         full.without("offset")
+
+
+def test_draws_that_hold_within_the_records_only_say_so_once_and_for_the_parts_that_are_left(tmp_path: Path) -> None:
+    laws = {"dahl.kx": 800.0, "dahl.kw": 50.0, "dahl.rho": 900.0, "delay.tau": 0.01}
+    few = Damper(
+        "dahl + delay", laws, covariance=np.diag([1.0, 1.0, 1.0, 1e-6]), within_records=("dahl.kw", "delay.tau")
+    )
+    few = Damper.load(few.save(tmp_path / "card.toml"))
+    with pytest.warns(
+        DampyrWarning, match=r"the draws of dahl\.kw, delay\.tau hold within the fitted records only"
+    ) as told:
+        few.draws(3, seed=1)
+    assert len(told) == 1
+    assert few.without("delay").within_records == few.without("delay").on_brace(1e6).within_records == ("dahl.kw",)
 
 
 def test_static_forces_can_be_left_out() -> None:

@@ -53,15 +53,16 @@ def parameter_table(fit: Fit) -> Table:
 
 
 def _caption(fit: Fit) -> str:
-    within = (
-        " Errors within these records only come from how the cycles differ, not the records, and give no interval."
-        if fit.within_records
-        else ""
-    )
-    intervals = "" if fit.clusters == "cycle" else ", intervals take Student's t with the effective number of records"
+    within = "each cycle: they hold within these records only, say nothing of how records differ, and give no interval"
+    between = "each record, and intervals take Student's t with the effective number of these"
+    correlated = {
+        "record": between,
+        "cycle": within,
+        "record and cycle": f"{between}; where so labelled, within {within}",
+    }
     return (
-        f"Errors allow for residuals that are correlated within each {fit.clusters}{intervals}; the naive errors take every "
-        f"sample for independent and are shown for comparison.{within}"
+        f"Errors allow for residuals that are correlated within {correlated[fit.clusters]}. The naive errors take every sample "
+        "for independent and are shown for comparison."
     )
 
 

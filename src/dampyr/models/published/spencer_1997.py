@@ -4,9 +4,9 @@ r"""Spencer, Dyke, Sain and Carlson (1997): the modified Bouc-Wen model of their
 
 .. math:: \dot z = -\gamma|\dot x - \dot y| z |z|^{n-1} - \beta(\dot x - \dot y)|z|^n + A(\dot x - \dot y)
 
-with :math:`\alpha = \alpha_a + \alpha_b u`, and c0 and c1 likewise, and :math:`\dot u = -\eta (u - V)` behind the command V; N, cm,
-s, V. The paper itself was not read: all fourteen numbers were read in a script that names no paper, and twelve of them in
-another that names this one.
+with :math:`\alpha = \alpha_a + \alpha_b u`, and c0 and c1 likewise, and :math:`\dot u = -\eta (u - V)` behind the command V;
+N, cm, s, V. The paper itself was not read: all fourteen numbers were read in a script that names no paper, and twelve of them
+in another that names this one.
 """
 
 from dampyr.models.damper import Damper
