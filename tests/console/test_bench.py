@@ -343,6 +343,44 @@ def test_the_interlock_is_seen(tmp_path: Path) -> None:
         bench.close()
 
 
+def test_the_steps_of_the_guide_twice_on_one_rig(bench: Bench) -> None:
+    """docs/how-to/bench.md: arm, home, jog, run a campaign; abort; and all of it again, wherever the table was left."""
+    bench.connect("a")
+    phase(bench, "idle")
+    for k in range(2):
+        bench.arm("a")
+        phase(bench, "armed")
+        bench.home("a")
+        phase(bench, "armed")
+        assert bench.state().homed
+        for _ in range(12):
+            bench.jog("a", 0.008)
+            time.sleep(0.05)
+        bench.jog("a", 0.0)
+        until(lambda: not bench.state().jogging)
+        assert position(bench) > 0.003
+        run(bench, f"run{k}")
+        phase(bench, "campaign")
+        phase(bench, "idle")
+        assert outcome(bench) == "complete", reason(bench)
+        run(bench, f"run{k}-aborted")
+        until(lambda: (found := bench.state().run) is not None and found.cycles > 0.5)
+        bench.abort()
+        phase(bench, "idle", 5.0)
+        assert outcome(bench) == "aborted"
+        bench.arm("a")
+        phase(bench, "armed")
+        bench.jog("a", -0.005)
+        until(lambda: bench.state().jogging)
+        bench.jog("a", 0.0)
+        bench.disarm("a")
+        phase(bench, "idle")
+        assert not bench.state().fault, bench.state().note
+        run(bench, f"run{k}-aborted")  # goes on
+        phase(bench, "idle")
+        assert outcome(bench) == "complete", reason(bench)
+
+
 DYING = """
 import sys, time
 from pathlib import Path

@@ -10,8 +10,11 @@ from dampyr import campaigns
 from dampyr.errors import InputError, RigFault
 from dampyr.rig import Drive, Reversals, Rig, RigSettings, Table, simulated
 from dampyr.rig.firmware.protocol import Request, State
-from dampyr.rig.interlock import Samples
-from dampyr.rig.simulation.simulator import Simulator
+from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.interlock import APART, Samples
+from dampyr.rig.simulation.in_process import InProcessBoard
+from dampyr.rig.simulation.simulator import Simulator, parse_faults
 
 SOON = 0.100  # s of simulated time
 
@@ -331,3 +334,247 @@ def test_the_real_wires_give_what_the_plant_gives() -> None:
             table.go(0.0)
             found.append(samples(table))
     np.testing.assert_array_equal(*found)
+
+
+# one rig over many runs, wherever its table stands
+
+
+def host(simulator: Simulator) -> Rig:
+    """A host that connects anew to a rig that runs on."""
+    return Rig(simulator.settings, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False)
+
+
+def standing_at(position: float, *faults: str) -> tuple[Rig, Simulator]:
+    simulator = Simulator(RigSettings(), faults=parse_faults(faults), position=position)
+    return host(simulator), simulator
+
+
+def check_aligned(table: Table, simulator: Simulator, middle: float = 0.0) -> None:
+    """Where the board and the Uno say that the table is, it is."""
+    block = next(table.loop.blocks())
+    true = float(simulator.truth.position[-1]) - middle
+    assert block.displacement[-1] == pytest.approx(true, abs=1.1e-5)
+    assert table.position == pytest.approx(true, abs=1.1e-5)
+
+
+def moved(rig: Rig, simulator: Simulator, to: float) -> None:
+    with rig.armed() as table:
+        check_aligned(table, simulator)
+        table.go(to)
+        check_aligned(table, simulator)
+
+
+@pytest.mark.parametrize("position", [-0.0175, -0.005, -0.0011, 0.003, 0.018])
+def test_a_table_is_homed_from_where_it_stands_and_armed_again_where_it_was_left(position: float) -> None:
+    rig, simulator = standing_at(position)
+    with rig.armed() as table:
+        table.home()
+        assert table.homed
+        check_aligned(table, simulator)
+        table.go(0.005)
+    for to in (-0.012, 0.030, 0.0):
+        moved(rig, simulator, to)
+    assert rig.warmth.temperature == pytest.approx(rig.settings.specimen.room, abs=0.1)
+
+
+def test_a_search_without_an_index_leaves_a_rig_that_can_be_armed() -> None:
+    rig, simulator = standing_at(-0.020)  # the mark is at 2 mm, farther than the search goes
+    with pytest.raises(RigFault, match="no index mark was found"), rig.armed() as table:
+        table.home()
+    with rig.armed() as table:
+        table.home(here=True)
+        block = next(table.loop.blocks())
+    assert block.displacement[-1] == pytest.approx(0.0, abs=1.1e-5)
+    assert simulator.truth.position[-1] < -0.015
+
+
+def test_a_table_is_homed_again_while_it_is_homed() -> None:
+    rig, simulator = standing_at(0.015)
+    with rig.armed() as table:
+        table.home(here=True)
+        table.go(0.003)
+        table.home(here=True)
+        assert abs(next(table.loop.blocks()).displacement[-1]) < 1.1e-5
+        table.home()
+        check_aligned(table, simulator)
+
+
+@pytest.mark.parametrize("far", [0.0, 0.004, 0.010])
+def test_a_rig_is_armed_again_after_an_abort_in_mid_stroke(far: float) -> None:
+    rig, simulator = made()
+
+    def press(_: int, table: Table, block: Samples) -> None:
+        if block.displacement[-1] > far and block.status.speed > 2000:
+            table.abort()
+
+    with pytest.raises(RigFault, match="aborted"):
+        played(rig, sine(0.012, 0.9, 6.0), press)
+    moved(rig, simulator, -0.006)
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"), [("stalled-motor", "is the motor blocked"), ("board-timeout", "the simulated board says")]
+)
+def test_a_rig_is_armed_again_after_a_fault_in_mid_stroke(kind: str, words: str) -> None:
+    rig, simulator = made()
+
+    def break_down(_: int, __: Table, block: Samples) -> None:
+        if block.displacement[-1] > 0.005 and not simulator.faults:
+            simulator.faults = parse_faults([f"{kind}@{simulator.time + 0.001:.3f}s for 0.5s"])
+
+    with pytest.raises(RigFault, match=words):
+        played(rig, sine(0.012, 0.9, 8.0), break_down)
+    simulator.alone(1.0)
+    assert simulator.truth.position[-1] > 0.004
+    moved(rig, simulator, 0.002)
+
+
+def test_a_rig_is_armed_again_after_a_stop_in_mid_stroke() -> None:
+    rig, simulator = made()
+    with rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        for block, _ in table.play(sine(0.012, 0.9, 6.0)):
+            if block.displacement[-1] > 0.005:
+                break
+        table.stop()
+        check_aligned(table, simulator)
+    assert abs(simulator.truth.position[-1]) > 0.004
+    moved(rig, simulator, -0.006)
+
+
+def left_armed(simulator: Simulator, to: float) -> Rig:
+    """A host that has homed the table and goes nowhere any more: it never leaves its `armed` block."""
+    rig = host(simulator)
+    rig.uno.hello()
+    rig.uno.clear()
+    rig.uno.configure(rig.settings)
+    table = Table(rig)
+    table.begin()
+    table.home()
+    table.go(to)
+    return rig
+
+
+def test_a_rig_that_is_armed_while_its_table_still_moves_is_aligned_at_rest() -> None:
+    _, simulator = standing_at(0.0)
+    rig = left_armed(simulator, 0.005)
+    rig.uno.jog(-1500, 500)
+    simulator.alone(0.1)
+    rig.uno.abort()
+    rig.uno.clear()
+    assert rig.uno.heartbeat().speed != 0
+    moved(host(simulator), simulator, -0.006)
+
+
+def test_another_host_takes_over_a_table_that_is_homed() -> None:
+    first, simulator = standing_at(-0.005)
+    with first.armed() as table:
+        table.home()
+        table.go(0.017)
+    moved(host(simulator), simulator, -0.020)
+    moved(first, simulator, 0.009)
+
+
+def test_another_host_takes_over_a_rig_that_was_left_armed() -> None:
+    _, simulator = standing_at(-0.005)
+    left_armed(simulator, 0.017)
+    moved(host(simulator), simulator, 0.010)
+
+
+@pytest.mark.parametrize("which", ["board", "uno"])
+@pytest.mark.parametrize("homed_again", [False, True])
+def test_the_interlock_still_sees_that_the_positions_differ(which: str, homed_again: bool) -> None:
+    """The table stands away from the middle when the encoder's line breaks, just before it moves on."""
+    rig, simulator = standing_at(0.012)
+    with rig.armed() as table:
+        table.home()
+        table.go(0.012)
+    with rig.armed() as table:
+        if homed_again:
+            table.home()
+            table.go(0.012)
+        simulator.faults = parse_faults([f"stuck-encoder-{which}@{simulator.time + 0.001:.3f}s"])
+        with pytest.raises(RigFault) as told:
+            table.go(0.002)
+    assert told.value.ring == "interlock"
+    assert "distance of the board's and the Uno's position" in str(told.value)
+    passed = float(str(told.value).split("position ")[1].split()[0])
+    assert APART < passed < 2 * APART
+
+
+def broken_off(rig: Rig, table: Table, what: str, to: float) -> None:
+    """A stroke that ends in its middle."""
+    simulator, at = rig.board.simulator, table.position
+    path = np.linspace(at, np.clip(to, at - 0.02, at + 0.02), 101)
+    for k, _ in enumerate(table.play(Drive(0.01, path, np.zeros(101)))):
+        if k == 10:
+            break
+    if what == "stop":
+        table.stop()
+    elif what == "abort":
+        table.abort()
+    elif what == "fault":
+        table.stop()
+        simulator.faults = parse_faults([f"stalled-motor@{simulator.time:.3f}s for 1s"])
+        with pytest.raises(RigFault, match="blocked"):
+            table.go(table.position - 0.01 * np.sign(table.position))
+
+
+def in_a_random_order(seed: int, steps: int) -> None:
+    """Whatever was done before, the rig can be armed, and knows where its table is."""
+    draw = np.random.default_rng(seed)
+    rig, simulator = standing_at(float(draw.uniform(-0.017, 0.021)))
+    middle = 0.0  # where the Uno's is, from where the damper's is
+    with rig.armed() as table:
+        table.home()
+    for _ in range(steps):
+        what = draw.choice(["go", "home", "stop", "abort", "fault", "leave", "host", "here"])
+        to = float(draw.uniform(-0.03, 0.03))
+        if what == "host":
+            rig = host(simulator)
+        with rig.armed() as table:
+            check_aligned(table, simulator, middle)
+            if what == "home" and -0.015 < table.position + middle < 0.015:
+                table.home()
+                middle = 0.0
+            elif what == "here":
+                table.go(float(np.clip(-middle + 0.1 * to, -0.036, 0.036)))
+                table.home(here=True)
+                middle = float(simulator.truth.position[-1])
+            elif what == "go":
+                table.go(to)
+            else:
+                broken_off(rig, table, what, to)
+            if what not in ("abort", "fault", "leave", "host"):
+                check_aligned(table, simulator, middle)
+        simulator.alone(1.0 if what == "fault" else 0.0)
+
+
+def test_arming_in_a_random_order() -> None:
+    for seed in range(3):
+        in_a_random_order(seed, 12)
+
+
+@pytest.mark.prove
+def test_arming_in_many_random_orders() -> None:
+    for seed in range(3, 30):
+        in_a_random_order(seed, 25)
+
+
+def test_a_rig_over_the_wires_is_armed_again_and_again() -> None:
+    with simulated() as rig:
+        with rig.armed() as table:
+            table.home()
+            table.go(0.005)
+        with rig.armed() as table:
+            assert table.position == pytest.approx(0.005, abs=1e-4)
+            for k, _ in enumerate(table.play(Drive(0.01, np.linspace(0.005, 0.015, 101), np.zeros(101)))):
+                if k == 15:
+                    table.abort()
+                    break
+        with rig.armed() as table:
+            assert abs(table.position - 0.005) > 2 * APART
+            block = next(table.loop.blocks())
+            assert block.displacement[-1] == pytest.approx(table.position, abs=1.1e-5)
+            table.go(-0.003)

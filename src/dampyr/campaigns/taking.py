@@ -147,7 +147,7 @@ def header(table: Table, planned: PlannedTest, campaign: Campaign, attempt: int)
         {"voltage": float(kept[0])} if constant else {},
         role=getattr(planned.step, "role", "fit"),
         label=label(planned.step),
-        provenance=provenance(table.rig, planned, campaign),
+        provenance=provenance(table, planned, campaign),
     )
 
 
@@ -158,8 +158,9 @@ def label(step: Any) -> Label | None:
     return Label(2.0 * step.amplitude, step.frequency)
 
 
-def provenance(rig: Rig, planned: PlannedTest, campaign: Campaign) -> dict[str, str]:
+def provenance(table: Table, planned: PlannedTest, campaign: Campaign) -> dict[str, str]:
     """Configuration, versions, calibration and the operator's note."""
+    rig = table.rig
     return {
         "campaign": campaign.header.name,
         "operator": campaign.header.operator,
@@ -167,7 +168,7 @@ def provenance(rig: Rig, planned: PlannedTest, campaign: Campaign) -> dict[str, 
         "kind": planned.kind,
         "step": as_json(planned.step),
         "rig": as_json(rig.settings),
-        "calibration": as_json(rig.calibration),
+        "calibration": as_json(table.loop.calibration),
         "board": rig.identity,
         "data_sheet": rig.settings.specimen.data_sheet,
         "dampyr": dampyr.__version__,

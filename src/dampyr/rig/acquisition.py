@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +70,9 @@ class Acquisition:
         self.watchers = watchers
         self.lock = threading.RLock()
         self.player: Player | None = None
+        self.aligned = (
+            False  # set to False, the next block of a homed Uno makes the board's counts mean what the Uno's mean
+        )
         self.next = 0
         self.stopped: RigFault | None = None
         self.status: Status = uno.heartbeat()
@@ -81,7 +85,9 @@ class Acquisition:
         self._thread = threading.Thread(target=self._run, name="acquisition", daemon=True) if threaded else None
 
     def begin(self) -> None:
-        """Start sampling with the coil at 0 V."""
+        """Start sampling with the coil at 0 V; the board counts from 0, wherever the table stands."""
+        self.calibration = replace(self.calibration, middle=0.0)
+        self.warmth.restart()
         self._command = np.zeros(self._ahead)
         self.board.start(self.rig.board.rate, self._command)
         self._timed = True
@@ -143,6 +149,9 @@ class Acquisition:
         if len(voltage) < n:  # the timed command has ended: the coil is at 0 V
             voltage = np.concatenate([voltage, np.zeros(n - len(voltage))])
         self.next, self.status = first + n, status
+        if status.homed and not self.aligned:
+            self._align(counts, status)
+        self.aligned = status.homed
         known = self.calibration
         return Samples(
             first,
@@ -155,6 +164,15 @@ class Acquisition:
             voltage,
             status,
         )
+
+    def _align(self, counts: NDArray[np.int64], status: Status) -> None:
+        """Move the middle to where the Uno has it, before a block is judged; the table itself did not jump."""
+        middle = float(counts[-1]) - status.position
+        jump = (self.calibration.middle - middle) * self.calibration.count
+        self.calibration = replace(self.calibration, middle=middle)
+        self.warmth.shift(jump)
+        if self.interlock is not None:
+            self.interlock.shift(jump)
 
     def _judge(self, samples: Samples, waiting: float) -> None:
         warm = self.warmth.take(samples)

@@ -91,6 +91,10 @@ class Interlock:
             self.trip = Trip("estimated temperature", temperature, limit, "degC", time, "let the damper cool")
         return self.trip
 
+    def shift(self, jump: float) -> None:
+        """The displacement is counted from elsewhere: it grew by ``jump`` [m] and the table did not move."""
+        self._before = self._before + jump
+
     def _speed(self, samples: Samples) -> float:
         """The largest speed over `WINDOW`, across the border to the block before."""
         lag = max(1, round(WINDOW * self.rig.board.rate))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -66,6 +66,7 @@ class Rig:
         self.uno.hello()
         if self.uno.heartbeat().state is not State.IDLE:
             self.uno.disarm()
+        if self.uno.heartbeat().state is State.FAULT:
             self.uno.clear()
         self.uno.configure(self.settings)
         table = Table(self)
@@ -120,12 +121,15 @@ class Table:
         self.check: Callable[[], None] = _go_on
 
     def begin(self) -> None:
-        """Start sampling and arm."""
+        """Start sampling and arm; the board and the Uno are aligned where the table rests."""
         self.loop.begin()
         with self.loop.lock:
             self.rig.uno.heartbeat()
             self.rig.uno.arm()
-        self._align(next(self.loop.blocks()))  # without the lock: the thread that reads needs it for a block
+        for samples in self._for(SETTLED):  # without the lock: the thread that reads needs it for a block
+            if samples.status.speed == 0:
+                break
+        self._align()
 
     def leave(self, problem: BaseException | None) -> None:
         """Stop, coil to 0 V, rest, disarm; each is tried, and what fails is told with ``problem`` or raised."""
@@ -184,20 +188,21 @@ class Table:
                 self.rig.uno.arm()
             else:
                 self.rig.uno.home(INDEX, index)
+            self.loop.aligned = False  # the Uno may be homed anew between two blocks
         for samples in self._for(HOMING):
             if samples.status.state is State.ARMED:
                 if samples.status.homed:
-                    self._align(next(self.loop.blocks()))
+                    self._align()
                     return
                 break
         raise RigFault("no index mark was found; look at the encoder, or home by hand in the middle")
 
-    def _align(self, samples: Samples) -> None:
-        """Make the board's counts mean what the Uno's mean, at rest."""
-        if samples.status.homed:
-            middle = float(samples.counts[-1]) - samples.status.position
-            self.loop.calibration = replace(self.loop.calibration, middle=middle)
-            self.rig.calibration = self.loop.calibration
+    def _align(self) -> None:
+        """Make the board's counts mean what the Uno's mean, at rest: in a block that the table moves in, they are asked for
+        one after the other."""
+        with self.loop.lock:
+            self.loop.aligned = False
+        self.rest(self.rig.settings.board.block)
 
     def zero_force(self, seconds: float = 1.0) -> float:
         """Take the mean signal at rest for no force; the volts."""

@@ -41,6 +41,14 @@ class Warmth:
         self.cool(samples.n * dt)
         return self.temperature
 
+    def shift(self, jump: float) -> None:
+        """The displacement is counted from elsewhere: it grew by ``jump`` [m] and the table did not move."""
+        self._last += jump
+
+    def restart(self) -> None:
+        """The next block does not go on from the last."""
+        self._last = math.nan
+
     def cool(self, seconds: float) -> None:
         """Give heat to the room."""
         body = self.rig.specimen
