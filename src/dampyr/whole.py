@@ -12,10 +12,11 @@ from dampyr.errors import FileError
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, new: bool = False) -> Iterator[Path]:
     """A file beside ``path`` to be written; afterwards synced and put in its place in one move, or removed on an error.
 
-    Raises :class:`~dampyr.errors.FileError` where the folder is missing or takes no file.
+    Raises :class:`~dampyr.errors.FileError` where the folder is missing or takes no file, and with ``new`` where ``path`` is
+    there already: then nothing is replaced, whoever made it and when.
     """
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
@@ -30,7 +31,10 @@ def whole_file(path: Path) -> Iterator[Path]:
         with beside.open("rb+") as written:
             os.fsync(written.fileno())
         beside.chmod(0o644)
-        beside.replace(path)
+        if new:
+            _place_new(beside, path)
+        else:
+            beside.replace(path)
     except BaseException:
         beside.unlink(missing_ok=True)
         raise
@@ -41,6 +45,24 @@ def write_whole(path: Path, text: str) -> None:
     """Write ``text`` in UTF-8, with line feeds, as a `whole_file`."""
     with whole_file(path) as beside:
         beside.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _place_new(beside: Path, path: Path) -> None:
+    """Give the file its name, unless another has it."""
+    try:
+        try:
+            os.link(beside, path)
+        except FileExistsError:
+            raise
+        except OSError:  # a file system without links
+            if path.exists():
+                raise FileExistsError from None
+            beside.rename(path)
+        beside.unlink(missing_ok=True)
+    except FileExistsError:
+        raise FileError(
+            path, "is there already, and nothing is written over it; move it away, or choose another name"
+        ) from None
 
 
 def _sync_folder(folder: Path) -> None:

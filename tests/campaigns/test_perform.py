@@ -1,12 +1,16 @@
 """A campaign performed: what is recorded, what is kept when it ends early, and how it goes on."""
 
+import contextlib
 import json
 import os
+import re
+import shutil
 import signal
 import subprocess
 import sys
 import textwrap
 import time
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -195,6 +199,120 @@ def test_a_full_disk_ends_the_test_cleanly(two: Path, tmp_path: Path, monkeypatc
     assert kept.provenance["complete"] == "no"
     assert kept.n == pytest.approx(19 * 40, abs=40)
     assert "disk is full" in read_journal(tmp_path / "out")[0][0].reason
+
+
+CROWDED = textwrap.dedent("""
+    import os, resource, subprocess, sys
+    from pathlib import Path
+    from dampyr.campaigns import taking
+    from dampyr.cli import cli
+    from dampyr.records import read
+    from dampyr.records.formats import h5
+    from dampyr.records.recording import Recording
+    from dampyr.rig import simulated
+
+    way, reserved, campaign, folder = sys.argv[1:5]
+    append, out, log = Recording.append, Path(folder) / "out", Path(campaign).parent / "log.txt"
+
+    def told(self, values):
+        rows = append(self, values)
+        with log.open("a") as file:
+            file.write(f"{self.path.name} {rows}\\n")
+        return rows
+
+    Recording.append = told
+    if reserved == "no":  # as where a file system takes a write anew that was reserved before, or others use up the room
+        taking.check_room = lambda *_: None
+        os.posix_fallocate = lambda *_: None
+    simulated(in_process=True).board.simulator.alone(0.01)  # compiled once, for every host that is forked
+    print("ready", flush=True)
+    for line in sys.stdin:
+        host = os.fork()
+        if not host:
+            for k, name in enumerate(("stdout", "stderr"), 1):
+                os.dup2(os.open(Path(campaign).parent / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), k)
+            if way == "limit":
+                resource.setrlimit(resource.RLIMIT_FSIZE, (int(line) * 1024,) * 2)
+            try:
+                cli.main(["run", campaign, "--in-process", "--out", str(out)])
+            except SystemExit as ended:
+                os._exit(ended.code)
+        print(os.waitstatus_to_exitcode(os.waitpid(host, 0)[1]), flush=True)
+""")
+
+
+@contextlib.contextmanager
+def small_disk(folder: Path, kilobytes: int) -> Iterator[None]:
+    command = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(folder)]
+    if os.geteuid() or subprocess.run(command, check=False, capture_output=True).returncode:
+        pytest.skip("only root may mount a small disk")
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def crowded(hosts: subprocess.Popen, tmp_path: Path, kilobytes: int) -> tuple[int, str]:
+    """How a campaign ended on so much room, and what it said; its files are checked."""
+    assert hosts.stdin is not None
+    assert hosts.stdout is not None
+    (tmp_path / "log.txt").write_text("")
+    hosts.stdin.write(f"{kilobytes}\n")
+    hosts.stdin.flush()
+    code = int(hosts.stdout.readline())
+    said = (tmp_path / "stderr").read_text().strip().splitlines()
+    out = tmp_path / "disk" / "out"
+    for path in out.glob("*.h5"):
+        assert h5.state(path).test
+    kept: dict[str, int] = {}
+    for name, rows in (line.split() for line in (tmp_path / "log.txt").read_text().splitlines()):
+        kept[name] = int(rows)
+    check_kept(out, {name: rows for name, rows in kept.items() if rows >= 8})
+    assert not list(out.glob(".*"))
+    return code, said[-1] if said else ""
+
+
+def check_room(way: str, reserved: str, tmp_path: Path, sizes: Iterable[int]) -> dict[int, str]:
+    """Campaigns on disks or with files of so many kB: each ends in order and says why."""
+    campaign, disk, found = tmp_path / "two.toml", tmp_path / "disk", {}
+    campaign.write_text(TWO.replace("cycles = 2", "cycles = 1"), encoding="utf-8")
+    disk.mkdir()
+    command = [sys.executable, "-c", CROWDED, way, reserved, str(campaign), str(disk)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as hosts:
+        assert hosts.stdout is not None
+        assert hosts.stdout.readline() == "ready\n"
+        for size in sizes:
+            with small_disk(disk, size) if way == "disk" else contextlib.nullcontext():
+                code, said = crowded(hosts, tmp_path, size)
+                shutil.rmtree(disk / "out", ignore_errors=True)
+            assert code in (0, 2), (size, code, said)
+            assert code == 0 or said.startswith("dampyr: "), (size, said)
+            found[size] = said if code else "complete"
+        assert hosts.stdin is not None
+        hosts.stdin.close()
+    return found
+
+
+def test_on_every_disk_that_is_too_small_a_campaign_ends_in_order(tmp_path: Path) -> None:
+    found = check_room("disk", "yes", tmp_path, [300, 340, 380, 420, 460, 500, 540, 580, 620, 660, 700, 740, 800, 1200])
+    assert found[1200] == "complete"
+    assert re.search(r"the disk is full: \d+ bytes are needed, .* and \d+ are free; make room", found[340])
+
+
+def test_a_file_that_may_not_become_so_long_ends_a_campaign_in_order(tmp_path: Path) -> None:
+    found = check_room("limit", "yes", tmp_path, [40, 120, 160, 200, 240, 280, 320, 400])
+    assert found[400] == "complete"
+    assert "a file may not become as long here" in found[120]
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("way", ["disk", "limit"])
+@pytest.mark.parametrize("reserved", ["yes", "no"])
+def test_wherever_room_runs_out_a_campaign_ends_in_order(way: str, reserved: str, tmp_path: Path) -> None:
+    """Without reserving, as where a file system promises what it does not hold, it runs out in the middle of every write."""
+    sizes = range(100, 1300, 50) if way == "disk" else range(20, 400, 25)
+    found = check_room(way, reserved, tmp_path, sizes)
+    assert len({words.split(": ")[-1] for words in found.values()}) > 1
 
 
 def test_a_cell_wired_backwards_is_seen_before_the_first_test(two: Path, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -126,13 +127,46 @@ def test_more_samples_than_planned_are_refused(tmp_path: Path) -> None:
     assert read(tmp_path / "t.h5").n == 40
 
 
-def test_a_full_disk_is_told_before_the_first_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
+def full(*_: object) -> None:
+    raise OSError(28, "No space left on device")
 
+
+def test_a_full_disk_is_told_before_the_first_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "posix_fallocate", full)
-    with pytest.raises(FileError, match="the disk is full; make room"):
+    with pytest.raises(FileError, match=r"the disk is full: \d+ bytes are needed, .* and \d+ are free; make room"):
         Recording(tmp_path / "t.h5", 1000, HEADER)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_that_is_there_is_never_written_over(tmp_path: Path) -> None:
+    (tmp_path / "t.h5").write_bytes(b"a measurement")
+    with pytest.raises(FileError, match="is there already, and nothing is written over it"):
+        Recording(tmp_path / "t.h5", 1000, HEADER)
+    assert (tmp_path / "t.h5").read_bytes() == b"a measurement"
+    assert [path.name for path in tmp_path.iterdir()] == ["t.h5"]
+
+
+def test_the_room_of_the_finished_file_is_reserved_before_the_first_sample(tmp_path: Path) -> None:
+    header = replace(HEADER, derived=("velocity",))
+    before = shutil.disk_usage(tmp_path).free
+    recording = Recording(tmp_path / "t.h5", 2_000_000, header)
+    assert before - shutil.disk_usage(tmp_path).free > 0.9 * 2_000_000 * (5 + 6) * 8
+    recording.append(block(0))
+    recording.finish({}, refine=lambda values: values | {"velocity": values["force"]})
+    assert (tmp_path / "t.h5").stat().st_size < header.room(40)[1]
+
+
+def test_a_copy_that_is_refused_leaves_the_samples_where_they_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recording = Recording(tmp_path / "t.h5", 100_000, HEADER)
+    for k in range(2000):
+        recording.append(block(40 * k))
+    monkeypatch.setattr("dampyr.records.new_file.reserve", full)
+    with pytest.raises(FileError, match="cannot be finished: the disk is full; make room"):
+        recording.finish({})
+    assert read(tmp_path / "t.h5").n == 80_000
+    assert [path.name for path in tmp_path.iterdir()] == ["t.h5"]
 
 
 WRITER = textwrap.dedent("""

@@ -7,8 +7,8 @@ themselves are in the files of the tests, and where the two differ the files are
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterable
-from contextlib import closing
+from collections.abc import Iterable, Iterator
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -63,6 +63,10 @@ class Journal:
             self._base.execute("PRAGMA synchronous = FULL")
             self._base.executescript(TABLES)
             self._check_schema()
+        except sqlite3.OperationalError as problem:  # a full disk, a lock, a folder that is read-only
+            raise FileError(
+                self.path, f"cannot be used ({problem}); see to the disk, or choose another folder"
+            ) from problem
         except sqlite3.Error as problem:
             raise FileError(
                 self.path, f"is no journal of a campaign, or is broken ({problem}); choose another folder"
@@ -82,7 +86,7 @@ class Journal:
 
     def say(self, told: dict[str, str]) -> None:
         """Say something about the campaign."""
-        with self._base:
+        with self._transaction():
             self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", told.items())
 
     def plan(self, digest: str, names: Iterable[str], told: dict[str, str]) -> None:
@@ -142,21 +146,22 @@ class Journal:
             (now, test, attempt, what, detail),
         )
 
-    def _transaction(self) -> _Transaction:
-        return _Transaction(self._base)
-
-
-class _Transaction:
-    """All of it or nothing, on the disk when it ends."""
-
-    def __init__(self, base: sqlite3.Connection) -> None:
-        self._base = base
-
-    def __enter__(self) -> None:
-        self._base.execute("BEGIN IMMEDIATE")
-
-    def __exit__(self, kind: object, *_: object) -> None:
-        self._base.execute("ROLLBACK" if kind else "COMMIT")
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        """All of it or nothing, on the disk when it ends; :class:`FileError` where the disk takes nothing."""
+        try:
+            self._base.execute("BEGIN IMMEDIATE")
+            try:
+                yield
+                self._base.execute("COMMIT")
+            except BaseException:
+                with suppress(sqlite3.Error):
+                    self._base.execute("ROLLBACK")
+                raise
+        except sqlite3.Error as problem:
+            raise FileError(
+                self.path, f"cannot be written ({problem}); see to the disk, and run the campaign again: it goes on"
+            ) from problem
 
 
 def read_journal(folder: str | Path) -> tuple[list[Entry], list[Event]]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
-from contextlib import closing
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from dampyr.campaigns.expected import specimen
 from dampyr.campaigns.journal import Journal
 from dampyr.campaigns.plan import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
-from dampyr.campaigns.taking import as_json, file_of, reason, take
+from dampyr.campaigns.taking import as_json, check_disk, file_of, reason, take
 from dampyr.campaigns.watching import Watch, time_left
 from dampyr.errors import FileError
 from dampyr.records.formats.h5 import state
@@ -106,6 +106,15 @@ def _reconcile(journal: Journal, folder: Path) -> None:
             journal.end(entry.name, "failed", "interrupted: the host was killed or lost its power")
 
 
+@contextmanager
+def _noted(problem: BaseException) -> Iterator[None]:
+    """A journal that takes no entry does not hide what it was to tell; the files are right without it."""
+    try:
+        yield
+    except FileError as trouble:
+        problem.add_note(str(trouble))
+
+
 @dataclass
 class _Run:
     """One run over the tests that are left."""
@@ -124,6 +133,7 @@ class _Run:
 
     def perform(self) -> None:
         left = self.left()
+        check_disk(self.folder, self.rig, left, self.plan.campaign)
         self.journal.note("armed", f"{len(left)} of {len(self.plan.tests)} tests to run; {self.rig.identity}")
         try:
             with self.rig.armed() as table:
@@ -135,7 +145,8 @@ class _Run:
                     self._between(table, k, left)
                     self._test(table, test, len(left) - k)
         except BaseException as problem:
-            self.journal.note("ended early", reason(problem)["reason"])
+            with _noted(problem):
+                self.journal.note("ended early", reason(problem)["reason"])
             raise
         finally:
             self.control.abort_now = None
@@ -181,7 +192,8 @@ class _Run:
             take(table, test, self.plan.campaign, file_of(self.folder, test.name, attempt), attempt, seen)
         except BaseException as problem:
             told = reason(problem)
-            self.journal.end(test.name, "failed" if told["exit_status"] == "failed" else "stopped", told["reason"])
+            with _noted(problem):
+                self.journal.end(test.name, "failed" if told["exit_status"] == "failed" else "stopped", told["reason"])
             raise
         self.journal.end(test.name, "complete")
 

@@ -22,7 +22,8 @@ from dampyr.campaigns.plan import PlannedTest
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.derivative import differentiate, window
 from dampyr.records.record import Array, Label
-from dampyr.records.recording import Header, RawChannel, Recording
+from dampyr.records.recording import Header, RawChannel, Recording, check_room
+from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Rig, Table
@@ -46,7 +47,8 @@ def take(
 ) -> Path:
     """Play a test and record it. The file says how it ended; what ended it early is raised again."""
     table.go(float(planned.drive.displacement[0]))
-    recording = Recording(path, capacity(planned.drive, table.rig), header(table, planned, campaign, attempt))
+    known = header(table.rig, table.loop.calibration, planned, campaign, attempt)
+    recording = Recording(path, capacity(planned.drive, table.rig), known)
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
     with ended(recording, table, started):
         for samples, kept in table.play(planned.drive):
@@ -123,19 +125,27 @@ def capacity(drive: Drive, rig: Rig) -> int:
     return round(((last - drive.record_from) * drive.period + SPARE) * rig.settings.board.rate) + 1
 
 
-def header(table: Table, planned: PlannedTest, campaign: Campaign, attempt: int) -> Header:
+def check_disk(folder: Path, rig: Rig, tests: list[PlannedTest], campaign: Campaign) -> None:
+    """Raise :class:`~dampyr.errors.FileError` where the disk has not the room for one of the tests."""
+    assert rig.calibration is not None
+    longest = max(tests, key=lambda test: capacity(test.drive, rig))
+    known = header(rig, rig.calibration, longest, campaign, 1)
+    check_room(folder, longest.name, known, capacity(longest.drive, rig))
+
+
+def header(rig: Rig, known: Calibration, planned: PlannedTest, campaign: Campaign, attempt: int) -> Header:
     """What is known before a test begins."""
-    drive, known = planned.drive, table.loop.calibration
+    drive = planned.drive
     kept = drive.voltage[drive.record_from : drive.record_to]
     constant = bool(np.ptp(kept) == 0.0)
     channels = ["time", "displacement", "force", *(() if constant else ("voltage",))]
     raw = {
         "force": RawChannel("V", known.scale, -known.scale * known.zero, "N"),
         "position": RawChannel(
-            "count", known.count, known.count * (0.5 - known.middle), "m", "i8", table.rig.settings.force_delay
+            "count", known.count, known.count * (0.5 - known.middle), "m", "i8", rig.settings.force_delay
         ),
     }
-    if table.rig.settings.wires.temperature:
+    if rig.settings.wires.temperature:
         channels.append("temperature")
         raw["temperature"] = RawChannel("V", known.slope, known.base, "degC")
     return Header(
@@ -147,7 +157,8 @@ def header(table: Table, planned: PlannedTest, campaign: Campaign, attempt: int)
         {"voltage": float(kept[0])} if constant else {},
         role=getattr(planned.step, "role", "fit"),
         label=label(planned.step),
-        provenance=provenance(table, planned, campaign),
+        provenance=provenance(rig, known, planned, campaign),
+        derived=("velocity",),
     )
 
 
@@ -158,9 +169,8 @@ def label(step: Any) -> Label | None:
     return Label(2.0 * step.amplitude, step.frequency)
 
 
-def provenance(table: Table, planned: PlannedTest, campaign: Campaign) -> dict[str, str]:
+def provenance(rig: Rig, known: Calibration, planned: PlannedTest, campaign: Campaign) -> dict[str, str]:
     """Configuration, versions, calibration and the operator's note."""
-    rig = table.rig
     return {
         "campaign": campaign.header.name,
         "operator": campaign.header.operator,
@@ -168,7 +178,7 @@ def provenance(table: Table, planned: PlannedTest, campaign: Campaign) -> dict[s
         "kind": planned.kind,
         "step": as_json(planned.step),
         "rig": as_json(rig.settings),
-        "calibration": as_json(table.loop.calibration),
+        "calibration": as_json(known),
         "board": rig.identity,
         "data_sheet": rig.settings.specimen.data_sheet,
         "dampyr": dampyr.__version__,

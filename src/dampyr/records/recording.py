@@ -1,16 +1,21 @@
 """A test while it is recorded: a file in which a kill at any moment leaves every acknowledged sample readable.
 
-All datasets lie in the file at their full length before the first sample comes, so that recording changes no structure of the
-file: a block of samples is written into place and flushed, and then the number of rows, in one write of 8 bytes. What
-is beyond that number is not there for any reader. At the end the file is written anew, as long as it became, in one move.
+All datasets lie in the file at their full length before the first sample comes, so that recording changes no structure of
+the file: a block of samples is written into place, and then the number of rows, in one write of 8 bytes; both without the
+HDF5 library. What is beyond that number is not there for any reader. At the end the file is written anew, as long as it
+became, in one move, into room that was reserved before the first sample.
 """
 
 from __future__ import annotations
 
-import contextlib
+import errno
+import io
 import os
+import shutil
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,10 +25,17 @@ from numpy.typing import NDArray
 
 from dampyr.errors import FileError
 from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
+from dampyr.records.new_file import new_file, reserve
 from dampyr.records.record import CHANNELS, Array, Label, Record, Role
 from dampyr.whole import whole_file
 
 SYNC_EVERY = 1.0  # s
+STRUCTURE = 2**16  # bytes of a file besides samples and texts: 20 to 40 KiB were seen
+REFUSALS = {
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the quota on the disk is used up",
+    errno.EFBIG: "a file may not become as long here",
+}
 Refine = Callable[[dict[str, Any]], dict[str, Any]]
 
 
@@ -41,7 +53,8 @@ class RawChannel:
 
 @dataclass(frozen=True)
 class Header:
-    """What is known of a test before it begins; ``constants`` are channels that are one number."""
+    """What is known of a test before it begins; ``constants`` are channels that are one number, ``derived`` those that only the
+    finished file has."""
 
     name: str
     test: str
@@ -52,21 +65,36 @@ class Header:
     role: Role = "fit"
     label: Label | None = None
     provenance: Mapping[str, str] = field(default_factory=dict)
+    derived: tuple[str, ...] = ()
+
+    def room(self, rows: int) -> tuple[int, int]:
+        """Bytes of the file under way and of the finished one, at most, with ``rows`` samples."""
+        sample = 8 * len(self.channels) + sum(np.dtype(raw.kind).itemsize for raw in self.raw.values())
+        texts = STRUCTURE + 2 * sum(len(str(text).encode()) for text in self.provenance.values())
+        return rows * sample + texts, rows * (sample + 8 * len(self.derived)) + texts
 
 
 class Recording:
     """A file under way. ``rows`` samples are acknowledged: they survive whatever happens to this process."""
 
     def __init__(self, path: str | Path, capacity: int, header: Header) -> None:
-        """Make the file with room for ``capacity`` samples; :class:`FileError` where the disk has no room for them."""
+        """Make the file with room for ``capacity`` samples, and reserve as much again for the copy that finishes it.
+
+        Raises :class:`~dampyr.errors.FileError` where the disk has not the room for both, or the file is there already.
+        """
         self.path, self.capacity, self.header, self.rows = Path(path), capacity, header, 0
         self._synced = time.monotonic()
-        with self._told("cannot be made"):
-            self._file = _made(self.path, capacity, header)
-            self._fd: int = self._file.id.get_vfd_handle()
-            _reserve(self._fd)
-            self._data = {name: self._file[name] for name in _names(header)}
-            self._count = self._file["rows"]
+        with self._told("cannot be made", sum(header.room(capacity))), ExitStack() as undo:
+            columns, rows = _made(self.path, capacity, header)
+            undo.callback(self.path.unlink, missing_ok=True)
+            self._file = undo.enter_context(self.path.open("rb+", buffering=0))
+            self._data = {name: _Column(self._file, *place, self) for name, place in columns.items()}
+            self._count = rows
+            reserve(self._file.fileno(), os.fstat(self._file.fileno()).st_size)
+            # without a name, so that a killed process leaves none of it
+            self._copy = undo.enter_context(tempfile.TemporaryFile(dir=self.path.parent))
+            reserve(self._copy.fileno(), header.room(capacity)[1])
+            undo.pop_all()
 
     def append(self, values: Mapping[str, NDArray[Any]]) -> int:
         """Write a block, ``{"calibrated/force": (n,), "raw/force": (n,), ...}``; how many rows are acknowledged then."""
@@ -77,25 +105,23 @@ class Recording:
             )
         with self._told("cannot be written"):
             for name, data in self._data.items():
-                data[self.rows : self.rows + n] = values[name]
-            self._file.flush()
-            self._count[()] = self.rows + n
-            self._file.flush()
+                data.write(self.rows, values[name])
+            _write(self._file, self._count, np.uint64(self.rows + n).tobytes())
             self._sync()
         self.rows += n
         return self.rows
 
     def _sync(self) -> None:
         if time.monotonic() - self._synced >= SYNC_EVERY:
-            os.fsync(self._fd)
+            os.fsync(self._file.fileno())
             self._synced = time.monotonic()
 
     def close(self) -> None:
         """Leave the file as it is: incomplete, every acknowledged row in it."""
-        with self._told("cannot be written"):
-            if self._file:
-                os.fsync(self._fd)
-                self._file.close()
+        self._copy.close()
+        if not self._file.closed:
+            with self._told("cannot be written"), self._file as file:
+                os.fsync(file.fileno())
 
     def finish(
         self,
@@ -115,10 +141,11 @@ class Recording:
         header = self.header
         about: dict[str, Any] = {"name": header.name, "label": header.label, "role": header.role, **header.constants}
         about |= {"provenance": told, "history": history}
-        raw = {name: _raw(_Rows(self._data[f"raw/{name}"], self.rows), c) for name, c in header.raw.items()}
+        raw = {name: _raw(self._data[f"raw/{name}"], channel) for name, channel in header.raw.items()}
         try:
             with self._told("cannot be finished"), whole_file(self.path) as beside:
-                fill(beside, self.rows, self._pieces(about, refine, margin), raw)
+                self._copy.close()
+                fill(beside, self.rows, self._pieces(about, refine, margin), raw, header.room(self.rows)[1])
                 self.close()
         finally:
             self.close()
@@ -129,36 +156,81 @@ class Recording:
         for k in range(count):
             first, last = self.rows * k // count, self.rows * (k + 1) // count
             low, high = max(first - margin, 0), min(last + margin, self.rows)
-            wide = {name: self._data[f"calibrated/{name}"][low:high] for name in self.header.channels}
+            wide: dict[str, Any] = {name: self._data[f"calibrated/{name}"][low:high] for name in self.header.channels}
             channels = {name: v[first - low : last - low] for name, v in (refine(wide) if refine else wide).items()}
             yield Record(**channels, **about)
 
-    @contextlib.contextmanager
-    def _told(self, what: str) -> Any:
+    @contextmanager
+    def _told(self, what: str, needed: int = 0) -> Iterator[None]:
+        """A refusal of the system as a sentence; ``needed`` bytes were to be reserved."""
         try:
             yield
         except (OSError, RuntimeError) as problem:
-            reason = " ".join(str(problem).split())
-            if getattr(problem, "errno", None) == 28 or "No space left" in reason:
-                reason = "the disk is full; make room, and run the campaign again: it goes on with this test"
-            raise FileError(self.path, f"{what}: {reason}") from problem
+            number = getattr(problem, "errno", None) or 0
+            if number in REFUSALS:
+                raise FileError(self.path, f"{what}: {_refusal(number, needed, self.path.parent)}") from problem
+            raise FileError(self.path, f"{what}: {' '.join(str(problem).split())}") from problem
 
 
-class _Rows:
-    """The rows of a dataset that are there."""
+def check_room(folder: Path, what: str, header: Header, capacity: int) -> None:
+    """Raise :class:`~dampyr.errors.FileError` where the disk has not the room for a recording and the copy that finishes it."""
+    needed = sum(header.room(capacity))
+    if needed > shutil.disk_usage(folder).free:
+        raise FileError(folder, f"{what} cannot be recorded: {_refusal(errno.ENOSPC, needed, folder)}")
 
-    def __init__(self, data: Any, rows: int) -> None:
-        self.data, self.rows, self.dtype = data, rows, data.dtype
+
+def _refusal(number: int, needed: int, folder: Path) -> str:
+    """Why there is no room, how much is needed where that is known, and what to do."""
+    free = shutil.disk_usage(folder).free
+    sizes = (
+        f": {needed} bytes are needed, a copy that finishes the record included, and {free} are free" if needed else ""
+    )
+    return f"{REFUSALS[number]}{sizes}; make room, and run the campaign again: it goes on with this test"
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A dataset of the file under way: its samples lie in one piece from ``first`` on."""
+
+    file: io.FileIO
+    first: int
+    dtype: np.dtype[Any]
+    recording: Recording
 
     def __len__(self) -> int:
-        return self.rows
+        return self.recording.rows
 
     def __getitem__(self, some: slice) -> Array:
-        first, last, _ = some.indices(self.rows)
-        return np.asarray(self.data[first:last])
+        begin, end, _ = some.indices(len(self))
+        values = np.empty(max(0, end - begin), self.dtype)
+        self.file.seek(self.first + begin * self.dtype.itemsize)
+        left = _bytes(values)
+        while left:
+            count = self.file.readinto(left)
+            if not count:
+                raise OSError(f"it ends before its sample {end}")
+            left = left[count:]
+        return values
+
+    def write(self, row: int, values: NDArray[Any]) -> None:
+        """Put samples in their place, from ``row`` on."""
+        data = np.ascontiguousarray(values, self.dtype)
+        _write(self.file, self.first + row * self.dtype.itemsize, _bytes(data))
 
 
-def _raw(values: _Rows, channel: RawChannel) -> Raw:
+def _bytes(values: NDArray[Any]) -> memoryview:
+    return values.data.cast("B") if values.size else memoryview(b"")
+
+
+def _write(file: io.FileIO, place: int, data: bytes | memoryview) -> None:
+    """All of it; :class:`OSError` where the disk takes less."""
+    file.seek(place)
+    left = memoryview(data)
+    while left:
+        left = left[file.write(left) :]
+
+
+def _raw(values: _Column, channel: RawChannel) -> Raw:
     return Raw(values, channel.unit, channel.gain, channel.offset, channel.calibrated_unit, channel.delay)
 
 
@@ -166,11 +238,15 @@ def _names(header: Header) -> list[str]:
     return [*(f"calibrated/{name}" for name in header.channels), *(f"raw/{name}" for name in header.raw)]
 
 
-def _made(path: Path, capacity: int, header: Header) -> Any:
-    """The file with everything but samples, whole and synced before anyone sees it under its name."""
-    import h5py
+Place = tuple[int, "np.dtype[Any]"]
 
-    with whole_file(path) as beside, h5py.File(beside, "w", libver="earliest") as file:
+
+def _made(path: Path, capacity: int, header: Header) -> tuple[dict[str, Place], int]:
+    """The file with everything but samples, whole and synced before anyone sees it under its name.
+
+    Where each dataset begins in it, with its type, and where the number of rows stands.
+    """
+    with whole_file(path, new=True) as beside, new_file(beside, libver="earliest") as file:
         file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0), "name": header.name})
         file.attrs.update({"role": header.role, "test": header.test, "try": header.attempt})
         for name in header.channels:
@@ -184,8 +260,9 @@ def _made(path: Path, capacity: int, header: Header) -> Any:
             known = {key: value for key, value in vars(header.label).items() if value is not None}
             file.create_group("label").attrs.update(known)
         file.create_group("provenance").attrs.update(dict(header.provenance))
-        file.create_dataset("rows", data=np.uint64(0))
-    return h5py.File(path, "r+", libver="earliest", locking=False)
+        rows = file.create_dataset("rows", data=np.uint64(0))
+        columns = {name: (file[name].id.get_offset(), file[name].dtype) for name in _names(header)}
+        return columns, rows.id.get_offset()
 
 
 def _room(file: Any, name: str, capacity: int, kind: str) -> Any:
@@ -197,9 +274,3 @@ def _room(file: Any, name: str, capacity: int, kind: str) -> Any:
     how.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     how.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     return file.create_dataset(name, (capacity,), kind, dcpl=how)
-
-
-def _reserve(descriptor: int) -> None:
-    """Take the room on the disk now, where the system can, so that it does not run out in the middle of a test."""
-    if hasattr(os, "posix_fallocate"):
-        os.posix_fallocate(descriptor, 0, max(1, os.fstat(descriptor).st_size))

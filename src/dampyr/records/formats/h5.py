@@ -30,6 +30,7 @@ import numpy as np
 
 from dampyr.errors import FileError, InputError
 from dampyr.records.files import Request
+from dampyr.records.new_file import new_file
 from dampyr.records.record import CHANNELS, Label, Record, as_role
 from dampyr.units import to_si
 from dampyr.whole import whole_file
@@ -117,19 +118,25 @@ def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None
     (a whole number) say of which test of a campaign it is which try.
     """
     path = Path(path)
-    with whole_file(path) as beside:
-        fill(beside, record.n, [record], raw or {})
+    try:
+        with whole_file(path) as beside:
+            fill(beside, record.n, [record], raw or {})
+    except OSError as problem:
+        raise FileError(
+            path, f"cannot be written ({problem.strerror or problem}); make room, or choose another disk"
+        ) from problem
     return path
 
 
-def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw]) -> None:
+def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], room: int = 0) -> None:
     """Write a record of ``n`` samples that comes in pieces; all but their channels is taken from the last.
 
-    Raises :class:`~dampyr.errors.InputError` where the clock of a piece does not go on from that of the last.
+    ``room`` bytes are reserved before the first piece is asked for. Raises :class:`~dampyr.errors.InputError` where the clock
+    of a piece does not go on from that of the last, :class:`OSError` where the disk is full.
     """
     import h5py
 
-    with h5py.File(path, "w") as file:
+    with new_file(path, room) as file:
         file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0)})
         first, until = 0, -np.inf
         for record in pieces:
