@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from dampyr.campaigns.journal import Journal, read_journal
+from dampyr.campaigns.journal import Entry, Journal, read_journal
 from dampyr.errors import FileError, InputError
 
 
@@ -40,6 +40,26 @@ def test_another_campaign_in_the_folder_is_refused(tmp_path: Path) -> None:
     Journal(tmp_path).plan("d1", ["a"], {"name": "first"})
     with pytest.raises(InputError, match="holds the campaign 'first', and this one differs; give another --out"):
         Journal(tmp_path).plan("d2", ["a"], {"name": "second"})
+
+
+def test_a_plan_begins_with_what_is_known_of_its_tests(tmp_path: Path) -> None:
+    journal = Journal(tmp_path)
+    assert journal.is_empty
+    journal.plan("d1", ["a", "b"], {"name": "first"}, [Entry("b", "complete", 3, "by its file")])
+    assert not journal.is_empty
+    assert journal.tests() == [Entry("a", "planned", 0, ""), Entry("b", "complete", 3, "by its file")]
+    assert journal.begin("a", 4) == 5  # four tries have files
+    assert journal.begin("b", 1) == 4
+
+
+def test_a_disk_that_takes_no_entry_is_told(tmp_path: Path) -> None:
+    journal = Journal(tmp_path)
+    journal.plan("d1", ["a"], {"name": "first"})
+    journal._base.execute("PRAGMA query_only = ON")
+    with pytest.raises(FileError, match=r"cannot be written \(.*\); see to the disk, and run the campaign again"):
+        journal.begin("a")
+    journal._base.execute("PRAGMA query_only = OFF")
+    assert journal.begin("a") == 1
 
 
 def test_what_is_no_journal_is_told(tmp_path: Path) -> None:

@@ -1,10 +1,16 @@
-"""dampyr run: the dry run."""
+"""dampyr run: the dry run, and a folder whose journal was lost."""
 
+import hashlib
 import json
+import sqlite3
 from pathlib import Path
 
+import h5py
+import pytest
 from click.testing import CliRunner
 
+from dampyr import records
+from dampyr.campaigns import read_journal
 from dampyr.cli import cli
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -62,3 +68,139 @@ def test_a_campaign_that_is_refused_does_not_run(tmp_path):
     assert done.exit_code == 2
     assert "needs 251.3 mm/s" in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+SHORT = """
+name = "short"
+rest_between = "0.2 s"
+check_amplitude = 0.0
+[[step]]
+kind = "sine"
+amplitude = "4 mm"
+frequency = "1 Hz"
+voltage = ["0 V", "0.8712 V"]
+cycles = 2
+rest_before = "0.2 s"
+"""
+FIRST, SECOND = "01-sine-4mm-1Hz-0V", "02-sine-4mm-1Hz-0.8712V"
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which the first test is complete and the second failed."""
+    folder = tmp_path_factory.mktemp("recorded")
+    (folder / "short.toml").write_text(SHORT)
+    done = run(folder / "short.toml", "--in-process", "--out", folder / "out", "--fault", "stalled-motor@9s")
+    assert done.exit_code == 2
+    assert [test.state for test in read_journal(folder / "out")[0]] == ["complete", "failed"]
+    return folder
+
+
+@pytest.fixture
+def lab(recorded: Path, tmp_path: Path) -> Path:
+    (tmp_path / "out").mkdir()
+    for path in (recorded / "short.toml", *(recorded / "out").iterdir()):
+        (tmp_path / path.relative_to(recorded)).write_bytes(path.read_bytes())
+    return tmp_path
+
+
+def sums(folder: Path) -> dict[str, str]:
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(folder.glob("*.h5"))}
+
+
+def lose(how: str, journal: Path) -> None:
+    """What may happen to a journal."""
+    if how == "deleted":
+        journal.unlink()
+    elif how == "empty":
+        journal.write_bytes(b"")
+    else:
+        with sqlite3.connect(journal) as base:
+            for table in ("tests", "campaign", "events")[: 1 if how == "without tests" else 3]:
+                base.execute(f"DELETE FROM {table}")
+        base.close()
+
+
+@pytest.mark.parametrize("how", ["deleted", "empty", "without rows", "without tests"])
+def test_a_journal_that_was_lost_is_made_anew_from_the_files(lab: Path, how: str) -> None:
+    out, before = lab / "out", sums(lab / "out")
+    assert len(before) == 2
+    lose(how, out / "journal.sqlite")
+    done = run(lab / "short.toml", "--in-process", "--out", out)
+    assert done.exit_code == 0, done.output
+    assert "was missing or empty and is made anew from the files of 2 of its 2 tests: 1 complete, 1 not" in done.stderr
+    tests, events = read_journal(out)
+    assert [(test.name, test.state, test.attempt) for test in tests] == [
+        (FIRST, "complete", 1),
+        (SECOND, "complete", 2),
+    ]
+    assert [event.detail for event in events if event.what == "rebuilt"]
+    after = sums(out)
+    assert {name: after[name] for name in before} == before
+    assert set(after) - set(before) == {f"{SECOND}.try2.h5"}
+    assert len(records.read_campaign(out)) == 2
+    lose(how, out / "journal.sqlite")
+    done = run(lab / "short.toml", "--in-process", "--out", out)
+    assert done.exit_code == 0
+    assert "2 of 2 tests complete" in done.stdout
+    assert sums(out) == after
+
+
+@pytest.mark.parametrize("how", ["deleted", "empty"])
+@pytest.mark.parametrize("old", [False, True])
+def test_another_campaign_with_the_same_names_takes_no_files_over(lab: Path, how: str, old: bool) -> None:
+    out = lab / "out"
+    if old:  # as before files told of the whole campaign
+        for path in out.glob("*.h5"):
+            with h5py.File(path, "r+") as file:
+                del file["provenance"].attrs["campaign_digest"]
+    before = sums(out)
+    lose(how, out / "journal.sqlite")
+    (lab / "short.toml").write_text(SHORT.replace("cycles = 2", "cycles = 1"))
+    done = run(lab / "short.toml", "--in-process", "--out", out)
+    assert done.exit_code == 2
+    assert f"has no journal of its tests, and its file {FIRST}.h5 is not of the campaign 'short'" in done.stderr
+    assert "give another --out, or move the files that are there to another folder" in done.stderr
+    assert sums(out) == before
+    (lab / "short.toml").write_text(SHORT)  # and its own campaign goes on
+    assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
+    assert {name: sums(out)[name] for name in before} == before
+
+
+def test_files_of_other_tests_are_not_taken_for_a_campaign(lab: Path) -> None:
+    before = sums(lab / "out")
+    (lab / "out/journal.sqlite").unlink()
+    (lab / "short.toml").write_text(SHORT.replace("4 mm", "5 mm"))
+    done = run(lab / "short.toml", "--in-process", "--out", lab / "out")
+    assert done.exit_code == 2
+    assert "is not of the campaign 'short'" in done.stderr
+    assert sums(lab / "out") == before
+
+
+def test_a_file_that_cannot_be_read_is_told_before_anything_moves(lab: Path) -> None:
+    (lab / "out/journal.sqlite").unlink()
+    (lab / "out" / f"{FIRST}.h5").write_bytes(b"")
+    done = run(lab / "short.toml", "--in-process", "--out", lab / "out")
+    assert done.exit_code == 2
+    assert "has no journal of its tests, and a file cannot be read" in done.stderr
+
+
+def test_a_try_that_the_journal_does_not_know_is_not_written_over(lab: Path) -> None:
+    out = lab / "out"
+    (out / f"{SECOND}.try2.h5").write_bytes((out / f"{SECOND}.h5").read_bytes())
+    before = sums(out)
+    assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
+    after = sums(out)
+    assert {name: after[name] for name in before} == before
+    assert set(after) - set(before) == {f"{SECOND}.try3.h5"}
+    assert [test.attempt for test in read_journal(out)[0]] == [1, 3]
+
+
+def test_what_a_killed_host_left_of_a_copy_goes_away(lab: Path) -> None:
+    out = lab / "out"
+    with sqlite3.connect(out / "journal.sqlite") as base:
+        base.execute("UPDATE tests SET state = 'running' WHERE name = ?", (SECOND,))
+    base.close()
+    (out / f".{SECOND}.h5.abcd1234.part").write_bytes(b"half")
+    assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
+    assert not list(out.glob(".*"))

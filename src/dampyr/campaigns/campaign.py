@@ -6,6 +6,7 @@ test as written, second repeat.
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
@@ -81,6 +82,12 @@ class Campaign:
     header: Header
     tests: tuple[Test, ...]
     source: str = ""
+
+    @property
+    def digest(self) -> str:
+        """A hash of what is run, in its order."""
+        told = [(test.name, test.kind, repr(test.step)) for test in self.tests]
+        return hashlib.sha256(repr(told).encode()).hexdigest()[:16]
 
     @property
     def preliminary(self) -> QuasiStatic | None:

@@ -1,7 +1,8 @@
 """What happened in a campaign's folder, in SQLite: the plan, the state of each test, and every event with its time.
 
 Each entry is on the disk before the next thing happens, so that a killed campaign tells how far it came. The measurements
-themselves are in the files of the tests, and where the two differ the files are right.
+themselves are in the files of the tests, and where the two differ the files are right: a journal that is lost is made anew from
+them (`dampyr.campaigns.recorded`).
 """
 
 from __future__ import annotations
@@ -89,17 +90,28 @@ class Journal:
         with self._transaction():
             self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", told.items())
 
-    def plan(self, digest: str, names: Iterable[str], told: dict[str, str]) -> None:
-        """Enter the plan; :class:`InputError` where the folder belongs to another one."""
+    @property
+    def is_empty(self) -> bool:
+        """Whether it holds no plan: it is new, or was lost."""
+        return not self.said("digest") or not self.tests()
+
+    def check(self, digest: str) -> None:
+        """Raise :class:`InputError` where the folder belongs to another plan."""
         known = self.said("digest")
         if known and known != digest:
             raise InputError(
                 f"{self.path.parent} holds the campaign {self.said('name')!r}, and this one differs; give another --out"
             )
-        if not known:
+
+    def plan(self, digest: str, names: Iterable[str], told: dict[str, str], known: Iterable[Entry] = ()) -> None:
+        """Enter the plan where none is, with what is known of its tests; :class:`InputError` where there is another one."""
+        self.check(digest)
+        if self.is_empty:
+            done = {entry.name: entry for entry in known}
+            entries = [done.get(name, Entry(name, "planned", 0, "")) for name in names]
+            rows = [(each.name, place, each.state, each.attempt, each.reason) for place, each in enumerate(entries)]
             with self._transaction():
-                rows = [(name, place, "planned", 0, "") for place, name in enumerate(names)]
-                self._base.executemany("INSERT INTO tests VALUES (?, ?, ?, ?, ?)", rows)
+                self._base.executemany("INSERT OR REPLACE INTO tests VALUES (?, ?, ?, ?, ?)", rows)
                 told = told | {"digest": digest}
                 self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", told.items())
 
@@ -108,11 +120,12 @@ class Journal:
         rows = self._base.execute("SELECT name, state, attempt, reason FROM tests ORDER BY place")
         return [Entry(*row) for row in rows]
 
-    def begin(self, name: str) -> int:
-        """A test begins: which try it is, from 1."""
+    def begin(self, name: str, last: int = 0) -> int:
+        """A test begins: which try it is, from 1; ``last`` is the highest that has a file."""
         with self._transaction():
             self._base.execute(
-                "UPDATE tests SET state = 'running', attempt = attempt + 1, reason = '' WHERE name = ?", (name,)
+                "UPDATE tests SET state = 'running', attempt = max(attempt, ?) + 1, reason = '' WHERE name = ?",
+                (last, name),
             )
             attempt = int(self._base.execute("SELECT attempt FROM tests WHERE name = ?", (name,)).fetchone()[0])
             self._event(name, attempt, "begun", "")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -15,9 +15,10 @@ from dampyr.campaigns.expected import specimen
 from dampyr.campaigns.journal import Journal
 from dampyr.campaigns.plan import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
+from dampyr.campaigns.recorded import INTERRUPTED, last_try, recorded
 from dampyr.campaigns.taking import as_json, check_disk, file_of, reason, take
 from dampyr.campaigns.watching import Watch, time_left
-from dampyr.errors import FileError
+from dampyr.errors import DampyrWarning, FileError
 from dampyr.records.formats.h5 import state
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Rig, Table
@@ -40,7 +41,7 @@ def perform(
         A plan, a campaign, or the path of its TOML file. Refused as a whole where the rig cannot do all of it.
     folder
         Where the records go. Tests that are complete there are not run again; one that was interrupted is run anew,
-        beside what it left.
+        beside what it left. Where its journal is missing or empty the files say which tests are complete.
     progress
         Called with a :class:`Progress` for every block of samples.
     control
@@ -54,7 +55,7 @@ def perform(
     found.require()
     folder = _made(Path(folder))
     with closing(Journal(folder)) as journal:
-        journal.plan(digest(found.campaign), [test.name for test in found.tests], _told(found, rig))
+        _enter(found, rig, journal, folder)
         _reconcile(journal, folder)
         run = _Run(found, rig, folder, journal, progress or (lambda _: None), control or Control())
         if run.left():
@@ -77,10 +78,19 @@ def _made(folder: Path) -> Path:
     return folder
 
 
-def digest(campaign: Campaign) -> str:
-    """A hash of what is run, in its order."""
-    told = [(test.name, test.kind, repr(test.step)) for test in campaign.tests]
-    return hashlib.sha256(repr(told).encode()).hexdigest()[:16]
+def _enter(found: Plan, rig: Rig, journal: Journal, folder: Path) -> None:
+    """Enter the plan; where the journal holds none, with what the files in the folder say of its tests."""
+    names, digest = [test.name for test in found.tests], found.campaign.digest
+    journal.check(digest)
+    if not journal.is_empty:
+        return
+    known = recorded(folder, found)
+    journal.plan(digest, names, _told(found, rig), known)
+    if known:
+        complete = sum(entry.state == "complete" for entry in known)
+        words = f"from the files of {len(known)} of its {len(names)} tests: {complete} complete, {len(known) - complete} not"
+        journal.note("rebuilt", words)
+        warnings.warn(f"{journal.path} was missing or empty and is made anew {words}", DampyrWarning, stacklevel=3)
 
 
 def _told(found: Plan, rig: Rig) -> dict[str, str]:
@@ -103,7 +113,9 @@ def _reconcile(journal: Journal, folder: Path) -> None:
         if path.is_file() and state(path).complete:
             journal.end(entry.name, "complete", "found complete after an interruption")
         else:
-            journal.end(entry.name, "failed", "interrupted: the host was killed or lost its power")
+            journal.end(entry.name, "failed", INTERRUPTED)
+        for left in folder.glob(f".{path.name}.*.part"):  # of a host that was killed while it finished the file
+            left.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -178,7 +190,7 @@ class _Run:
         self.control.check()
 
     def _test(self, table: Table, test: PlannedTest, remaining: int) -> None:
-        attempt = self.journal.begin(test.name)
+        attempt = self.journal.begin(test.name, last_try(self.folder, test.name))
         try:
             watch = Watch(test, self.rig.settings.board.rate)
             first: list[int] = []

@@ -173,6 +173,7 @@ def provenance(rig: Rig, known: Calibration, planned: PlannedTest, campaign: Cam
     """Configuration, versions, calibration and the operator's note."""
     return {
         "campaign": campaign.header.name,
+        "campaign_digest": campaign.digest,
         "operator": campaign.header.operator,
         "note": campaign.header.note,
         "kind": planned.kind,

@@ -86,7 +86,7 @@ def _perform(found: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[
             tests, events = read_journal(out)
             if as_json:
                 print_json({"folder": str(out), "tests": tests, "events": events})
-            else:
+            elif tests:
                 _summary(found, out, tests)
 
 

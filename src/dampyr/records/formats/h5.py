@@ -73,17 +73,17 @@ def read(path: Path, request: Request) -> Record:
             if name not in channels:
                 raise FileError(path, f"/calibrated/{name} is missing; record the test again")
         channels |= request.input_channels(channels.pop("voltage", None), channels.pop("current", None))
-        provenance = {k: str(v) for k, v in file["provenance"].attrs.items()} if "provenance" in file else {}
+        told = _provenance(file)
         history = tuple(file["history"].asstr()[()]) if "history" in file else ()
-        if not _is_complete(file) and provenance.get("complete") != "no":
-            provenance["complete"] = "no"
+        if not _is_complete(file) and told.get("complete") != "no":
+            told["complete"] = "no"
             history = (*history, "read from a file whose recording was not completed")
         return Record(
             **channels,
             name=str(file.attrs["name"]),
             role=as_role(str(file.attrs["role"])),
             label=_label(file),
-            provenance=provenance,
+            provenance=told,
             history=history,
         )
 
@@ -109,6 +109,12 @@ def state(path: str | Path) -> State:
     with _open(Path(path)) as file:
         test = str(file.attrs.get("test", file.attrs["name"]))
         return State(_is_complete(file), test, int(file.attrs.get("try", 1)))
+
+
+def provenance(path: str | Path) -> dict[str, str]:
+    """Where a record comes from, without reading it."""
+    with _open(Path(path)) as file:
+        return _provenance(file)
 
 
 def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None) -> Path:
@@ -202,6 +208,10 @@ def _check_schema(path: Path, file: Any) -> None:
     schema = int(file.attrs.get("schema", 0))
     if schema not in KNOWN:
         raise FileError(path, f"has the schema {schema}, this dampyr knows schema {SCHEMA}; upgrade dampyr")
+
+
+def _provenance(file: Any) -> dict[str, str]:
+    return {k: str(v) for k, v in file["provenance"].attrs.items()} if "provenance" in file else {}
 
 
 def _is_complete(file: Any) -> bool:
