@@ -15,6 +15,7 @@ pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.records.test_contained import PLANTS, planted
 
 from dampyr import records
 from dampyr.console import app, limits
@@ -129,6 +130,26 @@ def test_a_hostile_file_is_a_sentence_and_leaves_nothing(client, data, name):
 def test_a_name_that_is_none_is_refused(client, data, name):
     assert upload(client, name, CSV).status_code in (400, 404)
     assert everything(data) == []
+
+
+@pytest.mark.parametrize("name", PLANTS)
+def test_a_file_that_points_out_of_itself_shows_nothing(client, data, tmp_path, name):
+    """Neither uploaded nor put into the data folder by hand."""
+    (tmp_path / "sent").mkdir()
+    path = planted(tmp_path / "sent" / "test.h5", PLANTS[name])
+    refused = upload(client, "test.h5", path.read_bytes())
+    assert refused.status_code == 400
+    assert "copy it with h5repack" in refused.json()["detail"]
+    assert everything(data) == []
+    (data / "test.h5").write_bytes(path.read_bytes())
+    answers = [refused, client.get("/api/records/list")]
+    answers += [
+        client.get(f"/api/records/{each}", params={"key": "data/test.h5", "format": "csv"})
+        for each in ("one", "curves", "cycles", "export")
+    ]
+    for answer in answers:
+        assert not any(secret in answer.text for secret in ("777.25", "778.25", "password"))
+        assert "copy it with h5repack" in answer.text
 
 
 def test_uploads_stop_at_the_quota(data):

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import FileError, InputError
+from dampyr.records.contained import check_contained
 from dampyr.structures.cases import Cases
 from dampyr.structures.ensemble import Progress, completed, warn_of
 from dampyr.structures.labels import Labels
@@ -185,6 +186,11 @@ def _opened(path: Path) -> Any:
         raise FileError(
             path, f"cannot be read as a part of an ensemble ({error}); remove it and compute it again"
         ) from None
+    try:
+        check_contained(path, file)
+    except FileError:
+        file.close()
+        raise
     if file.attrs.get("format") != FORMAT or "part" not in file.attrs:
         file.close()
         raise FileError(path, "is no part of an ensemble; remove it and compute it again")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import FileError
+from dampyr.records.contained import check_contained
 from dampyr.structures.cases import Cases
 from dampyr.structures.labels import Labels
 from dampyr.structures.shards import Shard
@@ -44,6 +45,8 @@ class Store:
             if not path.exists():
                 with whole_file(path) as beside, h5py.File(beside, "w") as file:
                     self._prepare(file)
+            with h5py.File(path, "r") as file:
+                check_contained(path, file)
             self.file = h5py.File(path, "r+")
         except OSError as error:
             raise FileError(path, f"cannot be opened as an ensemble ({error}); choose another file") from None
@@ -150,6 +153,7 @@ def read_ensemble(path: str | Path) -> Any:
         why = "is not there" if not path.exists() else f"cannot be read as an ensemble ({error})"
         raise FileError(path, f"{why}; give a file that ensemble(..., out=) wrote") from None
     with file:
+        check_contained(path, file)
         if file.attrs.get("format") != FORMAT:
             raise FileError(path, f"is no {FORMAT!r} but {file.attrs.get('format')!r}; give a file that dampyr wrote")
         done = file["done"][:]
@@ -172,6 +176,7 @@ def progress_of(path: str | Path) -> tuple[int, int]:
         return 0, 0
     try:
         with h5py.File(path, "r") as file:
+            check_contained(Path(path), file)
             done = file["done"][:]
     except (OSError, KeyError):
         return 0, 0

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import FileError, InputError
+from dampyr.records.contained import check_contained
 from dampyr.records.files import Request
 from dampyr.records.new_file import new_file
 from dampyr.records.record import CHANNELS, Label, Record, as_role
@@ -187,14 +188,18 @@ def _fill_raw(file: Any, raw: Mapping[str, Raw]) -> None:
 
 @contextlib.contextmanager
 def _open(path: Path) -> Any:
-    """The open file, checked to be one of ours of a schema we know; every fault is a :class:`FileError`."""
+    """The open file, checked to hold all of its data and to be one of ours of a schema we know; every fault is a
+    :class:`FileError`."""
     import h5py
 
     try:
         with h5py.File(path, "r") as file:
+            check_contained(path, file)
             _check_schema(path, file)
             yield file
-    except (OSError, KeyError, RuntimeError, TypeError, AttributeError) as problem:
+    except InputError:
+        raise
+    except (OSError, KeyError, RuntimeError, TypeError, AttributeError, ValueError) as problem:
         reason = " ".join(str(problem).split())
         raise FileError(
             path, f"is a truncated or broken HDF5 file ({reason}); record or copy the test again"
