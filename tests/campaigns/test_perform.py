@@ -465,6 +465,7 @@ def test_two_hundred_kills_in_campaigns(two: Path, tmp_path: Path) -> None:
                 check_kept(folder, kept)
             assert len(records.read_campaign(folder)) == 2
             assert [test.state for test in read_journal(folder)[0]] == ["complete"] * 2
+            assert not list(folder.glob(".*"))  # of a copy that was under way
         hosts.stdin.close()
     assert number > 5  # campaigns went on to their end between the kills
 

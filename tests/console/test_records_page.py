@@ -3,6 +3,7 @@
 import io
 import pickle
 import struct
+import subprocess
 import tempfile
 from pathlib import Path
 
@@ -164,6 +165,16 @@ def test_an_upload_is_read_where_memory_is_bounded(data, tmp_path, monkeypatch):
     monkeypatch.setattr(limits, "SECONDS", 1e-3)
     with pytest.raises(limits.InputError, match="more time or memory"):
         limits.read_apart(tmp_path / "a.csv", tmp_path / "a.h5", {})
+
+
+def test_an_upload_that_unfolds_to_more_than_may_be_written_is_told(tmp_path, monkeypatch):
+    (tmp_path / "a.csv").write_text(CSV)
+    small = "import sys; from dampyr.console import limits; limits.WRITTEN = 10_000; sys.exit(limits.main())"
+    run = subprocess.run
+    monkeypatch.setattr(subprocess, "run", lambda command, **how: run([command[0], "-c", small], **how))
+    with pytest.raises(limits.InputError, match="more time or memory"):
+        limits.read_apart(tmp_path / "a.csv", tmp_path / "a.h5", {})
+    assert everything(tmp_path) == ["a.csv"]
 
 
 @pytest.mark.parametrize("key", [*NO_KEYS, "data/.console/notes.json"])

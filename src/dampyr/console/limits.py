@@ -13,7 +13,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from dampyr.errors import DampyrError, InputError
+from dampyr.errors import DampyrError, FileError, InputError
 
 MEMORY = 3 * 2**30
 SECONDS = 60
@@ -66,6 +66,8 @@ def main() -> int:
             records.describe(found)
             records.write(found, asked["to"])
     except DampyrError as problem:
+        if isinstance(problem, FileError) and problem.path == Path(asked["to"]):
+            return 1  # it came to more than may be written
         print(json.dumps({"reason": str(problem)}))
         return 2
     return 0

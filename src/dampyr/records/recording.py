@@ -32,9 +32,9 @@ from dampyr.whole import whole_file
 SYNC_EVERY = 1.0  # s
 STRUCTURE = 2**16  # bytes of a file besides samples and texts: 20 to 40 KiB were seen
 REFUSALS = {
-    errno.ENOSPC: "the disk is full",
-    errno.EDQUOT: "the quota on the disk is used up",
-    errno.EFBIG: "a file may not become as long here",
+    errno.ENOSPC: ("the disk is full", "make room"),
+    errno.EDQUOT: ("the quota on the disk is used up", "make room"),
+    errno.EFBIG: ("a file may not become as long here", "raise that limit"),
 }
 Refine = Callable[[dict[str, Any]], dict[str, Any]]
 
@@ -185,7 +185,8 @@ def _refusal(number: int, needed: int, folder: Path) -> str:
     sizes = (
         f": {needed} bytes are needed, a copy that finishes the record included, and {free} are free" if needed else ""
     )
-    return f"{REFUSALS[number]}{sizes}; make room, and run the campaign again: it goes on with this test"
+    reason, repair = REFUSALS[number]
+    return f"{reason}{sizes}; {repair}, and run the campaign again: it goes on with this test"
 
 
 @dataclass(frozen=True)
