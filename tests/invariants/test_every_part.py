@@ -11,7 +11,7 @@ from dampyr.export import export
 from dampyr.models import Damper, compose, names, part
 from dampyr.models.march import along, along_with_columns
 from dampyr.models.part import Scale
-from dampyr.models.series import follows_velocity
+from dampyr.models.series import UNKNOWN, follows_velocity
 
 FORCEFUL = [name for name in names() if part(name).force is not None]
 SERIES = [f"dahl + {name}" for name in names() if part(name).stretch]
@@ -57,10 +57,19 @@ def agree(name: str, ours: np.ndarray, *numeric: np.ndarray) -> None:
 
 @pytest.mark.parametrize("name", FORCEFUL + [pytest.param(name, marks=pytest.mark.prove) for name in SERIES])
 def test_the_derived_gradient_is_the_gradient(name: str) -> None:
-    composition = compose(name)
-    t, x, v = path()
     p = np.array(list(typical(name).values()))
-    s = np.full(composition.n_states, 0.2)
+    s = np.full(compose(name).n_states, 0.2)
+    agree_with_differences(name, p, s)
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("name", [one for one in SERIES if compose(one).keeps_rate])
+def test_so_is_that_of_a_stretch_with_an_unknown_past(name: str) -> None:
+    agree_with_differences(name, np.array(list(typical(name).values())), np.array(compose(name).path0))
+
+
+def agree_with_differences(name: str, p: np.ndarray, s: np.ndarray) -> None:
+    composition, (t, x, v) = compose(name), path()
     _, J = along_with_columns(composition, t, x, v, p, s)
     for k, value in enumerate(p):
         h = 1e-5 * (value if name in SERIES else max(abs(value), 1e-3))
@@ -69,7 +78,7 @@ def test_the_derived_gradient_is_the_gradient(name: str) -> None:
         down[k] -= h
         numeric = (along(composition, t, x, v, up, s) - along(composition, t, x, v, down, s)) / (2 * h)
         agree(name, J[:, k], numeric)
-    for j in range(composition.n_states):
+    for j in composition.free_at_start if s.max(initial=0.0) == UNKNOWN else range(composition.n_states):
         unit = np.eye(composition.n_states)[j]
         sides = [
             (along(composition, t, x, v, p, s + h * unit), along(composition, t, x, v, p, s - h * unit), h)

@@ -161,7 +161,7 @@ def found(
         nuisances={
             p.name: Nuisance(
                 outcome.point.nuisance(problem, r, "offset"),
-                dict(zip(states, map(float, outcome.point.states(problem, r)), strict=True)),
+                {states[k]: float(outcome.point.states(problem, r)[k]) for k in problem.composition.free_at_start},
                 outcome.point.nuisance(problem, r, "gain"),
                 outcome.point.nuisance(problem, r, "temperature"),
             )

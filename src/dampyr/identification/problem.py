@@ -69,7 +69,7 @@ class Problem:
     def states(self) -> list[tuple[float, float]]:
         """The bounds of the states that each record keeps to itself."""
         bounds = list(self.composition.states.values())
-        return [bounds[k] for k in self.composition.unknown_at_start] if "state" in self.nuisances else []
+        return [bounds[k] for k in self.composition.free_at_start] if "state" in self.nuisances else []
 
     @cached_property
     def locals(self) -> int:
@@ -154,9 +154,9 @@ class Point:
 
     def states(self, problem: Problem, record: int) -> Array:
         """The states at the start of a record's motion; none kept means no memory."""
-        states = np.array(problem.composition.state0)
+        states = np.array(problem.composition.path0)
         if problem.states:
-            states[list(problem.composition.unknown_at_start)] = self.local[record, len(problem.common) :]
+            states[list(problem.composition.free_at_start)] = self.local[record, len(problem.common) :]
         return states
 
     def coordinates(self, problem: Problem) -> Array:

@@ -60,7 +60,7 @@ def _plan(problem: Problem, one: Piece) -> Plan:
         if name != "temperature":
             source.append(P + S + (name == "offset"))
             targets.append({k: 1.0})
-    for j, place in enumerate(problem.composition.unknown_at_start if problem.states else ()):
+    for j, place in enumerate(problem.composition.free_at_start if problem.states else ()):
         source.append(P + place)
         targets.append({len(problem.common) + j: 1.0})
     parameter += [-1] * len(source)

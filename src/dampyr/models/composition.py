@@ -64,9 +64,8 @@ class Composition:
         return found | dict.fromkeys(added, (-math.inf, math.inf))
 
     @cached_property
-    def unknown_at_start(self) -> tuple[int, ...]:
-        """Which states a record's past may have left anywhere: all but the rate of a stretch, which acts on the first step
-        only, and there as the states that follow it do."""
+    def free_at_start(self) -> tuple[int, ...]:
+        """Which states a fit finds at the start of a record: all but the rate of a stretch, which has none before it."""
         return tuple(k for k, name in enumerate(self.states) if name != series.RATE)
 
     @property
@@ -78,6 +77,11 @@ class Composition:
     def state0(self) -> tuple[float, ...]:
         """The states at rest."""
         return (0.0,) * self.n_states
+
+    @property
+    def path0(self) -> tuple[float, ...]:
+        """The states at the start of a path whose past is unknown: no memory, and no rate of a stretch so far."""
+        return tuple(series.UNKNOWN if name == series.RATE else 0.0 for name in self.states)
 
     @property
     def path_only(self) -> bool:

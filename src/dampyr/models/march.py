@@ -281,7 +281,7 @@ def acceleration(composition: Composition, t: Array, v: Array) -> Array:
 
 
 def _start(composition: Composition, state0: Array | None) -> Array:
-    return np.array(composition.state0 if state0 is None else state0, dtype=float)
+    return np.array(composition.path0 if state0 is None else state0, dtype=float)
 
 
 def _rows(values: Array) -> Array:

@@ -9,8 +9,8 @@ It is found by regula falsi with Illinois weights; derivatives are those of the 
 last one. A force that needs the acceleration acts beside the whole, at the outer end.
 
 A part whose state follows its velocity (``v0`` in its ``advance``) needs the velocity at the start of the step too,
-:math:`v_0 - \dot z_0`. The rate of the stretch at the end of the step before is a state then, the one before the force; at
-the first step, before which nothing is known, it is 0.
+:math:`v_0 - \dot z_0`. The rate of the stretch at the end of the step before is a state then, the one before the force. Along
+a path whose past is unknown there is none before the first step: that step takes the rate at its end for both ends.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 FORCE = "series.f"
 RATE = "series.rate"
+UNKNOWN = 1e9  # m/s, faster than anything: the rate of the stretch where the past is unknown
 MOTION = ("x0", "x1", "v0", "v1", "dt")
 
 
@@ -125,17 +126,21 @@ def _stretch(composition: Composition, f: str) -> str:
 INNER = {"x0": "a0", "x1": "a1", "v0": "u0", "v1": "u1", "dt": "dt", "x": "a1", "v": "u1", "a": "0.0"}
 
 
-def _shrunk(composition: Composition, at_end: str) -> list[str]:
+def _shrunk(composition: Composition, at_start: str, at_end: str) -> list[str]:
     """Lines that leave in a0, a1, u0, u1 the motion less the stretch, and in r its rate, which is ``at_end``."""
-    place = rate(composition)
-    before = [] if place is None else [f"u0 = v0 - s[{place}]"]
+    before = [f"u0 = v0 - {at_start}"] if composition.keeps_rate else []
     return ["a0, a1 = x0 - z0, x1 - z1", f"r = {at_end}", *before, "u1 = v1 - r"]
 
 
-def _shrunk_in(composition: Composition) -> list[str]:
+def _shrunk_in_kernel(composition: Composition) -> list[str]:
+    past = _past(composition, "s[{}]", "0.0")
+    return _shrunk(composition, _past(composition, "s[{}]", "r"), f"(z1 - z0)/dt if dt > 0.0 else {past}")
+
+
+def _past(composition: Composition, form: str, unknown: str) -> str:
+    """What ``form`` says of the rate of the stretch at the start of a step, or ``unknown`` where no step was before."""
     place = rate(composition)
-    before = "0.0" if place is None else f"s[{place}]"
-    return _shrunk(composition, f"(z1 - z0)/dt if dt > 0.0 else {before}")
+    return unknown if place is None else f"({unknown} if s[{place}] >= {UNKNOWN} else {form.format(place)})"
 
 
 def _ends(composition: Composition) -> list[str]:
@@ -168,7 +173,7 @@ def _phi(composition: Composition) -> tuple[str, list[str]]:
             terms.append(_called(slot.part.force, INNER | _states(slot, "e{}") | _values(slot)))
     lines = [
         f"z1 = {_stretch(composition, 'f')}",
-        *_shrunk_in(composition),
+        *_shrunk_in_kernel(composition),
         *_ends(composition),
         f"return {' + '.join(terms)}",
     ]
@@ -212,7 +217,7 @@ def _found(composition: Composition) -> list[str]:
         "f1 = solve_SITE(s, x0, x1, v0, v1, dt, p)",
         f"z0 = {_stretch(composition, 'f0')}",
         f"z1 = {_stretch(composition, 'f1')}",
-        *_shrunk_in(composition),
+        *_shrunk_in_kernel(composition),
     ]
 
 
@@ -323,7 +328,7 @@ def _under_guess(composition: Composition) -> list[str]:
     return [
         f"z1 = {_stretch(composition, 'f1')}",
         f"dz = {_stretched(composition, 'f1', '1.0', '0.0')}",
-        *_shrunk(composition, "(z1 - z0)*q"),
+        *_shrunk(composition, f"s[{rate(composition)}]", "(z1 - z0)*q"),
         *_by_arguments(composition),
         "phi = " + " + ".join(f"{name}_value" for name in forces),
         *by_g.lines(composition, "fg"),
@@ -366,7 +371,8 @@ def _stretched(composition: Composition, f: str, df: str, values: str) -> str:
 
 def _by_force(composition: Composition) -> list[str]:
     """Lines for ``b`` = dPhi/dF and the tangents b0, ... of the states by F."""
-    unit = Direction({"x0": "0.0", "x1": "-dz", "v0": "0.0", "v1": "-dz*q"}, "0.0", "0.0")
+    at_start = _past(composition, "0.0", "-dz*q") if composition.keeps_rate else "0.0"
+    unit = Direction({"x0": "0.0", "x1": "-dz", "v0": at_start, "v1": "-dz*q"}, "0.0", "0.0")
     return [
         "q = 1.0/dt if dt > 0.0 else 0.0",
         f"dz = {_stretched(composition, 'f1', '1.0', '0.0')}",
@@ -407,8 +413,8 @@ def _spread(composition: Composition) -> tuple[str, list[str]]:
     width = len(composition.parameters) + composition.n_states
     unit = "(1.0 if m == {} else 0.0)"
     place = rate(composition)
-    before = "0.0" if place is None else f"-D[{place}, m]"
-    any_way = Direction({"x0": "-c0", "x1": "-c1", "v0": before, "v1": "-c"}, "D[{}, m]", unit)
+    at_start = _past(composition, "-D[{}, m]", "-c")
+    any_way = Direction({"x0": "-c0", "x1": "-c1", "v0": at_start, "v1": "-c"}, "D[{}, m]", unit)
     loop = [
         f"c0 = {_stretched(composition, 'f0', f'D[{last}, m]', unit)}",
         f"c1 = {_stretched(composition, 'f1', '0.0', unit)}",

@@ -71,7 +71,7 @@ class Acquisition:
         self.lock = threading.RLock()
         self.player: Player | None = None
         self.aligned = (
-            False  # set to False, the next block of a homed Uno makes the board's counts mean what the Uno's mean
+            False  # whether the board's counts mean what the Uno's mean; where not, the next block sees to it
         )
         self.next = 0
         self.stopped: RigFault | None = None

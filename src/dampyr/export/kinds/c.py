@@ -211,12 +211,13 @@ def _calls(damper: Damper, prefix: str) -> str:
     result = "f" if composition.delay is None else f"{prefix}late(d, f, p[{composition.delay}])"
     empty = "" if composition.delay is None else "    d->late_n = 0;\n"
     count = len(composition.parameters)
+    past = "".join(f"    d->s[{k}] = {number(value)};\n" for k, value in enumerate(composition.path0) if value)
     return f"""\
 double {prefix}start({prefix}state *d, double t, double x, double v, double u)
 {{
     double p[{count}], f;
     for (int k = 0; k < {max(composition.n_states, 1)}; k++) d->s[k] = 0.0;
-    d->t = t; d->x = x; d->v = v;
+{past}    d->t = t; d->x = x; d->v = v;
 {empty}    if (!{prefix}in_range(u)) return NAN;
     {prefix}values(u, p);
     f = {prefix}force(d->s, x, v, p);
