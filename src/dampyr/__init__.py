@@ -13,7 +13,7 @@ The rooms are loaded when they are first entered, so ``import dampyr`` is quick:
 from importlib import import_module
 from types import ModuleType
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _ROOMS = (
     "records", "models", "identification", "ground_motions", "structures",
