@@ -1,5 +1,7 @@
 """The journal tells how far a campaign came, whoever was killed."""
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -68,3 +70,18 @@ def test_what_is_no_journal_is_told(tmp_path: Path) -> None:
         Journal(tmp_path)
     with pytest.raises(InputError, match=r"has no journal.sqlite"):
         read_journal(tmp_path / "nowhere")
+
+
+@pytest.mark.parametrize("how", ["CREATE TABLE tests(a)", "text", "schema"])
+def test_what_is_no_journal_is_told_with_the_way_out(tmp_path: Path, how: str) -> None:
+    if how == "text":
+        (tmp_path / "journal.sqlite").write_text("not a database, and longer than its header of one hundred bytes" * 3)
+    elif how == "schema":
+        journal = Journal(tmp_path)
+        journal.say({"schema": "abc"})
+        journal.close()
+    else:
+        with closing(sqlite3.connect(tmp_path / "journal.sqlite")) as base:
+            base.execute(how)
+    with pytest.raises(FileError, match="move it away, and the same command makes it anew from the records"):
+        Journal(tmp_path)

@@ -198,3 +198,13 @@ def test_the_check_reads_no_data(folder: Path) -> None:
     os.mkfifo(secret)
     with h5py.File(path, "r") as file, pytest.raises(FileError, match="has its values in another file"):
         check_contained(path, file)
+
+
+def test_a_file_of_deep_groups_is_refused_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "deep.h5"
+    with h5py.File(path, "w") as file:
+        group = file
+        for _ in range(400):
+            group = group.create_group("g")
+    with pytest.raises(FileError, match="groups more than 16 deep"), h5py.File(path) as file:
+        check_contained(path, file)

@@ -149,3 +149,22 @@ def test_writing_is_all_or_nothing(tmp_path, full, monkeypatch):
 def test_a_folder_that_is_not_there(tmp_path, full):
     with pytest.raises(FileError, match=r"cannot be written \(No such file or directory\); choose a folder"):
         write(full, tmp_path / "no" / "r.h5")
+
+
+def test_numbers_that_are_not_real_are_refused(tmp_path, full):
+    path = write(full, tmp_path / "r.h5")
+    with h5py.File(path, "r+") as file:
+        del file["calibrated/force"]
+        file["calibrated/force"] = full.force + 1j
+        file["calibrated/force"].attrs["unit"] = "N"
+    with pytest.raises(FileError, match="/calibrated/force holds complex128, not real numbers"):
+        read(path)
+
+
+def test_more_data_than_the_memory_holds_are_told(tmp_path, full):
+    path = write(full, tmp_path / "r.h5")
+    with h5py.File(path, "r+") as file:
+        del file["calibrated/force"]
+        file.create_dataset("calibrated/force", (10**15,), "f8", chunks=(10**6,)).attrs["unit"] = "N"
+    with pytest.raises(FileError, match="tells of more data than the memory holds"):
+        read(path)

@@ -33,6 +33,22 @@ CREATE TABLE IF NOT EXISTS events (
 """
 
 
+COLUMNS = (
+    "tests.name",
+    "place",
+    "state",
+    "tests.attempt",
+    "reason",
+    "id",
+    "time",
+    "test",
+    "events.attempt",
+    "what",
+    "detail",
+)
+REPAIR = "move it away, and the same command makes it anew from the records; or choose another folder"
+
+
 @dataclass(frozen=True)
 class Entry:
     """A test in the journal."""
@@ -64,14 +80,13 @@ class Journal:
             self._base.execute("PRAGMA synchronous = FULL")
             self._base.executescript(TABLES)
             self._check_schema()
-        except sqlite3.OperationalError as problem:  # a full disk, a lock, a folder that is read-only
-            raise FileError(
-                self.path, f"cannot be used ({problem}); see to the disk, or choose another folder"
-            ) from problem
-        except sqlite3.Error as problem:
-            raise FileError(
-                self.path, f"is no journal of a campaign, or is broken ({problem}); choose another folder"
-            ) from problem
+            self._base.execute(f"SELECT {', '.join(COLUMNS)} FROM tests, events").close()
+        except (
+            sqlite3.OperationalError
+        ) as problem:  # a full disk, a lock, a folder that is read-only, another program's tables
+            raise FileError(self.path, f"cannot be used ({problem}); see to the disk, or {REPAIR}") from problem
+        except (sqlite3.Error, ValueError) as problem:
+            raise FileError(self.path, f"is no journal of a campaign, or is broken ({problem}); {REPAIR}") from problem
 
     def _check_schema(self) -> None:
         found = self.said("schema")

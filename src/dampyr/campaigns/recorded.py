@@ -22,7 +22,7 @@ def recorded(folder: Path, found: Plan) -> list[Entry]:
     """
     planned = {test.name: test for test in found.tests}
     tries: dict[str, list[tuple[h5.State, dict[str, str]]]] = {}
-    for path in sorted(folder.glob("[!.]*.h5")):
+    for path in sorted(filter(Path.is_file, folder.glob("[!.]*.h5"))):
         try:
             state, told = h5.state(path), h5.provenance(path)
         except FileError as problem:

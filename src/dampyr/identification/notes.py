@@ -9,7 +9,7 @@ import numpy as np
 from dampyr.identification.pieces import Piece
 from dampyr.identification.problem import Problem
 from dampyr.identification.solver import Outcome
-from dampyr.identification.uncertainty import FEWEST_RECORDS, Uncertainty
+from dampyr.identification.uncertainty import FEWEST_CYCLES, FEWEST_RECORDS, Uncertainty
 from dampyr.models.damper import INPUTS
 
 FEWEST_STEPS = 25  # of the displacement's resolution over the stroke
@@ -36,6 +36,10 @@ def _of_parameters(problem: Problem, outcome: Outcome, known: Uncertainty, label
     blind = [labels[k] for k in known.blind]
     if blind:
         notes.append(f"the records do not determine {', '.join(blind)} (infinite error)")
+    if known.few:
+        few = ", ".join(labels[k] for k in known.few)
+        words = f"fewer than {FEWEST_CYCLES} cycles speak of them; record more"
+        notes.append(f"the errors of {few} are not known (infinite): {words}")
     errors = np.sqrt(np.diag(known.covariance))
     vague = [k for k in np.flatnonzero(errors > np.abs(outcome.point.theta)) if np.isfinite(errors[k])]
     if vague:

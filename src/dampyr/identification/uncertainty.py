@@ -35,14 +35,15 @@ SAME = 1e-13  # of the sums of squares: what is left below it is rounding
 @dataclass(frozen=True)
 class Uncertainty:
     """Covariances (m, m) of the coefficients; how many clusters speak of each, and the degrees of freedom that makes (fewer
-    where a few clusters say most of it); how many records speak of each, and ``within`` where these are too few to be the
-    clusters, so that cycles are."""
+    where a few clusters say most of it); those that the records are ``blind`` to, and those that too ``few`` cycles speak of;
+    how many records speak of each, and ``within`` where these are too few to be the clusters, so that cycles are."""
 
     covariance: Array
     naive: Array
     counts: Array
     freedom: Array
     blind: tuple[int, ...]
+    few: tuple[int, ...]
     records: Array
     within: Bools
 
@@ -69,9 +70,10 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
     even = np.repeat((records.scores @ bread) / np.sqrt(sizes)[:, None], sizes, axis=0)
     influence = np.where(within, cycles.scores @ bread, even) * np.sqrt((freedom + 1.0) / freedom)
     covariance = influence.T @ influence
-    blind = tuple(sorted({*blind, *(k for k in map(int, np.flatnonzero(counts < FEWEST_CYCLES)) if k not in held)}))
+    few = tuple(k for k in map(int, np.flatnonzero(counts < FEWEST_CYCLES)) if k not in (*held, *blind))
+    unknown = (*blind, *few)
     return Uncertainty(
-        _blinded(covariance, blind), _blinded(naive, blind), counts, freedom, blind, records.counts, within
+        _blinded(covariance, unknown), _blinded(naive, unknown), counts, freedom, blind, few, records.counts, within
     )
 
 

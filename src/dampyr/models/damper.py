@@ -315,7 +315,9 @@ class Damper:
         if self.covariance is None:
             raise InputError("this damper has no covariance to draw from; identify it from records first")
         if not np.all(np.isfinite(self.covariance)):
-            raise InputError("the fit was blind to a coefficient (infinite variance), so there is nothing to draw from")
+            raise InputError(
+                "the variance of a coefficient is not known (infinite), so there is nothing to draw from; see its fit's notes"
+            )
         if self.within_records:
             warnings.warn(
                 f"the draws of {_shortened(self.within_records)} hold within the fitted records only: between-record variance "

@@ -7,7 +7,9 @@ from typing import Any
 
 from dampyr.errors import FileError
 
-MOST = 10_000  # links: a record has about twenty, and whoever sent a file should not decide how long it is looked at
+# A record has about twenty links, two deep; whoever sent a file should not decide how long it is looked at.
+MOST = 10_000  # links
+DEEPEST = 16  # groups within groups
 
 
 def check_contained(path: Path, file: Any) -> None:
@@ -25,6 +27,8 @@ def check_contained(path: Path, file: Any) -> None:
         count += 1
         if count > MOST:
             return f"the file has more than {MOST} links"
+        if name.count(b"/") > DEEPEST:
+            return f"the file has groups more than {DEEPEST} deep"
         where = f"/{name.decode(errors='replace')}"
         if link.type == h5py.h5l.TYPE_HARD:
             return _stored(where, file.id, name)

@@ -199,6 +199,10 @@ def _open(path: Path) -> Any:
             yield file
     except InputError:
         raise
+    except MemoryError as problem:
+        raise FileError(
+            path, f"tells of more data than the memory holds ({problem}); record or copy the test again"
+        ) from problem
     except (OSError, KeyError, RuntimeError, TypeError, AttributeError, ValueError) as problem:
         reason = " ".join(str(problem).split())
         raise FileError(
@@ -233,6 +237,8 @@ def _channel(path: Path, file: Any, name: str, request: Request) -> Any:
     unit = str(data.attrs.get("unit", "")) or request.units.get(name, "")
     if not unit:
         raise FileError(path, f"/calibrated/{name} has no unit; declare units={{{name!r}: {CHANNELS[name]!r}}}")
+    if data.dtype.kind not in "fiu":
+        raise FileError(path, f"/calibrated/{name} holds {data.dtype}, not real numbers; record or copy the test again")
     values = data[: _rows(file)] if data.shape else data[()]
     converted = values if unit == CHANNELS[name] else to_si(values, unit, CHANNELS[name])
     return float(converted) if np.ndim(converted) == 0 else converted
