@@ -44,14 +44,10 @@ def _phi(composition: Composition, prefix: str, call: Call) -> str:
             terms.append(call(slot.part.force, places | {n: f"e[{k}]" for n, k in slot.states.items()}))
     motion = "double x0, double x1, double v0, double v1, double dt"
     place = rate(composition)
-    before, kept = (
-        ("", [])
-        if place is None
-        else (
-            f"u0 = v0 - (s[{place}] >= {UNKNOWN} ? r : s[{place}]), ",
-            [f"    e[{place}] = r;"],
-        )
-    )
+    before, kept = "", []
+    if place is not None:
+        before = f"u0 = v0 - (s[{place}] >= {UNKNOWN} ? r : s[{place}]), "
+        kept = [f"    e[{place}] = r;"]
     return "\n".join(
         [
             f"static double {prefix}phi(const double *s, double f, {motion}, const double *p, double *e)",
