@@ -221,10 +221,7 @@ def _told(fit: Fit) -> dict[str, Any]:
         "stderr": fit.stderr,
         "naive_stderr": fit.naive_stderr,
         "intervals_95": {name: None if name in fit.within_records else span for name, span in fit.intervals().items()},
-        "within_records_only": {
-            name: f"between-record variance is not estimated from {count} record{'s' * (count > 1)}"
-            for name, count in fit.within_records.items()
-        },
+        "within_records_only": {name: fit.why_no_interval(name) for name in fit.within_records},
         "units": fit.units,
         "correlation": fit.correlation,
         "nuisances": fit.nuisances,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.identification.data_sheet import SHEETS, contradictions
-from dampyr.identification.notes import notes, trouble_of
+from dampyr.identification.notes import no_interval, notes, trouble_of
 from dampyr.identification.pieces import Piece
 from dampyr.identification.problem import Problem
 from dampyr.identification.products import modelled
@@ -104,6 +104,10 @@ class Fit:
         if label in self.within_records:
             return "within these records only"
         return "between records" if np.isfinite(self.stderr[label]) else ""
+
+    def why_no_interval(self, label: str) -> str:
+        """Why a number has no interval, in words; empty where it has one."""
+        return no_interval(self.within_records[label]) if label in self.within_records else ""
 
     @cached_property
     def forces(self) -> list[Array]:

@@ -49,6 +49,11 @@ def _of_parameters(problem: Problem, outcome: Outcome, known: Uncertainty, label
     return notes
 
 
+def no_interval(count: int) -> str:
+    """Why a number that only ``count`` records speak of has no interval."""
+    return f"between-record variance is not estimated from {count} record{'s' * (count > 1)}"
+
+
 def _of_few_records(problem: Problem, known: Uncertainty, labels: list[str], within: Mapping[str, int]) -> list[str]:
     """Errors that rest on the cycles of one or two records."""
     notes = []
@@ -58,8 +63,8 @@ def _of_few_records(problem: Problem, known: Uncertainty, labels: list[str], wit
         some = [label for label in labels if within.get(label) == count]
         errors = "the errors" if len(some) == len(labels) else f"the errors of {', '.join(some)}"
         notes.append(
-            f"between-record variance is not estimated from {count} record{'s' * (count > 1)}: {errors} hold within these "
-            f"records only and give no 95 % interval; record {FEWEST_RECORDS} or more {where}"
+            f"{no_interval(count)}: {errors} hold within these records only and give no 95 % interval; record "
+            f"{FEWEST_RECORDS} or more {where}"
         )
     few = min((int(known.counts[labels.index(label)]) for label in within), default=10)
     if few < 10:

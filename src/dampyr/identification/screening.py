@@ -61,10 +61,10 @@ def chosen_bandwidth(records: list[Record], options: dict[str, Any]) -> float | 
 
     Records without a velocity, sampled so differently that no bandwidth serves all of them, keep each its own: None.
     """
-    derived: float | None = round(max(default_bandwidth(record) for record in records), 1)
+    fastest = round(max(default_bandwidth(record) for record in records), 1)
+    derived: float | None = fastest
     try:
-        assert derived is not None
-        check_bandwidth(records, derived)
+        check_bandwidth(records, fastest)
     except InputError:
         derived = None
     if derived is None or any(record.velocity is None for record in records):
