@@ -70,9 +70,8 @@ class Acquisition:
         self.watchers = watchers
         self.lock = threading.RLock()
         self.player: Player | None = None
-        self.aligned = (
-            False  # whether the board's counts mean what the Uno's mean; where not, the next block sees to it
-        )
+        # Whether the board's counts mean what the Uno's mean; where not, the next block sees to it.
+        self.aligned = False
         self.next = 0
         self.stopped: RigFault | None = None
         self.status: Status = uno.heartbeat()
