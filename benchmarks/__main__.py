@@ -6,7 +6,7 @@ import sys
 import time
 
 from benchmarks._lines import data_folder, machine, show
-from dampyr import catalogue
+from dampyr import registry
 
 
 def main(wanted: list[str]) -> None:
@@ -14,7 +14,7 @@ def main(wanted: list[str]) -> None:
     start = time.perf_counter()
     print(machine())
     for name in wanted or usual():
-        bench = catalogue.member("benchmarks", name)
+        bench = registry.member("benchmarks", name)
         print(f"\n{bench.TITLE}")
         found = bench.run(data_folder())
         print(f"  left out: {found}" if isinstance(found, str) else show(found), flush=True)
@@ -23,7 +23,7 @@ def main(wanted: list[str]) -> None:
 
 def usual() -> list[str]:
     """Every bench but the long ones."""
-    return [name for name, bench in catalogue.members("benchmarks") if not getattr(bench, "ASKED_FOR", False)]
+    return [name for name, bench in registry.members("benchmarks") if not getattr(bench, "ASKED_FOR", False)]
 
 
 if __name__ == "__main__":

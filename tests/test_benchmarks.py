@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dampyr import catalogue
+from dampyr import registry
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = """def lanes(first, last, m, ag, t, c, b):
@@ -69,7 +69,7 @@ def test_the_longest_step_within_the_error_is_found(monkeypatch: pytest.MonkeyPa
 
 def test_long_benches_wait_to_be_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     main = bench("__main__", monkeypatch)
-    assert "million" in catalogue.names("benchmarks")
+    assert "million" in registry.names("benchmarks")
     assert "million" not in main.usual()
     assert {"ensemble", "core", "storeys", "parts", "workers", "opensees"} <= set(main.usual())
 

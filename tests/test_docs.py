@@ -18,7 +18,7 @@ import click
 import numpy as np
 import pytest
 
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
 from dampyr.models import Constant, Damper, Polynomial, names, part
@@ -387,7 +387,7 @@ def test_the_c_of_the_how_to_compiles_and_runs(tmp_path: Path) -> None:
 
 def test_every_bench_is_found_and_has_its_two_names(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT))
-    found = dict(catalogue.members("benchmarks"))
+    found = dict(registry.members("benchmarks"))
     assert len(found) >= 5
     assert all(isinstance(bench.TITLE, str) and callable(bench.run) for bench in found.values())
     assert "datasets fetch" in found["campaign_fit"].run(None)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, get_origin, get_type_hints
 
 from dampyr.campaigns import Header, kind, kinds
-from dampyr.tables import origin, split
+from dampyr.config import origin, split
 from dampyr.units import Quantity, for_people
 
 PAGE = Path(__file__).with_name("campaign-file.md")

@@ -13,12 +13,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 import dampyr
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, FileError, MissingData, RangeError
 
 Invoke = Callable[..., Result]
-COMMANDS = catalogue.names("dampyr.cli")
+COMMANDS = registry.names("dampyr.cli")
 
 
 def run(*args: str) -> Result:
@@ -34,7 +34,7 @@ def plant(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], object]], N
         module = ModuleType("dampyr.cli.planted_command")
         module.command = click.command(help="Do what was planted.")(body)
         monkeypatch.setitem(sys.modules, module.__name__, module)
-        monkeypatch.setattr(catalogue, "names", lambda shelf: [*COMMANDS, "planted_command"])
+        monkeypatch.setattr(registry, "names", lambda shelf: [*COMMANDS, "planted_command"])
         importlib.invalidate_caches()
 
     return put
@@ -52,7 +52,7 @@ def test_help_lists_every_command_with_one_line() -> None:
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_explains_itself_and_speaks_json(name: str) -> None:
-    command = catalogue.member("dampyr.cli", name).command
+    command = registry.member("dampyr.cli", name).command
     leaves = command.commands.values() if isinstance(command, click.Group) else [command]
     for leaf in leaves:
         assert leaf.help

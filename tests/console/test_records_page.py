@@ -20,7 +20,7 @@ from tests.records.test_contained import PLANTS, planted
 
 from dampyr import records
 from dampyr.console import app, limits
-from dampyr.plain import plain
+from dampyr.to_json import plain
 
 KEY = "labcontrol/ensaio.A.1.mat"
 CSV = "time [s],displacement [mm],force [N]\n" + "".join(

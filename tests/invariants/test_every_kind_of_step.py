@@ -14,10 +14,10 @@ from dampyr.campaigns import findings, kind, kinds
 from dampyr.campaigns.check import ROOM
 from dampyr.campaigns.expected import course
 from dampyr.campaigns.step import words
+from dampyr.config import origin, split
 from dampyr.errors import InputError
 from dampyr.rig import RigSettings
 from dampyr.studies import raminelli_2020
-from dampyr.tables import origin, split
 
 RIG = RigSettings()
 DAMPER = raminelli_2020.damper()

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from dampyr.catalogue import names
 from dampyr.models import compose
 from dampyr.models.march import along_with_columns, products_along
 from dampyr.models.part import SHELF, part
 from dampyr.models.walking import written
+from dampyr.registry import names
 
 N = 700  # more than five blocks
 SIZES = {"N": 60.0, "N s/m": 700.0, "N/m": 500.0, "1/m": 900.0, "m/s": 0.02, "s": 0.0, "1/s": 0.3, "kg": 3.0, "m": 0.1}

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.records import read, with_velocity, write
 from dampyr.records.files import SHELF
 
 
 def test_the_shelf_is_found_by_file_name():
-    assert {"csv", "h5", "mat", "txt"} <= set(catalogue.names(SHELF))
-    assert all(callable(module.read) for _, module in catalogue.members(SHELF))
+    assert {"csv", "h5", "mat", "txt"} <= set(registry.names(SHELF))
+    assert all(callable(module.read) for _, module in registry.members(SHELF))
 
 
 @pytest.mark.parametrize("name", ["test.tdms", "test.xlsx", "test"])

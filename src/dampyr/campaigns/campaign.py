@@ -20,8 +20,8 @@ from dampyr.campaigns.kinds import kind as kind_of
 from dampyr.campaigns.rows import Row, expanded, read_rows
 from dampyr.campaigns.step import Length, shown, words
 from dampyr.campaigns.steps.quasi_static import QuasiStatic
+from dampyr.config import fill, load_toml, unknown, value_of
 from dampyr.errors import DampyrError, FileError, InputError, MissingData
-from dampyr.tables import fill, load_toml, unknown, value_of
 from dampyr.units import Quantity, round_trip
 
 ORDERS = ("as written", "random")

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from dampyr import catalogue
+from dampyr import registry
 
 SHELF = "dampyr.campaigns.steps"
 
 
 def kinds() -> list[str]:
     """The names of all kinds of step."""
-    return catalogue.names(SHELF)
+    return registry.names(SHELF)
 
 
 def kind(name: str) -> Any:
     """The dataclass of a kind; :class:`~dampyr.errors.InputError` lists them where there is none of that name."""
-    return getattr(catalogue.member(SHELF, name), "".join(part.capitalize() for part in name.split("_")))
+    return getattr(registry.member(SHELF, name), "".join(part.capitalize() for part in name.split("_")))

@@ -8,8 +8,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any, get_origin, get_type_hints
 
+from dampyr.config import split
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.tables import split
 
 Row = dict[str, Any]
 

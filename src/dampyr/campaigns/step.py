@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Protocol, get_type_hints
 
+from dampyr.config import split
 from dampyr.errors import InputError
 from dampyr.rig import Drive, RigSettings
-from dampyr.tables import split
 from dampyr.units import Quantity, for_people
 
 Length = Quantity("m", low=0.0, open_low=True)

@@ -13,7 +13,7 @@ from typing import Any, NoReturn, TextIO
 import click
 
 import dampyr
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.errors import DampyrError, DampyrWarning
 
 SHELF = "dampyr.cli"
@@ -26,13 +26,13 @@ class Shelf(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The names of the commands, as they are typed."""
-        return [name.replace("_", "-") for name in catalogue.names(SHELF)]
+        return [name.replace("_", "-") for name in registry.names(SHELF)]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The command called ``cmd_name``, or None."""
         if cmd_name not in self.list_commands(ctx):
             return None
-        command: click.Command = catalogue.member(SHELF, cmd_name.replace("-", "_")).command
+        command: click.Command = registry.member(SHELF, cmd_name.replace("-", "_")).command
         return command
 
     def resolve_command(

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from dampyr.plain import plain
+from dampyr.to_json import plain
 
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for machines, in SI units.")
 """The option that every command takes; it comes as ``as_json``."""
@@ -22,7 +22,7 @@ WIDTH_OF_A_FILE = 240
 def print_json(data: Any) -> None:
     """Print data as JSON on stdout.
 
-    What becomes of dataclasses, arrays, NaN and infinity is told at :func:`dampyr.plain.plain`.
+    What becomes of dataclasses, arrays, NaN and infinity is told at :func:`dampyr.to_json.plain`.
     """
     click.echo(json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False))
 

@@ -15,7 +15,7 @@ from pydantic import BaseModel
 from starlette.staticfiles import StaticFiles
 
 import dampyr
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.console import cards, job_routes
 from dampyr.console.errors import add_handlers
 from dampyr.console.house import PROBLEMS, House
@@ -68,7 +68,7 @@ def app(
     folder = Path(data).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     house = House(folder, Jobs(folder / OWN / "jobs", at_once), quota)
-    pages = sorted(catalogue.members(PAGES), key=lambda each: each[1].ORDER)
+    pages = sorted(registry.members(PAGES), key=lambda each: each[1].ORDER)
     inner = FastAPI(
         title="dampyr console", version=dampyr.__version__, openapi_url="/api/openapi.json", docs_url=None, redoc_url=None,
         lifespan=_lifespan(house, [module for _, module in pages]), responses=PROBLEMS,

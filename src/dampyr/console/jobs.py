@@ -20,9 +20,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import IO, Any, Literal
 
-from dampyr import catalogue
+from dampyr import registry
+from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError, MissingData
-from dampyr.whole import write_whole
 
 WORK = "dampyr.console.work"
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
@@ -63,7 +63,7 @@ class Jobs:
 
     def submit(self, kind: str, request: dict[str, Any], title: str) -> Job:
         """Put work in the queue; ``kind`` is a file of `dampyr.console.work`, ``request`` what its ``run`` takes."""
-        catalogue.member(WORK, kind)
+        registry.member(WORK, kind)
         with self._lock:
             if sum(job.state == "waiting" for job in self._jobs.values()) >= MOST_WAITING:
                 raise InputError(f"{MOST_WAITING} jobs are waiting already; wait for them, or cancel some")

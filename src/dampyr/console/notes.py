@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from dampyr.atomic_write import write_whole
 from dampyr.console.places import OWN
 from dampyr.errors import InputError
-from dampyr.whole import write_whole
 
 LONGEST = 2000
 MOST = 5000

@@ -20,7 +20,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from dampyr.console.bench import Bench
 from dampyr.console.decimation import as_lists
 from dampyr.errors import InputError
-from dampyr.plain import plain
+from dampyr.to_json import plain
 
 PERIOD = 0.045  # s between frames
 STATE_EVERY = 3  # frames between two looks at the state

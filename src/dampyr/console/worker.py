@@ -17,11 +17,11 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from dampyr import catalogue
+from dampyr import registry
+from dampyr.atomic_write import write_whole
 from dampyr.console.jobs import WORK
 from dampyr.errors import DampyrError, DampyrWarning
-from dampyr.plain import plain
-from dampyr.whole import write_whole
+from dampyr.to_json import plain
 
 EVERY = 0.1  # s between two lines
 YIELDS = 10  # of niceness: the console beside it may be reading a rig that moves
@@ -64,7 +64,7 @@ def run(folder: Path) -> int:
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", DampyrWarning)
-            found = catalogue.member(WORK, asked["kind"]).run(asked["request"], folder, Progress())
+            found = registry.member(WORK, asked["kind"]).run(asked["request"], folder, Progress())
     except DampyrError as problem:
         say(reason=str(problem))
         return 2

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dampyr.catalogue import member
-from dampyr.catalogue import names as _names
 from dampyr.models import Damper
+from dampyr.registry import member
+from dampyr.registry import names as _names
 
 SHELF = "dampyr.export.kinds"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.errors import FileError, MissingData
 from dampyr.ground_motions.motion import GroundMotion
 
@@ -13,7 +13,7 @@ SHELF = "dampyr.ground_motions.formats"
 
 def formats() -> dict[str, tuple[str, ...]]:
     """The formats on the shelf and their suffixes."""
-    return {name: module.SUFFIXES for name, module in catalogue.members(SHELF)}
+    return {name: module.SUFFIXES for name, module in registry.members(SHELF)}
 
 
 def read(path: str | Path, units: str | None = None, dt: float | None = None) -> GroundMotion:
@@ -31,7 +31,7 @@ def read(path: str | Path, units: str | None = None, dt: float | None = None) ->
     file = Path(path)
     if not file.is_file():
         raise MissingData(f"{file}: there is no such file; check the path of the ground motion")
-    for _, module in catalogue.members(SHELF):
+    for _, module in registry.members(SHELF):
         if file.suffix.lower() in module.SUFFIXES:
             motion: GroundMotion = module.read(file, units, dt)
             return motion

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dampyr.config import unknown
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.models import Damper
-from dampyr.tables import unknown
 
 STROKE = 0.030  # m, half of the sine's; within the 74 mm of Table A.1
 COIL = 4.4  # ohm, of the coil on the original rig: 0.495 A at 2.178 V

@@ -5,12 +5,12 @@ voltage or current. `Damper.force` gives the force along a path, `Damper.load` a
 `published` holds parameter sets from the literature.
 """
 
-from dampyr.catalogue import names as _names
 from dampyr.models import published
 from dampyr.models.composition import Composition, compose
 from dampyr.models.damper import Damper
 from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
 from dampyr.models.part import SHELF, part
+from dampyr.registry import names as _names
 
 __all__ = [
     "Composition",

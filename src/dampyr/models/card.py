@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.models.laws import from_card
-from dampyr.whole import write_whole
 
 if TYPE_CHECKING:
     from dampyr.models.damper import Damper

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError
 from dampyr.records.record import Array, Record
-from dampyr.whole import write_whole
 
 SIGNATURE = "# written by dampyr: measured and predicted force"
 HEADER = "time [s],displacement [m],measured force [N],predicted force [N]"

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.records.inputs import agrees
 from dampyr.records.reading import FolderReading, reading_of
@@ -110,7 +110,7 @@ def read(
         The file is wrong: one line with the file, the value and the repair.
     """
     path = Path(path)
-    known = catalogue.names(SHELF)
+    known = registry.names(SHELF)
     kind = path.suffix.lower().removeprefix(".")
     if kind not in known:
         raise FileError(path, f"the suffix {path.suffix!r} is not known; choose from {_suffixes(known)}")
@@ -119,7 +119,7 @@ def read(
     try:
         beside = reading_of(path.parent)
         request = _request(beside, path, voltage, current, Request(units=units or {}, columns=columns or {}))
-        return _as_the_folder_says(catalogue.member(SHELF, kind).read(path, request), beside, path)
+        return _as_the_folder_says(registry.member(SHELF, kind).read(path, request), beside, path)
     except FileError:
         raise
     except InputError as problem:
@@ -149,11 +149,11 @@ def write(record: Record, path: str | Path, **details: Any) -> Path:
     ``details`` go to the format, such as ``raw`` for :func:`dampyr.records.formats.h5.write`.
     """
     path = Path(path)
-    writable = [name for name, module in catalogue.members(SHELF) if hasattr(module, "write")]
+    writable = [name for name, module in registry.members(SHELF) if hasattr(module, "write")]
     kind = path.suffix.lower().removeprefix(".")
     if kind not in writable:
         raise FileError(path, f"records are not written as {path.suffix!r}; choose from {_suffixes(writable)}")
-    catalogue.member(SHELF, kind).write(record, path, **details)
+    registry.member(SHELF, kind).write(record, path, **details)
     return path
 
 

@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
 from dampyr.records.columns import has_numbers
 from dampyr.records.files import SHELF, read
@@ -46,7 +46,7 @@ def record_files(folder: Path) -> list[Path]:
         A pattern of ``reading.toml`` is of no file.
     """
     beside = reading_of(folder)
-    suffixes = {f".{name}" for name in catalogue.names(SHELF)}
+    suffixes = {f".{name}" for name in registry.names(SHELF)}
     visible = [path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")]
     found = sorted((path for path in visible if path.suffix.lower() in suffixes), key=natural)
     beside.check_patterns(found)

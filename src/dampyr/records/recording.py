@@ -23,11 +23,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError
 from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.new_file import new_file, reserve
 from dampyr.records.record import CHANNELS, Array, Label, Record, Role
-from dampyr.whole import whole_file
 
 SYNC_EVERY = 1.0  # s
 STRUCTURE = 2**16  # bytes of a file besides samples and texts: 20 to 40 KiB were seen

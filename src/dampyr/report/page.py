@@ -13,11 +13,11 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
 from dampyr.report.figure_files import keep
 from dampyr.report.svg import inline_svg
-from dampyr.whole import write_whole
 
 DASH = "–"
 STYLES = ("look.css", "page.css")

@@ -15,11 +15,11 @@ import numpy as np
 import tomli_w
 from numpy.typing import NDArray
 
+from dampyr.atomic_write import write_whole
+from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
 from dampyr.rig.settings import LoadCell, RigSettings
-from dampyr.tables import fill, load_toml
 from dampyr.units import Quantity
-from dampyr.whole import write_whole
 
 Array = NDArray[np.float64]
 SPREAD = 0.02  # by which a measured scale may differ from the one before without a word

@@ -11,8 +11,8 @@ from math import pi
 from pathlib import Path
 from typing import Annotated
 
+from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
-from dampyr.tables import fill, load_toml
 from dampyr.units import Quantity
 
 Metre = Quantity("m", low=0.0)

@@ -7,9 +7,9 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, get_type_hints
 
+from dampyr.atomic_write import write_whole
+from dampyr.config import origin, split
 from dampyr.rig.settings import RigSettings
-from dampyr.tables import origin, split
-from dampyr.whole import write_whole
 
 HEAD = (
     "# A rig, as dampyr reads it. What is left out keeps its default; quantities may be typed with a unit, such as\n"

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.errors import InputError
 from dampyr.models.formula import read
 from dampyr.models.part import quantities
@@ -30,7 +30,7 @@ MOST_PARTS = 400  # of a sample of the motion, at the ends of which laws may dec
 
 def control_laws() -> list[str]:
     """The names of the laws on the shelf ``dampyr.structures.control``."""
-    return catalogue.names(SHELF)
+    return registry.names(SHELF)
 
 
 def control_law(name: str, **settings: Any) -> Any:
@@ -43,7 +43,7 @@ def control_law(name: str, **settings: Any) -> Any:
 
     Raises :class:`~dampyr.errors.InputError` for a name, a setting or a value that is not allowed.
     """
-    cls = _class(catalogue.member(SHELF, name))
+    cls = _class(registry.member(SHELF, name))
     known = {field.name: field for field in fields(cls)}
     settings = {"low": 0.0} | settings
     unknown = [key for key in settings if key not in known]
@@ -201,7 +201,7 @@ def source(laws: tuple[Any, ...]) -> tuple[str, list[int]]:
 
 @lru_cache(maxsize=1)
 def _shelf() -> tuple[type, ...]:
-    return tuple(_class(module) for _, module in catalogue.members(SHELF))
+    return tuple(_class(module) for _, module in registry.members(SHELF))
 
 
 @lru_cache(maxsize=16)

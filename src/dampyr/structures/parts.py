@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.records.contained import check_contained
 from dampyr.structures.cases import Cases
 from dampyr.structures.ensemble import Progress, completed, warn_of
 from dampyr.structures.labels import Labels
 from dampyr.structures.store import FORMAT, TOLD, attributes, describe, read_ensemble, room
-from dampyr.whole import whole_file
 
 Array = NDArray[np.float64]
 NAME = re.compile(r"part-(\d+)-of-(\d+)\.h5")

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError
 from dampyr.records.contained import check_contained
 from dampyr.structures.cases import Cases
 from dampyr.structures.labels import Labels
 from dampyr.structures.shards import Shard
-from dampyr.whole import whole_file
 
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"

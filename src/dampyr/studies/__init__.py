@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from dampyr import catalogue
+from dampyr import registry
 
 if TYPE_CHECKING:
     from dampyr.models import Damper
@@ -32,6 +32,6 @@ def published_damper(name: str) -> Damper:
 
 
 def __getattr__(name: str) -> ModuleType:
-    if not name.startswith("_") and name in catalogue.names(__name__):
-        return catalogue.member(__name__, name)
-    raise AttributeError(f"module {__name__!r} has no study {name!r}; there are {', '.join(catalogue.names(__name__))}")
+    if not name.startswith("_") and name in registry.names(__name__):
+        return registry.member(__name__, name)
+    raise AttributeError(f"module {__name__!r} has no study {name!r}; there are {', '.join(registry.names(__name__))}")

@@ -8,6 +8,7 @@ from fastapi import APIRouter, HTTPException
 from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
+from dampyr.atomic_write import write_whole
 from dampyr.console import places
 from dampyr.console.grid import (
     FOLDER,
@@ -23,7 +24,6 @@ from dampyr.console.house import Here
 from dampyr.console.rigs import rig_file, rig_settings
 from dampyr.errors import InputError
 from dampyr.report.plan_page import plan_notes
-from dampyr.whole import write_whole
 
 TITLE, ORDER = "Campaigns", 20
 LONGEST = 65536

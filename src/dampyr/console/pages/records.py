@@ -24,8 +24,8 @@ from dampyr.console.errors import without_places
 from dampyr.console.house import Here
 from dampyr.console.security import MOST_UPLOAD
 from dampyr.errors import DampyrError, InputError
-from dampyr.plain import plain
 from dampyr.records import Record
+from dampyr.to_json import plain
 
 TITLE, ORDER = "Records", 30
 UPLOADS = "uploads"

@@ -13,11 +13,11 @@ import numpy as np
 from dampyr.console.places import data_of
 from dampyr.console.site import EnsembleAsked
 from dampyr.console.work import PAGE
-from dampyr.plain import plain
 from dampyr.report.ensemble_page import summary_rows, trust, write_ensemble_page
 from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, limit_in_words, remarks
 from dampyr.structures import ensemble_cases, fragility
 from dampyr.structures.ensemble import run as run_cases
+from dampyr.to_json import plain
 
 BAND = 0.9
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from dampyr.atomic_write import write_whole
 from dampyr.console import curves, shelf
 from dampyr.console.places import data_of
 from dampyr.console.work import CARD, CURVES, PAGE
@@ -31,12 +32,11 @@ from dampyr.identification import (
     warnings_of,
 )
 from dampyr.identification.screening import held_in
-from dampyr.plain import plain
 from dampyr.records import Record
 from dampyr.report.fit_page import write_fit_page
 from dampyr.report.fitted import parameter_table, score_table
 from dampyr.report.leaderboard_section import leaderboard_section
-from dampyr.whole import write_whole
+from dampyr.to_json import plain
 
 MOST_WORKERS = 8
 Tell = Callable[[str, float], None]

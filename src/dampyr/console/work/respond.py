@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from dampyr.atomic_write import write_whole
 from dampyr.console import curves
 from dampyr.console.places import data_of
 from dampyr.console.site import ResponseAsked
 from dampyr.console.work import CURVES, PAGE
-from dampyr.plain import plain
 from dampyr.report.response_page import write_response_page
 from dampyr.structures import Response, respond
-from dampyr.whole import write_whole
+from dampyr.to_json import plain
 
 BARE = "no damper"
 FRAMES = 900

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dampyr import catalogue
+from dampyr import registry
 
 if TYPE_CHECKING:
     from dampyr.models.damper import Damper
@@ -27,12 +27,12 @@ __all__ = ["about", "damper", "names"]
 
 def names() -> list[str]:
     """The names of all sets."""
-    return catalogue.names(__name__)
+    return registry.names(__name__)
 
 
 def about(name: str) -> About:
     """Where the set called ``name`` comes from; :class:`~dampyr.errors.InputError` with the known names if there is none."""
-    found: About = catalogue.member(__name__, name).ABOUT
+    found: About = registry.member(__name__, name).ABOUT
     return found
 
 
@@ -41,5 +41,5 @@ def damper(name: str) -> Damper:
 
     A set whose loops bulge the wrong way is made with a :class:`~dampyr.errors.DampyrWarning`.
     """
-    made: Damper = catalogue.member(__name__, name).damper()
+    made: Damper = registry.member(__name__, name).damper()
     return made

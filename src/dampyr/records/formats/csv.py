@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from dampyr.atomic_write import write_whole
 from dampyr.records import columns
 from dampyr.records.files import Request
 from dampyr.records.record import CHANNELS, Record
-from dampyr.whole import write_whole
 
 
 def read(path: Path, request: Request) -> Record:

@@ -28,13 +28,13 @@ from typing import Any
 
 import numpy as np
 
+from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.records.contained import check_contained
 from dampyr.records.files import Request
 from dampyr.records.new_file import new_file
 from dampyr.records.record import CHANNELS, Label, Record, as_role
 from dampyr.units import to_si
-from dampyr.whole import whole_file
 
 FORMAT = "dampyr record"
 SCHEMA = 2

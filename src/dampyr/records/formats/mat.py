@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError
 from dampyr.records.files import Request
 from dampyr.records.record import Array, Record
 from dampyr.units import to_si
-from dampyr.whole import whole_file
 
 UNITS = {"displacement": "mm", "velocity": "mm/s", "force": "N"}
 VARIABLES = {"displacement": "dist", "force": "forc"}

@@ -6,8 +6,8 @@ import math
 import re
 from dataclasses import dataclass
 
+from dampyr.config import unknown
 from dampyr.errors import InputError
-from dampyr.tables import unknown
 from dampyr.units import parse
 
 

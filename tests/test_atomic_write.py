@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from dampyr.atomic_write import whole_file, write_whole
 from dampyr.errors import FileError
-from dampyr.whole import whole_file, write_whole
 
 
 def broken_off(path: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from dampyr import catalogue
+from dampyr import registry
 from dampyr.errors import InputError
 
 SHELF = "planted_shelf"
@@ -27,22 +27,22 @@ def shelf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def test_members_are_the_public_files(shelf: Path) -> None:
-    assert catalogue.names(SHELF) == ["bouc_wen", "viscous_dahl"]
+    assert registry.names(SHELF) == ["bouc_wen", "viscous_dahl"]
 
 
 def test_adding_a_member_is_adding_a_file(shelf: Path) -> None:
     (shelf / "lugre.py").write_text("title = 'LuGre'\n")
-    assert catalogue.names(SHELF) == ["bouc_wen", "lugre", "viscous_dahl"]
+    assert registry.names(SHELF) == ["bouc_wen", "lugre", "viscous_dahl"]
 
 
 def test_names_are_known_without_loading_the_members(shelf: Path) -> None:
-    catalogue.names(SHELF)
+    registry.names(SHELF)
     assert f"{SHELF}.bouc_wen" not in sys.modules
 
 
 def test_a_member_is_its_module(shelf: Path) -> None:
-    assert catalogue.member(SHELF, "bouc_wen").title == "bouc_wen"
-    assert {name: module.title for name, module in catalogue.members(SHELF)} == {
+    assert registry.member(SHELF, "bouc_wen").title == "bouc_wen"
+    assert {name: module.title for name, module in registry.members(SHELF)} == {
         "bouc_wen": "bouc_wen",
         "viscous_dahl": "viscous_dahl",
     }
@@ -50,7 +50,7 @@ def test_a_member_is_its_module(shelf: Path) -> None:
 
 def test_a_slip_of_the_pen_is_answered_with_the_nearest_name(shelf: Path) -> None:
     with pytest.raises(InputError) as caught:
-        catalogue.member(SHELF, "bouc_when")
+        registry.member(SHELF, "bouc_when")
     assert str(caught.value) == (
         "'bouc_when' is not among the planted shelf; did you mean 'bouc_wen'? choose from bouc_wen, viscous_dahl"
     )
@@ -59,4 +59,4 @@ def test_a_slip_of_the_pen_is_answered_with_the_nearest_name(shelf: Path) -> Non
 @pytest.mark.parametrize("name", ["", "quark", "_private", "os.path"])
 def test_what_is_not_there_lists_what_is(shelf: Path, name: str) -> None:
     with pytest.raises(InputError, match="choose from bouc_wen, viscous_dahl"):
-        catalogue.member(SHELF, name)
+        registry.member(SHELF, name)
