@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.models.composition import namespace_of
+from dampyr.models.codegen.composition import namespace_of
 from dampyr.structures.lanes import arithmetic, block
 from dampyr.structures.lanes.engine import Engine
 

@@ -12,7 +12,7 @@ from benchmarks._timing import race
 from dampyr.identification import fit
 from dampyr.identification.pieces import Piece, piece
 from dampyr.models import compose
-from dampyr.models.march import along
+from dampyr.models.path_integration import along
 from dampyr.records import Record, read_campaign
 
 JOINT = "dampyr, one joint fit of all records with dahl + hyperbolic_tangent + spring + delay"

@@ -14,7 +14,7 @@ from dampyr.identification.problem import Problem
 from dampyr.identification.solver import Outcome, descend, search
 from dampyr.identification.starting import begin
 from dampyr.models import Damper
-from dampyr.models.kernels import kept
+from dampyr.models.codegen.kernels import kept
 
 DAHL = Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": 55.0, "dahl.rho": 2500.0})
 FREE = np.ones(6, dtype=bool)

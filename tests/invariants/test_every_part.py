@@ -9,9 +9,9 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.export import export
 from dampyr.models import Damper, compose, names, part
-from dampyr.models.march import along, along_with_columns
+from dampyr.models.codegen.series import UNKNOWN, follows_velocity
 from dampyr.models.part import Scale
-from dampyr.models.series import UNKNOWN, follows_velocity
+from dampyr.models.path_integration import along, along_with_columns
 
 FORCEFUL = [name for name in names() if part(name).force is not None]
 SERIES = [f"dahl + {name}" for name in names() if part(name).stretch]

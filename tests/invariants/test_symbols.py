@@ -19,9 +19,9 @@ from numba.core.dispatcher import Dispatcher
 
 from dampyr.ground_motions import oscillator
 from dampyr.identification import algebra
-from dampyr.models import march, names, part
-from dampyr.models.composition import compose
-from dampyr.models.kernels import bind, kept
+from dampyr.models import names, part, path_integration
+from dampyr.models.codegen.composition import compose
+from dampyr.models.codegen.kernels import bind, kept
 from dampyr.rig.simulation import plant
 from dampyr.structures import two_storey
 from dampyr.structures.coupling import march as coupled
@@ -32,7 +32,7 @@ PROBE = """
 import sys
 import numpy as np
 from dampyr.models import march, names, part
-from dampyr.models.composition import compose
+from dampyr.models.codegen.composition import compose
 t = np.linspace(0.0, 1.0, 200)
 for name in sys.argv[1:]:
     c = compose(name)
@@ -65,7 +65,13 @@ def test_kernels_that_processes_kept_apart_are_right_together(tmp_path: Path) ->
 
 def kernels() -> Iterator[Any]:
     """Of every kind that is kept, those of several dampers."""
-    drivers = [march.march, march.march_columns, march.march_products, march.march_products_delayed, march.march_laws]
+    drivers = [
+        path_integration.march,
+        path_integration.march_columns,
+        path_integration.march_products,
+        path_integration.march_products_delayed,
+        path_integration.march_laws,
+    ]
     dampers = [
         *(name for name in names() if part(name).force),
         "dahl + spring",

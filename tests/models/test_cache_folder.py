@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from dampyr.models import kernels
+from dampyr.models.codegen import kernels
 
 
 def test_kernels_of_old_sources_go_and_all_else_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

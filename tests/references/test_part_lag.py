@@ -9,7 +9,7 @@ from dampyr.errors import InputError
 from dampyr.export import export
 from dampyr.identification import fit
 from dampyr.models import Damper, Polynomial
-from dampyr.models.lagging import lagged
+from dampyr.models.input_lag import lagged
 from dampyr.records import Record
 
 LAWS = {

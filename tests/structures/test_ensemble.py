@@ -16,7 +16,7 @@ import pytest
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
-from dampyr.models.composition import compose
+from dampyr.models.codegen.composition import compose
 from dampyr.structures import Building, control_law, ensemble, read_ensemble, respond, shear_building, two_storey
 from dampyr.structures.cases import cases
 from dampyr.structures.ensemble import run

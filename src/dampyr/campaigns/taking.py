@@ -20,7 +20,7 @@ from dampyr.campaigns.campaign import Campaign
 from dampyr.campaigns.control import Stopped, exit_status
 from dampyr.campaigns.plan import PlannedTest
 from dampyr.errors import DampyrError, FileError, RigFault
-from dampyr.models.derivative import differentiate, window
+from dampyr.models.numerics.differentiation import differentiate, window
 from dampyr.records.record import Array, Label
 from dampyr.records.recording import Header, RawChannel, Recording, check_room
 from dampyr.rig.calibration import Calibration

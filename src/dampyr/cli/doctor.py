@@ -53,7 +53,7 @@ def _library(name: str) -> list[Any]:
 
 
 def _kernels() -> list[Any]:
-    from dampyr.models.kernels import cache_folder
+    from dampyr.models.codegen.kernels import cache_folder
 
     return ["compiled kernels", str(cache_folder()), None]
 

@@ -1,12 +1,12 @@
-"""The C of parts that stand in series with something that stretches: the equation of `dampyr.models.series`."""
+"""The C of parts that stand in series with something that stretches: the equation of `dampyr.models.codegen.series`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from dampyr.models import Composition
-from dampyr.models.formula import Formula
-from dampyr.models.series import INNER, UNKNOWN, rate, slots
+from dampyr.models.codegen.formula import Formula
+from dampyr.models.codegen.series import INNER, UNKNOWN, rate, slots
 
 Call = Callable[[Formula, dict[str, str]], str]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from dampyr.models.formula import Formula
+from dampyr.models.codegen.formula import Formula
 
 FUNCTIONS = {"abs": "fabs", "min": "fmin", "max": "fmax"}
 OPERATORS: dict[type[ast.AST], str] = {

@@ -99,7 +99,7 @@ def spectrum(
 
 
 def _peaks(motion: GroundMotion, omega: Array, zeta: Array, sampled: bool) -> Array:
-    from dampyr.models.kernels import kept
+    from dampyr.models.codegen.kernels import kept
 
     peaks = np.zeros((3, len(zeta), len(omega)))
     kept(oscillator.march)(np.array(motion.acceleration), motion.dt, omega, zeta, bool(sampled), peaks)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from dampyr.identification import algebra
 from dampyr.identification.problem import Point, Problem
 from dampyr.identification.products import products, with_priors
-from dampyr.models.kernels import kept
+from dampyr.models.codegen.kernels import kept
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from dampyr.identification.pieces import Piece
 from dampyr.identification.problem import MISFIT, PRIOR, Point, Problem, is_viscous, values_at
-from dampyr.models.lagging import lagged
-from dampyr.models.march import (
+from dampyr.models.input_lag import lagged
+from dampyr.models.path_integration import (
     acceleration,
     along,
     along_with_columns,
@@ -35,8 +35,9 @@ LAG_STEP = 1e-6  # s, of the difference that gives the derivative by a lag
 class Plan:
     """Which columns the kernel sums for a record.
 
-    ``source`` (C,) and ``factor`` (1 or n, C) as in `dampyr.models.march.products_along`; ``parameter`` (C,) says which
-    parameter a column belongs to, or -1; ``to_unknowns`` (C + 1, L + G + 1) how the unknowns' columns come of them.
+    ``source`` (C,) and ``factor`` (1 or n, C) as in `dampyr.models.path_integration.products_along`; ``parameter`` (C,)
+    says which parameter a column belongs to, or -1; ``to_unknowns`` (C + 1, L + G + 1) how the unknowns' columns come of
+    them.
     """
 
     source: Integers

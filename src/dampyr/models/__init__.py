@@ -6,7 +6,7 @@ voltage or current. `Damper.force` gives the force along a path, `Damper.load` a
 """
 
 from dampyr.models import published
-from dampyr.models.composition import Composition, compose
+from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.damper import Damper
 from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
 from dampyr.models.part import SHELF, part

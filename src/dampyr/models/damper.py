@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
-from dampyr.models.composition import Composition, compose
+from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.laws import Constant, Law
 
 Array = NDArray[np.float64]
@@ -245,7 +245,7 @@ class Damper:
         ``voltage`` a number or (n,) V, ``state0`` the hysteretic states at the start (0: no memory). Between samples the
         path is straight. A motion beyond the calibrated displacement or velocity gives one warning that names the limit.
         """
-        from dampyr.models.march import along, delayed
+        from dampyr.models.path_integration import along, delayed
 
         t, x = _path(t, x)
         u = self._input_along(self.pick_input(voltage, current), t)
@@ -258,7 +258,7 @@ class Damper:
 
     def _behind(self, t: Array, u: Array) -> ArrayLike:
         """The input behind its command, where the damper has a lag."""
-        from dampyr.models.lagging import lagged
+        from dampyr.models.input_lag import lagged
 
         k = self.composition.lag
         return u if k is None else lagged(t, u, float(list(self.all_laws.values())[k](float(np.mean(u)))))
@@ -272,7 +272,7 @@ class Damper:
         return values
 
     def _velocity(self, t: Array, x: Array, velocity: ArrayLike | None) -> Array:
-        from dampyr.models.derivative import differentiate
+        from dampyr.models.numerics.differentiation import differentiate
 
         if velocity is None:
             return differentiate(t, x, self.bandwidth)

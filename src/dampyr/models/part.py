@@ -8,7 +8,7 @@ from functools import lru_cache, wraps
 from types import ModuleType
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
-from dampyr.models.formula import Formula, read
+from dampyr.models.codegen.formula import Formula, read
 from dampyr.registry import member
 from dampyr.units import Quantity
 

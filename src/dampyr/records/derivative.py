@@ -1,11 +1,13 @@
-"""The velocity of a record, with a bandwidth that its history states (`dampyr.models.derivative` has the filter)."""
+"""The velocity of a record, with a bandwidth that its history states (`dampyr.models.numerics.differentiation` has the
+filter).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from dampyr.errors import InputError
-from dampyr.models.derivative import carried, differentiate, response
+from dampyr.models.numerics.differentiation import carried, differentiate, response
 from dampyr.records.record import Record
 
 PER_TEST_FREQUENCY = 15.0

@@ -10,7 +10,7 @@ A delayed damper pushes with the force that it would have given some time ago, r
 the past steps; it needs no Newton, but the step may not be longer than the delay.
 
 ``march`` is plain Python for numba: ``advance``, ``force`` and ``slopes`` below are names that
-:func:`dampyr.models.kernels.bind` gives the functions of the dampers.
+:func:`dampyr.models.codegen.kernels.bind` gives the functions of the dampers.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from dampyr.structures.arithmetic import past, peak, put, solve, times, turning
 
 
 def _unbound(*_: Any) -> Any:
-    raise TypeError("a driver runs only after dampyr.models.kernels.bind has given it its dampers")
+    raise TypeError("a driver runs only after dampyr.models.codegen.kernels.bind has given it its dampers")
 
 
 advance = force = slopes = _unbound

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.models.pieces import table
+from dampyr.models.piecewise_laws import table
 from dampyr.structures.connection import told
 from dampyr.structures.control_law import lag_of, settings
 from dampyr.structures.placement import Site

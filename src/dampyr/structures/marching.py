@@ -57,7 +57,7 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
 
 def _constant(sites: tuple[Site, ...]) -> Any:
     """The march at constant inputs."""
-    from dampyr.models.kernels import bind
+    from dampyr.models.codegen.kernels import bind
     from dampyr.structures.coupling import march
 
     kernel = bind(march, tuple(site.composition for site in sites))
@@ -71,7 +71,7 @@ def _constant(sites: tuple[Site, ...]) -> Any:
 
 def _governed(building: Building, sites: tuple[Site, ...]) -> Any:
     """The march where at least one input is set by a law."""
-    from dampyr.models.kernels import bind
+    from dampyr.models.codegen.kernels import bind
     from dampyr.structures.governing import check_reached, control
     from dampyr.structures.sampled import march
 

@@ -7,22 +7,22 @@ those at h/4 and 3h/4 along the halves of a step, and those at h/2 and h where t
 What a damper remembers goes on where its parameters jump, so its force jumps with them: it is found again from the same
 states, at the same motion, and the accelerations with it. The ground's velocity is the integral of its acceleration from 0.
 
-``march`` is plain Python for numba; ``decide`` is a name that :func:`dampyr.models.kernels.bind` gives the laws.
+``march`` is plain Python for numba; ``decide`` is a name that :func:`dampyr.models.codegen.kernels.bind` gives the laws.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from dampyr.models.pieces import look_up
+from dampyr.models.piecewise_laws import look_up
 from dampyr.structures.arithmetic import solve
 from dampyr.structures.coupling import finish, forecast, keep, observe, prepare, settle, store
 
-BOUND_WITH = ("dampyr.structures.coupling", "dampyr.models.pieces")
+BOUND_WITH = ("dampyr.structures.coupling", "dampyr.models.piecewise_laws")
 
 
 def _unbound(*_: Any) -> Any:
-    raise TypeError("a driver runs only after dampyr.models.kernels.bind has given it its dampers")
+    raise TypeError("a driver runs only after dampyr.models.codegen.kernels.bind has given it its dampers")
 
 
 force = decide = _unbound

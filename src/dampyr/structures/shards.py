@@ -139,7 +139,7 @@ SMALL_STROKE, SMALL_RATE = 1e-9, 1e-9  # m, m/s
 
 def rest_slopes(site: Site) -> tuple[float, float]:
     """The size of dF/dx and dF/dv of a damper at rest, by a small difference."""
-    from dampyr.models.march import along
+    from dampyr.models.path_integration import along
 
     t = np.array([0.0, 1e-3])
     rest, moved, quick = (
@@ -211,7 +211,7 @@ def _made(cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int) 
 
 def _rest(sites: tuple[Site, ...]) -> Array:
     """The forces of the dampers at rest."""
-    from dampyr.models.march import along
+    from dampyr.models.path_integration import along
 
     t, still = np.array([0.0, 1e-3]), np.zeros(2)
     return np.array([along(site.composition, t, still, still, site.values)[0] for site in sites])

@@ -124,7 +124,7 @@ def _validated(demo: Demo) -> Section:
 
 def velocity_of(record: Record) -> Array:
     """The velocity that is plotted: with the bandwidth of the fit."""
-    from dampyr.models.derivative import differentiate
+    from dampyr.models.numerics.differentiation import differentiate
 
     return differentiate(record.time, record.displacement, 15.0)
 

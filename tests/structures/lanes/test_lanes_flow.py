@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 
 from dampyr.ground_motions import el_centro
 from dampyr.models import Damper
-from dampyr.models import flow as exact
-from dampyr.models.composition import compose
+from dampyr.models.codegen.composition import compose
+from dampyr.models.numerics import bouc_wen_exact as exact
 from dampyr.structures import ensemble, respond, two_storey
 from dampyr.structures.lanes import flow
 from dampyr.structures.lanes.block import _parts

@@ -8,6 +8,6 @@ A part is a frozen dataclass of its parameters and two short functions in the le
     the force in N; positive opposes positive velocity.
 
 Each names only the arguments that it uses. ``STATES`` gives the bounds of each state (rest is 0). Gradients, the kernels
-and the exports are derived from these lines (see ``dampyr.models.formula``). ``starts`` proposes values of
+and the exports are derived from these lines (see ``dampyr.models.codegen.formula``). ``starts`` proposes values of
 the parameters that are not linear, from where a fit begins.
 """

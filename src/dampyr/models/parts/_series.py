@@ -4,12 +4,12 @@ Over a step in which the ends move apart by delta (both in units of 1/rho) the e
 
 .. math:: \xi + \beta\,(\bar y(\xi) - y) = \delta, \qquad \bar y = \tfrac16\left(y + 4\,y(\xi/2) + y(\xi)\right)
 
-with y(xi) from `dampyr.models.flow`: the mean of its force over the step, as if it were drawn at a constant rate. The left side
-rises by at least the change of xi, so there is one solution, between 0 and delta.
+with y(xi) from `dampyr.models.numerics.bouc_wen_exact`: the mean of its force over the step, as if it were drawn at a
+constant rate. The left side rises by at least the change of xi, so there is one solution, between 0 and delta.
 """
 
-from dampyr.models.flow import flow, rate
-from dampyr.models.formula import intrinsic
+from dampyr.models.codegen.formula import intrinsic
+from dampyr.models.numerics.bouc_wen_exact import flow, rate
 
 MOST_ITERATIONS = 100
 CLOSE = 1e-5  # of a step that converges quadratically; `advance` of `modified_bouc_wen` takes one more

@@ -1,6 +1,6 @@
 """The element that sticks and slips: what `maxwell_slip`, `hysteretic_biviscous` and `sigmoid` remember."""
 
-from dampyr.models.formula import intrinsic
+from dampyr.models.codegen.formula import intrinsic
 
 
 def sticks(end: float, w: float, step: float) -> float:

@@ -7,7 +7,7 @@ w stays in [-1, 1]. The usual seven letters are singular, because z can be scale
 sigma = 1 the model is `dahl` with a spring. sigma >= 1/2 gives loops that a passive damper can have; below it, down to 0, the
 loop bulges the wrong way and a warning says so; at 0 and below it makes energy and is refused.
 
-The step along a monotone path is exact for every n (`dampyr.models.flow`).
+The step along a monotone path is exact for every n (`dampyr.models.numerics.bouc_wen_exact`).
 The letters of equations (2.1) and (2.2) of Raminelli (2020) come and go with `from_printed` and `to_printed`.
 
 Bouc (1971); Wen (1976); the normalised form: Ikhouane and Rodellar (2007).
@@ -19,7 +19,7 @@ from math import copysign
 from typing import Annotated
 
 from dampyr.errors import InputError
-from dampyr.models.flow import flow
+from dampyr.models.numerics.bouc_wen_exact import flow
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 

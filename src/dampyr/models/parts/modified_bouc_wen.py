@@ -10,10 +10,11 @@ the dashpot in series carries kw, :math:`r = c_0/c_1`, :math:`\kappa = k_0/k_w`.
 e = x - y of the element in m. The letters of the source come and go with `from_printed` and `to_printed`; its x0 is the
 `offset`.
 
-A step takes e by the trapezoidal rule, with the mean of w along its own exact path (`dampyr.models.flow`): implicit, stable
-at any step, of second order. Where e turns round inside a step, what it travels beyond both ends is left out, as with
-any path through samples: with the source's numbers (rho near 50/mm, 15 mm at 2.5 Hz) the error is 0.6 % of the peak
-force (rms) at 200 samples per second and 0.06 % at 1000. With vc -> 0 the model is `bouc_wen`.
+A step takes e by the trapezoidal rule, with the mean of w along its own exact path
+(`dampyr.models.numerics.bouc_wen_exact`): implicit, stable at any step, of second order. Where e turns round inside a
+step, what it travels beyond both ends is left out, as with any path through samples: with the source's numbers (rho near
+50/mm, 15 mm at 2.5 Hz) the error is 0.6 % of the peak force (rms) at 200 samples per second and 0.06 % at 1000. With vc
+-> 0 the model is `bouc_wen`.
 
 Spencer, Dyke, Sain and Carlson (1997), Journal of Engineering Mechanics 123, 230.
 """
@@ -24,7 +25,7 @@ from math import copysign, inf
 from typing import Annotated
 
 from dampyr.errors import InputError
-from dampyr.models.flow import flow
+from dampyr.models.numerics.bouc_wen_exact import flow
 from dampyr.models.part import Scale, checked
 from dampyr.models.parts import bouc_wen
 from dampyr.models.parts._series import drawn, held_rate, steepness

@@ -74,7 +74,7 @@ class Constants(NamedTuple):
 
 
 def _unbound(*_: Any) -> Any:
-    raise TypeError("a driver runs only after dampyr.models.kernels.bind has given it a composition")
+    raise TypeError("a driver runs only after dampyr.models.codegen.kernels.bind has given it a composition")
 
 
 advance = force = _unbound

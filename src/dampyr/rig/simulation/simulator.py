@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.models import Damper
-from dampyr.models.kernels import bind
+from dampyr.models.codegen.kernels import bind
 from dampyr.rig.firmware.twin import Twin
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation import plant

@@ -4,7 +4,7 @@ The exponential is :math:`2^k` times a polynomial on :math:`|r| \le \ln 2 / 2`, 
 1e-8 and 5e-7 relative (and what rounding leaves), exactly 1 at 0. It is held below by the smallest normal number. A hyperbolic
 tangent is made of it, accurate to 1e-8 absolutely in double precision.
 The logarithm of a positive number is that of its power of 2 and a polynomial on :math:`[\sqrt{1/2}, \sqrt 2]`, 5e-9 relative.
-Fits need the last digits (`dampyr.models.quick`); here the step errs far more, and every operation counts.
+Fits need the last digits (`dampyr.models.numerics.fast_math`); here the step errs far more, and every operation counts.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import Chebyshev, Polynomial
 
-from dampyr.models.kernels import named
+from dampyr.models.codegen.kernels import named
 
 LANES = 64  # of a block in double precision; one in single has twice as many, and the same bytes
 LN2, LOG2E = math.log(2.0), 1.0 / math.log(2.0)

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.models.composition import Composition, namespace_of
-from dampyr.models.kernels import jit, named
+from dampyr.models.codegen.composition import Composition, namespace_of
+from dampyr.models.codegen.kernels import jit, named
 from dampyr.structures.lanes import arithmetic, flow
 
 FAST = {"contract", "nsz", "arcp", "nnan", "ninf"}

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.composition import Composition
+from dampyr.models.codegen.composition import Composition
 from dampyr.structures.building import Building
 from dampyr.structures.lanes.arithmetic import LANES
 from dampyr.structures.lanes.block import compiled

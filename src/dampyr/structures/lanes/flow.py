@@ -1,7 +1,7 @@
 r"""The Bouc-Wen state along a monotone path, in lanes: without branches or loops, to 2e-5 where damper and shape are usual.
 
-`dampyr.models.flow` is exact for every shape, by series whose lengths differ from history to history. Here the same two phases
-are integrals by Gauss and Legendre, and their inverses two corrections of a good guess.
+`dampyr.models.numerics.bouc_wen_exact` is exact for every shape, by series whose lengths differ from history to history.
+Here the same two phases are integrals by Gauss and Legendre, and their inverses two corrections of a good guess.
 
 On the side y < 0, with u = -y, the way to u = 0 is the integral of :math:`1/(1 + c u^n)`, with six nodes in the square root of
 u. Where the path ends before, the cubic that meets u and its rates at both ends of that way is the guess, and one correction of
@@ -22,13 +22,13 @@ from math import exp, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.composition import Composition
-from dampyr.models.formula import read
+from dampyr.models.codegen.composition import Composition
+from dampyr.models.codegen.formula import read
 
 Array = NDArray[np.float64]
 #: part -> parameter -> where the branch-free step was measured to hold; beyond, and in other parts, the exact one runs
 USUAL: dict[str, dict[str, tuple[float, float]]] = {"bouc_wen": {"n": (1.0, 3.0), "sigma": (0.35, 1.25)}}
-CALLERS = ("bouc_wen", "modified_bouc_wen")  # parts that walk along `dampyr.models.flow`
+CALLERS = ("bouc_wen", "modified_bouc_wen")  # parts that walk along `dampyr.models.numerics.bouc_wen_exact`
 NOWHERE = {"n": (np.inf, -np.inf)}
 
 NEAR = 1e-3  # of y = 1: closer, H is what it is there
@@ -171,7 +171,7 @@ WRITTEN: tuple[Callable[..., float], ...] = (
 
 
 def source() -> str:
-    """The text of the functions here, those of `dampyr.models.flow` under their names there."""
+    """The text of the functions here, those of `dampyr.models.numerics.bouc_wen_exact` under their names there."""
     return "\n\n".join(read(function, function.__name__).source for function in WRITTEN)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 from dataclasses import dataclass
 
-from dampyr.models import series
-from dampyr.models.composition import Composition
+from dampyr.models.codegen import series
+from dampyr.models.codegen.composition import Composition
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.models.composition import Composition, namespace_of
+from dampyr.models.codegen.composition import Composition, namespace_of
 from dampyr.structures.building import Building
 from dampyr.structures.lanes.arithmetic import constants
 from dampyr.structures.lanes.block import CONSTANTS, MATH, Numbers

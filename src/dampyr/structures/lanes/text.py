@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.composition import Composition
+from dampyr.models.codegen.composition import Composition
 from dampyr.structures.lanes.arithmetic import LANES
 from dampyr.structures.lanes.coordinates import Step
 from dampyr.structures.lanes.glue import Half, half_step

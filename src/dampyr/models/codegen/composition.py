@@ -1,6 +1,6 @@
 """A damper's parts put together: one vector of parameters, one of states, one text of functions.
 
-The text is what the kernels compile (see ``dampyr.models.kernels``); print ``compose("dahl + spring").source()`` to read it.
+The text is what the kernels compile (see `dampyr.models.codegen.kernels`); ``compose("dahl + spring").source()`` shows it.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.models import series, walking
-from dampyr.models.formula import Formula, partials_of, read, tangent, tangents
+from dampyr.models.codegen import batched_path, series
+from dampyr.models.codegen.formula import Formula, partials_of, read, tangent, tangents
 from dampyr.models.part import Part, part
 from dampyr.units import Quantity
 
@@ -135,8 +135,8 @@ class Composition:
 
     @cached_property
     def room(self) -> int:
-        """How many rows ``walk`` needs to itself (see `dampyr.models.walking`)."""
-        return walking.written(self)[1]
+        """How many rows ``walk`` needs to itself (see `dampyr.models.codegen.batched_path`)."""
+        return batched_path.written(self)[1]
 
     def source(self, site: int = 0) -> str:
         """The Python text of this composition's functions, their names ending in ``_{site}``."""
@@ -148,7 +148,7 @@ class Composition:
 
     def _glue(self, site: int) -> list[str]:
         """The functions that drivers know."""
-        walk = [text.replace("_SITE(", f"_{site}(") for text in walking.written(self)[0]]
+        walk = [text.replace("_SITE(", f"_{site}(") for text in batched_path.written(self)[0]]
         if self.in_series:
             return [*series.sources(self, site), *walk]
         return [*(write(self, site) for write in (_advance, _force, _slopes, _columns, _spread)), *walk]
@@ -335,7 +335,7 @@ def namespace_of(compositions: tuple[Composition, ...]) -> tuple[str, dict[str, 
         ("slopes", "s, x0, x1, v0, v1, dt, p"),
         ("columns", "s, D, x, v, a, p, J"),
         ("spread", "s, D, x0, x1, v0, v1, dt, p"),
-        ("walk", walking.ARGUMENTS),
+        ("walk", batched_path.ARGUMENTS),
     ):
         last = len(compositions) - 1
         lines = [f"if site == {k}: return {name}_{k}({arguments})" for k in range(last)]

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.composition import Composition
-from dampyr.models.kernels import bind
+from dampyr.models.codegen.composition import Composition
+from dampyr.models.codegen.kernels import bind
 
 Array = NDArray[np.float64]
 
 
 def _unbound(*_: Any) -> Any:
-    raise TypeError("a driver runs only after dampyr.models.kernels.bind has given it a composition")
+    raise TypeError("a driver runs only after dampyr.models.codegen.kernels.bind has given it a composition")
 
 
 BLOCK = 128  # rows that are kept while their products are summed

@@ -3,7 +3,7 @@
 ``spread``, ``force`` and ``columns`` take one sample at a time. ``walk`` takes what it can out of the recurrence: exponentials
 that no state enters are computed before it, the states and their tangents walk alone, and the columns are filled after it.
 All but the recurrence itself are loops over samples that do not wait for each other, so that the compiler takes several
-samples at once (see `dampyr.models.quick`). In series nothing can be taken out, and the walk is sample by sample.
+samples at once (see `dampyr.models.numerics.fast_math`). In series nothing can be taken out, and the walk is sample by sample.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from collections.abc import Iterable
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from dampyr.models.formula import Formula, tangents
-from dampyr.models.series import Slot, slots
+from dampyr.models.codegen.formula import Formula, tangents
+from dampyr.models.codegen.series import Slot, slots
 
 if TYPE_CHECKING:
-    from dampyr.models.composition import Composition
+    from dampyr.models.codegen.composition import Composition
 
 #: ``still`` is 1 to fill the columns of the first sample without a step, 0 to walk from the first sample to all others
 ARGUMENTS = "still, t, x, v, a, p, s, D, room, rows"

@@ -20,10 +20,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dampyr.models.formula import Formula, tangents
+from dampyr.models.codegen.formula import Formula, tangents
 
 if TYPE_CHECKING:
-    from dampyr.models.composition import Composition
+    from dampyr.models.codegen.composition import Composition
     from dampyr.models.part import Part
 
 FORCE = "series.f"

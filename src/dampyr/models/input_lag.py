@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.kernels import jit
+from dampyr.models.codegen.kernels import jit
 
 Array = NDArray[np.float64]
 

@@ -16,8 +16,14 @@ rounding. n = 1 and n = 2 are elementary.
 
 from math import atan, exp, expm1, log, log1p, sqrt, tan, tanh
 
-from dampyr.models.formula import intrinsic
-from dampyr.models.short_flow import backward_change, backward_change_by_c, forward_change, short_enough, short_step
+from dampyr.models.codegen.formula import intrinsic
+from dampyr.models.numerics.bouc_wen_taylor import (
+    backward_change,
+    backward_change_by_c,
+    forward_change,
+    short_enough,
+    short_step,
+)
 
 TERMS = 4000
 ROUNDING = 1e-17

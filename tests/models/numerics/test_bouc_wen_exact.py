@@ -4,8 +4,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from dampyr.models.flow import back_at, flow, flow_any, flow_by_c, flow_by_n, phase, phase_back, state_at
-from dampyr.models.short_flow import short_enough, short_step
+from dampyr.models.numerics.bouc_wen_exact import (
+    back_at,
+    flow,
+    flow_any,
+    flow_by_c,
+    flow_by_n,
+    phase,
+    phase_back,
+    state_at,
+)
+from dampyr.models.numerics.bouc_wen_taylor import short_enough, short_step
 
 
 def by_phases(y: float, xi: float, n: float, c: float) -> float:

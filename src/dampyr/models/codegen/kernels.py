@@ -1,8 +1,8 @@
 """Compiling a driver for a composition of parts, and keeping what was compiled.
 
-A *driver* is a plain function in a real file (`dampyr.models.march`, the coupling in ``dampyr.structures``) that walks along
-a path or through an earthquake. It calls ``advance``, ``force``, ``slopes``, ``columns`` and ``spread`` by name, and `bind`
-gives these names the functions of one or several compositions and compiles the whole with numba.
+A *driver* is a plain function in a real file (`dampyr.models.path_integration`, the coupling in ``dampyr.structures``)
+that walks along a path or through an earthquake. It calls ``advance``, ``force``, ``slopes``, ``columns`` and ``spread``
+by name, and `bind` gives these names the functions of one or several compositions and compiles the whole with numba.
 
 Compiled code is kept on disk in a folder whose name holds a hash of dampyr's own sources, so that an edited model
 can never be served stale. The folder lies in the user's cache, or where ``DAMPYR_CACHE`` says.
@@ -25,8 +25,8 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from dampyr.models import quick
-from dampyr.models.composition import Composition, namespace_of
+from dampyr.models.codegen.composition import Composition, namespace_of
+from dampyr.models.numerics import fast_math
 
 BOUND = ("advance", "force", "slopes", "columns", "spread", "walk")
 MORE = ("decide",)
@@ -39,7 +39,7 @@ _MATH = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "tan", "a
 @lru_cache(maxsize=1)
 def cache_folder() -> Path:
     """Where compiled kernels are kept: made if need be; a temporary folder where the user's cache is not writable."""
-    package = Path(__file__).resolve().parents[1]
+    package = Path(__file__).resolve().parents[2]
     digest = hashlib.sha256()
     for file in sorted(package.rglob("*.py")):
         digest.update(str(file.relative_to(package)).encode() + b"\0" + file.read_bytes())
@@ -160,7 +160,7 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more
     text, names = namespace_of(compositions)
     text = f"{text}\n\n{more}" if more else text
     names.update((name, getattr(math, name)) for name in _MATH)
-    names.update((name, _rebound(getattr(quick, name), {}, "alone", _shared)) for name in QUICK)
+    names.update((name, _rebound(getattr(fast_math, name), {}, "alone", _shared)) for name in QUICK)
     exec(compile(text, f"<{' | '.join(map(str, compositions))}>", "exec"), names)
     key = hashlib.sha256(text.encode()).hexdigest()[:16]
     for name, value in list(names.items()):

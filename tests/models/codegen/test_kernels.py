@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 import dampyr
-from dampyr.models import kernels
+from dampyr.models.codegen import kernels
 
 PROBE = """
 import sys, numpy as np
 from dampyr.models import Damper
-from dampyr.models.kernels import bind
+from dampyr.models.codegen.kernels import bind
 from dampyr.models import march
 d = Damper("dahl", {"dahl.kx": 0.0, "dahl.kw": 1.0, "dahl.rho": 100.0})
 f = d.force(np.array([0.0, 1.0]), np.array([0.0, 0.01]), voltage=0.0, velocity=np.zeros(2))

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from dampyr.models import compose
-from dampyr.models.march import along_with_columns, products_along
+from dampyr.models.codegen.batched_path import written
 from dampyr.models.part import SHELF, part
-from dampyr.models.walking import written
+from dampyr.models.path_integration import along_with_columns, products_along
 from dampyr.registry import names
 
 N = 700  # more than five blocks

@@ -5,8 +5,8 @@ from math import atan, copysign, cos, exp, log, sin, sqrt, tanh
 import numpy as np
 import pytest
 
-from dampyr.models.flow import flow
-from dampyr.models.formula import partials_of, read, tangent, tangents
+from dampyr.models.codegen.formula import partials_of, read, tangent, tangents
+from dampyr.models.numerics.bouc_wen_exact import flow
 
 K = 3.0
 

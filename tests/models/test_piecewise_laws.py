@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dampyr.models import Constant, Damper, Interpolation, Polynomial
-from dampyr.models.pieces import look_up, table
+from dampyr.models.piecewise_laws import look_up, table
 
 
 def test_a_table_gives_what_the_laws_give():

@@ -1,0 +1,1 @@
+"""Exact steps of the hysteresis equations, fast elementary functions, differentiation."""
