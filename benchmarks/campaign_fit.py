@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks._lines import Line
 from benchmarks._timing import race
 from dampyr.identification import fit
-from dampyr.identification.pieces import Piece, piece
+from dampyr.identification.fit_data import Piece, piece
 from dampyr.models import compose
 from dampyr.models.path_integration import along
 from dampyr.records import Record, read_campaign

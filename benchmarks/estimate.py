@@ -14,7 +14,7 @@ from benchmarks.bouc_wen_force import compiled
 from dampyr.identification import fit
 from dampyr.identification.fit import prepared
 from dampyr.identification.problem import Point, Problem
-from dampyr.identification.solver import search
+from dampyr.identification.variable_projection import search
 from dampyr.models import Damper
 from dampyr.records import Record
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from tests.identification.synthetic import sine
 
-from dampyr.identification import algebra, solver
+from dampyr.identification import algebra, variable_projection
 from dampyr.identification.fit import prepared
-from dampyr.identification.normal import Normal, Step, least, moved, normal, within
-from dampyr.identification.pieces import opening
+from dampyr.identification.fit_data import opening
+from dampyr.identification.initial_guess import begin
+from dampyr.identification.normal_equations import Normal, Step, least, moved, normal, within
 from dampyr.identification.problem import Problem
-from dampyr.identification.solver import Outcome, descend, search
-from dampyr.identification.starting import begin
+from dampyr.identification.variable_projection import Outcome, descend, search
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import kept
 
@@ -84,7 +84,9 @@ def test_a_step_of_a_logarithm_is_a_factor() -> None:
 def counted(monkeypatch: pytest.MonkeyPatch, problem: Problem) -> tuple[Outcome, int]:
     """The search and how many samples it evaluated."""
     seen = []
-    monkeypatch.setattr(solver, "normal", lambda p, at: seen.append(sum(o.t.size for o in p.pieces)) or normal(p, at))
+    monkeypatch.setattr(
+        variable_projection, "normal", lambda p, at: seen.append(sum(o.t.size for o in p.pieces)) or normal(p, at)
+    )
     found = search(problem, begin(problem))
     return found, sum(seen)
 
@@ -97,7 +99,7 @@ def test_a_long_record_is_searched_on_its_first_part_to_the_same_end(
     problem = prepared(model, [sine(DAHL, 0.0, noise=2.0, seconds=60.0)])
     whole = descend(problem, begin(problem), None, 1e-12)
     found, samples = counted(monkeypatch, problem)
-    monkeypatch.setattr(solver, "OPENING_SAMPLES", 10**9)
+    monkeypatch.setattr(variable_projection, "OPENING_SAMPLES", 10**9)
     plain, all_samples = counted(monkeypatch, problem)
     assert found.converged
     assert samples < 0.8 * all_samples

@@ -11,8 +11,8 @@ import pytest
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import Leaderboard, cross_validate, fit, jobs, leaderboard
-from dampyr.identification.thinning import screening_set, shortened
+from dampyr.identification import Leaderboard, cross_validate, fit, leaderboard, parallel
+from dampyr.identification.screening_subset import screening_set, shortened
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record, read_campaign, with_velocity
 
@@ -103,13 +103,13 @@ class Backwards(Executor):
 @pytest.mark.prove
 def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[tuple[str, float]] = []
-    plain = jobs.run_all
+    plain = parallel.run_all
 
     def run(some, executor, tell):
         executor.expected = len(some)
         return plain(some, executor, tell)
 
-    monkeypatch.setattr(jobs, "run_all", run)
+    monkeypatch.setattr(parallel, "run_all", run)
     same = leaderboard(
         campaign(),
         ("dahl", NAME),

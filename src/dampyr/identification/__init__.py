@@ -8,7 +8,7 @@ predicts records that it was not fitted on, `leaderboard` which model does it be
 
 from dampyr.identification.acceptance import Acceptance, Point, Tolerance, accept
 from dampyr.identification.data_sheet import contradictions
-from dampyr.identification.findings import Trend, findings, trends, warnings_of
+from dampyr.identification.diagnostics import Trend, findings, trends, warnings_of
 from dampyr.identification.fit import Fit, Nuisance, fit
 from dampyr.identification.leaderboard import Entry, Leaderboard, leaderboard
 from dampyr.identification.limit_cycle import LimitCycle, limit_cycle

@@ -27,7 +27,7 @@ from typing import Any, Literal
 import numpy as np
 
 from dampyr.errors import InputError
-from dampyr.identification.expectation import SAME, Expected, Reference, expected, groups
+from dampyr.identification.reference_cycles import SAME, Expected, Reference, expected, groups
 from dampyr.records import Cycle, Record, cycle_table, cycles
 
 Quantity = Literal["extension", "compression", "energy"]

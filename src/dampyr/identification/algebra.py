@@ -1,7 +1,7 @@
 """The small algebra of a search in loops that numba compiles: a dozen unknowns are no work for a matrix library.
 
 Nothing here makes an array: what is needed comes with the call. Where a matrix is near singular these functions say so, and
-`dampyr.identification.normal` turns to eigenvalues.
+`dampyr.identification.normal_equations` turns to eigenvalues.
 """
 
 from __future__ import annotations

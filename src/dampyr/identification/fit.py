@@ -7,13 +7,13 @@ from functools import lru_cache
 from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.identification.design import columns
-from dampyr.identification.found import Fit, Nuisance, found
-from dampyr.identification.pieces import piece
+from dampyr.identification.fit_data import piece
+from dampyr.identification.initial_guess import begin, best_of
+from dampyr.identification.parametrisation import columns
 from dampyr.identification.problem import Problem, checked_nuisances
+from dampyr.identification.result import Fit, Nuisance, found
 from dampyr.identification.robust import check_loss, reweighted
-from dampyr.identification.solver import MOST_ITERATIONS, search
-from dampyr.identification.starting import begin, best_of
+from dampyr.identification.variable_projection import MOST_ITERATIONS, search
 from dampyr.models import Composition, Damper, compose
 from dampyr.records import Record, check_bandwidth
 
@@ -44,7 +44,7 @@ def fit(
         one record, or several for a joint fit. Each keeps an offset of its force and its initial states to itself and
         weighs by the standard deviation of its force. Records of the role "validation" are refused.
     laws
-        how parameters follow the input: see `dampyr.identification.design.columns`. By default the values at the
+        how parameters follow the input: see `dampyr.identification.parametrisation.columns`. By default the values at the
         inputs that occur, interpolated monotonically between them.
     fixed
         flat parameter name -> value in SI units, held.

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.identification import jobs
+from dampyr.identification import parallel
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.screening import (
     PAIRS,
@@ -39,7 +39,7 @@ from dampyr.identification.screening import (
     validation_error,
     validations_of,
 )
-from dampyr.identification.thinning import screening_set
+from dampyr.identification.screening_subset import screening_set
 from dampyr.identification.validation import Validation
 from dampyr.models import names, part
 from dampyr.records import Record, check_bandwidth
@@ -138,7 +138,7 @@ def leaderboard(
 
     Raises :class:`~dampyr.errors.InputError` for fewer than five records, or where no model could be fitted.
     """
-    jobs.refuse_forks(executor)
+    parallel.refuse_forks(executor)
     listed = [r for r in records if r.role != "validation"]
     unknown = [r.name for r in listed if r.input is None]
     if unknown:
@@ -160,7 +160,7 @@ def leaderboard(
     if not best:
         raise InputError(f"no model could be fitted; the first said: {screened[0].bare.reason}")
     finals = [partial(judge, one.model, listed, seed, options | {"bandwidth": bandwidth}) for one in best[:finalists]]
-    entries = jobs.run_all(finals, executor, lambda done: tell("validating the best", done))
+    entries = parallel.run_all(finals, executor, lambda done: tell("validating the best", done))
     ranked = with_criteria(sorted(entries, key=lambda one: (one.error, one.model)))
     return Leaderboard(tuple(ranked), tuple(screened), bandwidth, left_out, time.perf_counter() - begun)
 

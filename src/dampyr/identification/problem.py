@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.design import Column
-from dampyr.identification.pieces import Piece
+from dampyr.identification.fit_data import Piece
+from dampyr.identification.parametrisation import Column
 from dampyr.models import Composition
 
 Array = NDArray[np.float64]

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.identification.gram import modelled
 from dampyr.identification.problem import Point, Problem
-from dampyr.identification.products import modelled
-from dampyr.identification.solver import Outcome, search
+from dampyr.identification.variable_projection import Outcome, search
 
 Array = NDArray[np.float64]
 LOSSES = ("squares", "huber", "l1")

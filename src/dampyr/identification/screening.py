@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.identification import jobs
-from dampyr.identification.thinning import screening_set
+from dampyr.identification import parallel
+from dampyr.identification.screening_subset import screening_set
 from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import compose
 from dampyr.records import Record, check_bandwidth, default_bandwidth
@@ -89,7 +89,7 @@ def screen_all(
     for k in range(rounds):
         plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
         tasks = [partial(trial, model, small, seed, options) for models in plan.values() for model in models]
-        found = iter(jobs.run_all(tasks, executor, lambda done, k=k: tell((k + done) / rounds)))  # type: ignore[misc]
+        found = iter(parallel.run_all(tasks, executor, lambda done, k=k: tell((k + done) / rounds)))  # type: ignore[misc]
         for base, models in plan.items():
             trials[base] += [next(found) for _ in models]
         going = _still_going(going, trials, ends)

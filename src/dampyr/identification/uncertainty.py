@@ -20,8 +20,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.identification.gram import modelled, products, with_priors
 from dampyr.identification.problem import Point, Problem
-from dampyr.identification.products import modelled, products, with_priors
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -24,7 +24,6 @@ from dampyr.identification import (
     Leaderboard,
     Validation,
     cross_validate,
-    findings,
     fit,
     leaderboard,
     prediction,

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from dampyr.identification.pieces import Piece
+from dampyr.identification.fit_data import Piece
 from dampyr.identification.problem import Problem
-from dampyr.identification.solver import Outcome
 from dampyr.identification.uncertainty import FEWEST_CYCLES, FEWEST_RECORDS, Uncertainty
+from dampyr.identification.variable_projection import Outcome
 from dampyr.models.damper import INPUTS
 
 FEWEST_STEPS = 25  # of the displacement's resolution over the stroke

@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.normal import Normal, moved, normal
-from dampyr.identification.pieces import opening
+from dampyr.identification.fit_data import opening
+from dampyr.identification.normal_equations import Normal, moved, normal
 from dampyr.identification.problem import Point, Problem, Share, apart
 
 Array = NDArray[np.float64]

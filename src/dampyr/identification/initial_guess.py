@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from dampyr.identification.pieces import Piece, thinned
+from dampyr.identification.fit_data import Piece, thinned
 from dampyr.identification.problem import Point, Problem, apart
-from dampyr.identification.solver import COARSE, descend, projected_cost, search
+from dampyr.identification.variable_projection import COARSE, descend, projected_cost, search
 from dampyr.models import Composition
 from dampyr.models.part import Scale
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification import algebra
+from dampyr.identification.gram import products, with_priors
 from dampyr.identification.problem import Point, Problem
-from dampyr.identification.products import products, with_priors
 from dampyr.models.codegen.kernels import kept
 
 Array = NDArray[np.float64]

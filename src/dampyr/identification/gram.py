@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.pieces import Piece
+from dampyr.identification.fit_data import Piece
 from dampyr.identification.problem import MISFIT, PRIOR, Point, Problem, is_viscous, values_at
 from dampyr.models.input_lag import lagged
 from dampyr.models.path_integration import (

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.identification.data_sheet import SHEETS, contradictions
-from dampyr.identification.notes import no_interval, notes, trouble_of
-from dampyr.identification.pieces import Piece
+from dampyr.identification.fit_data import Piece
+from dampyr.identification.fit_notes import no_interval, notes, trouble_of
+from dampyr.identification.gram import modelled
 from dampyr.identification.problem import Problem
-from dampyr.identification.products import modelled
 from dampyr.identification.score import Score, compare
-from dampyr.identification.solver import Outcome
 from dampyr.identification.uncertainty import Uncertainty, uncertainty
+from dampyr.identification.variable_projection import Outcome
 from dampyr.models import Damper
 from dampyr.records import Record, cycles
 

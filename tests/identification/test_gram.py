@@ -8,11 +8,11 @@ from scipy.optimize import least_squares, lsq_linear
 from tests.identification.synthetic import sine
 
 from dampyr.identification.fit import fit, prepared
-from dampyr.identification.normal import bounded, eliminated, normal
+from dampyr.identification.gram import modelled, products
+from dampyr.identification.initial_guess import begin
+from dampyr.identification.normal_equations import bounded, eliminated, normal
 from dampyr.identification.problem import Point, Problem, apart
-from dampyr.identification.products import modelled, products
-from dampyr.identification.solver import descend, search
-from dampyr.identification.starting import begin
+from dampyr.identification.variable_projection import descend, search
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 
