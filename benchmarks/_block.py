@@ -10,10 +10,10 @@ import numpy as np
 
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper
+from dampyr.structures.batch.engine import Engine, engine
 from dampyr.structures.building import Building
-from dampyr.structures.lanes.engine import Engine, engine
-from dampyr.structures.marching import connections
-from dampyr.structures.placement import place
+from dampyr.structures.kernel_run import connections
+from dampyr.structures.sites import place
 
 
 @dataclass(frozen=True)

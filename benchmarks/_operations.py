@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from dampyr.models.codegen.composition import namespace_of
-from dampyr.structures.lanes import arithmetic, block
-from dampyr.structures.lanes.engine import Engine
+from dampyr.structures.batch import branchless_math, run_blocks
+from dampyr.structures.batch.engine import Engine
 
 COUNTED = ("+", "-", "*", "/")
 
@@ -118,13 +118,13 @@ def per_step(engine: Engine) -> Counter[str]:
 
 def _names(engine: Engine, sheet: Sheet) -> dict[str, Any]:
     """What the text calls: its damper's formulas and the arithmetic of the lanes, all of them on symbols."""
-    constants = arithmetic.constants(64)
+    constants = branchless_math.constants(64)
     numbers = {name: value.item() for name, value in constants.items() if isinstance(value, np.generic)}
-    names: dict[str, Any] = {kind: _operation(sheet, kind) for kind in ("min", "max", *block.MATH)}
+    names: dict[str, Any] = {kind: _operation(sheet, kind) for kind in ("min", "max", *run_blocks.MATH)}
     names |= {"real": _same, "whole": _whole}
-    names |= numbers | block.CONSTANTS
-    for name, value in vars(arithmetic).items():
-        if isinstance(value, FunctionType) and value.__module__ == arithmetic.__name__ and name[0] != "_":
+    names |= numbers | run_blocks.CONSTANTS
+    for name, value in vars(branchless_math).items():
+        if isinstance(value, FunctionType) and value.__module__ == branchless_math.__name__ and name[0] != "_":
             names[name] = FunctionType(value.__code__, names, name)
     exec(namespace_of(engine.compositions)[0] if engine.compositions else "", names)
     return names

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.structures.lanes.arithmetic import LANES
+from dampyr.structures.batch.branchless_math import LANES
 
 CHAINS, LINKS, TURNS = 6, 60, 100
 

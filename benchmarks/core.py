@@ -11,7 +11,7 @@ from benchmarks._lines import Line
 from benchmarks._timing import race
 from dampyr.ground_motions import el_centro
 from dampyr.structures import two_storey
-from dampyr.structures.lanes.text import QUANTITIES
+from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.studies import raminelli_2020
 
 TITLE = "Floating-point operations of the kernel of fast ensembles beside the peak of a core (FMA = 2), measured: time per 10^9"

@@ -20,7 +20,7 @@ from benchmarks._timing import race
 from dampyr.errors import DampyrWarning
 from dampyr.structures import ensemble as dampyr_ensemble
 from dampyr.structures import two_storey
-from dampyr.structures.lanes.text import QUANTITIES
+from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.studies import raminelli_2020
 
 TITLE = (

@@ -33,7 +33,7 @@ def run(data: Path | None) -> list[Line]:
     damper = raminelli_2020.damper()
     kept = (("displacement", "drift"), ("stroke",))
     modal, step = (block(building, motion, damper, VOLTAGE, M, each) for each in kept)
-    with patch("dampyr.structures.lanes.engine.basis_of", lambda _: None):
+    with patch("dampyr.structures.batch.engine.basis_of", lambda _: None):
         dense, dense_step = (block(building, motion, damper, VOLTAGE, M, each) for each in kept)
     single = partial(respond, building, motion, {1: damper}, VOLTAGE, step=motion.dt / M)
     contenders: dict[str, Callable[[], Any]] = {

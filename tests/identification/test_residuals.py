@@ -9,7 +9,7 @@ from scipy.stats import spearmanr
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import Residuals, Trace, analyse, fit, trends, warnings_of
+from dampyr.identification import Residuals, Trace, analyse, findings, fit, trends, warnings_of
 from dampyr.identification.directions import SIDES
 from dampyr.identification.residuals import autocorrelation, correlation_intervals, motion, noise_of
 from dampyr.models import Damper

@@ -24,9 +24,9 @@ from dampyr.models.codegen.composition import compose
 from dampyr.models.codegen.kernels import bind, kept
 from dampyr.rig.simulation import plant
 from dampyr.structures import two_storey
-from dampyr.structures.coupling import march as coupled
-from dampyr.structures.lanes.block import compiled
-from dampyr.structures.lanes.engine import engine
+from dampyr.structures.batch.engine import engine
+from dampyr.structures.batch.run_blocks import compiled
+from dampyr.structures.time_stepping import march as coupled
 
 PROBE = """
 import sys

@@ -18,12 +18,12 @@ from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.models.codegen.composition import compose
 from dampyr.structures import Building, control_law, ensemble, read_ensemble, respond, shear_building, two_storey
-from dampyr.structures.cases import cases
+from dampyr.structures.batch.engine import engine
+from dampyr.structures.batch.modal import classical_modes
 from dampyr.structures.ensemble import run
-from dampyr.structures.lanes.coordinates import classical_modes
-from dampyr.structures.lanes.engine import engine
-from dampyr.structures.marching import connections
-from dampyr.structures.shards import run_shard
+from dampyr.structures.ensemble_batches import run_shard
+from dampyr.structures.ensemble_grid import cases
+from dampyr.structures.kernel_run import connections
 from dampyr.structures.store import progress_of
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.DampyrWarning")
@@ -111,14 +111,14 @@ def test_modal_and_dense_agree(monkeypatch: pytest.MonkeyPatch, cubics: Damper, 
     assert (classical_modes(building) is None) == bool(dashpot)
     given = (building, el_centro(), {1: cubics, 3: cubics}, [1.0], [1.0, 2.0])
     modal = ensemble(*given)
-    monkeypatch.setattr("dampyr.structures.lanes.engine.basis_of", lambda _: None)
+    monkeypatch.setattr("dampyr.structures.batch.engine.basis_of", lambda _: None)
     dense = ensemble(*given)
     for quantity in modal.data_vars:
         np.testing.assert_allclose(modal[quantity], dense[quantity], rtol=1e-10)
 
 
 def test_a_killed_run_goes_on(cubics: Damper, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 8)
+    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 8)
     given = (two_storey(), el_centro(), cubics, [0.0, 0.5, 1.0, 1.5], np.linspace(0.5, 2.0, 8))
     told: list[tuple[int, int]] = []
 
@@ -132,10 +132,10 @@ def test_a_killed_run_goes_on(cubics: Damper, tmp_path: Path, monkeypatch: pytes
             ensemble(*given, pool, out=tmp_path / "e.h5", progress=killed)
         assert told == [(8, 32), (16, 32)]
         again: list[tuple[int, int]] = []
-        monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 16)  # the file goes on as it was begun
+        monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 16)  # the file goes on as it was begun
         found = ensemble(*given, pool, out=tmp_path / "e.h5", progress=lambda *now: again.append(now))
     assert again == [(24, 32), (32, 32)]
-    monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 8)  # the error is measured in every shard
+    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 8)  # the error is measured in every shard
     assert found.identical(ensemble(*given))
     with pytest.raises(FileError, match="holds another ensemble"):
         ensemble(*given[:3], [0.0], out=tmp_path / "e.h5")

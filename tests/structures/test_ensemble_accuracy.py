@@ -8,10 +8,10 @@ import pytest
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.structures import ensemble, respond, two_storey
-from dampyr.structures.cases import STEPS, cases
-from dampyr.structures.lanes.engine import engine
-from dampyr.structures.marching import connections
-from dampyr.structures.shards import longest_step
+from dampyr.structures.batch.engine import engine
+from dampyr.structures.ensemble_batches import longest_step
+from dampyr.structures.ensemble_grid import STEPS, cases
+from dampyr.structures.kernel_run import connections
 
 Array = np.ndarray
 LIMIT = 1e-3  # of the peak

@@ -25,7 +25,7 @@ from dampyr.structures import (
     two_storey,
     write_part,
 )
-from dampyr.structures.labels import Labels
+from dampyr.structures.ensemble_coordinates import Labels
 
 HIGH = 3.212
 
@@ -91,7 +91,7 @@ def test_one_law_need_not_be_a_list(cubics: Damper, motions: list, law: object) 
 def test_bit_identical_whoever_runs_it(
     cubics: Damper, motions: list, law: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 4)
+    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 4)
     given = (two_storey(), motions, cubics, [law, 0.5], [0.5, 1.0, 1.5])
     with ThreadPoolExecutor(1) as one, ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
         assert ensemble(*given, processes).identical(ensemble(*given, one))
@@ -100,7 +100,7 @@ def test_bit_identical_whoever_runs_it(
 def test_a_killed_run_goes_on(
     cubics: Damper, motions: list, law: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 2)
+    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 2)
     given = (two_storey(), motions, cubics, [law, 0.5], [0.5, 1.0])
     path = tmp_path / "e.h5"
 

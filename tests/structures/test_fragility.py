@@ -11,7 +11,7 @@ from scipy.stats import binom, norm
 
 from dampyr.errors import InputError
 from dampyr.structures import fragility, incremental, summary
-from dampyr.structures.labels import Labels
+from dampyr.structures.ensemble_coordinates import Labels
 from dampyr.structures.lognormal import by_capacity, by_yes_and_no
 
 SCALES = np.linspace(0.2, 4.0, 20)

@@ -14,7 +14,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.models import Damper
 from dampyr.structures import ensemble, two_storey
-from dampyr.structures.lanes.gpu import missing
+from dampyr.structures.batch.gpu import missing
 
 CARDS = {
     "dahl": {"dahl.kx": 1400.0, "dahl.kw": 227.0, "dahl.rho": 18800.0},

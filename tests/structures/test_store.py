@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from dampyr.errors import FileError
-from dampyr.structures import parts, read_ensemble, store
+from dampyr.structures import job_array, read_ensemble, store
 
 
-@pytest.mark.parametrize("read", [read_ensemble, store.progress_of, parts._opened])
+@pytest.mark.parametrize("read", [read_ensemble, store.progress_of, job_array._opened])
 @pytest.mark.parametrize("name", ["done", "drift", "labels"])
 def test_what_points_out_of_a_file_is_refused(tmp_path: Path, read: Callable[[Path], Any], name: str) -> None:
     (tmp_path / "secret.bin").write_bytes(np.full(10, 777.25).tobytes())

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import dampyr
-from dampyr.identification import Fit, Validation, warnings_of
+from dampyr.identification import Fit, Validation, findings, warnings_of
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
 from dampyr.report.extremes import by_input, extremes, record_section
 from dampyr.report.figures.scores import scores

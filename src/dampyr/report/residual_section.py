@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dampyr.identification import Residuals, warnings_of
+from dampyr.identification import Residuals, findings, warnings_of
 from dampyr.identification.directions import SIDES, Group
 from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence

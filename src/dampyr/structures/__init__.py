@@ -10,15 +10,15 @@ dampers, inputs, motions and scales, and keeps the peaks; ``fragility`` and ``in
 """
 
 from dampyr.structures.building import Building
-from dampyr.structures.cases import cases as ensemble_cases
 from dampyr.structures.condensation import Condensed, condense
 from dampyr.structures.control_law import control_law, control_laws
 from dampyr.structures.ensemble import ensemble
+from dampyr.structures.ensemble_grid import cases as ensemble_cases
 from dampyr.structures.fragility import Curve, Fragility, fragility
 from dampyr.structures.incremental import Incremental, Sweep, incremental
-from dampyr.structures.laboratory import two_storey, two_storey_model
-from dampyr.structures.parts import collect, write_part
+from dampyr.structures.job_array import collect, write_part
 from dampyr.structures.quarter_car import quarter_car, road
+from dampyr.structures.raminelli_2020_building import two_storey, two_storey_model
 from dampyr.structures.respond import respond
 from dampyr.structures.response import Energy, Response
 from dampyr.structures.shear import shear_building, single_mass

@@ -1,7 +1,7 @@
 r"""Ensembles: every building with every damper at every input under every motion at every scale, reduced to peaks.
 
-The outer product is cut into shards (`dampyr.structures.shards`) that any executor can run; what comes back are the peaks of
-each case, not its histories, in labelled axes.
+The outer product is cut into shards (`dampyr.structures.ensemble_batches`) that any executor can run; what comes back
+are the peaks of each case, not its histories, in labelled axes.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike
 
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion
+from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.building import Building
-from dampyr.structures.cases import Cases, cases
-from dampyr.structures.lanes.text import QUANTITIES
-from dampyr.structures.shards import Shard, run_shard
+from dampyr.structures.ensemble_batches import Shard, run_shard
+from dampyr.structures.ensemble_grid import Cases, cases
 from dampyr.structures.store import Store
 
 IN_FLIGHT = 4  # shards per worker that wait or run at a time: what bounds the memory

@@ -26,8 +26,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.structures.capacity import Capacities, capacities
-from dampyr.structures.labels import UNITS
+from dampyr.structures.ensemble_coordinates import UNITS
+from dampyr.structures.ida_capacity import Capacities, capacities
 from dampyr.structures.lognormal import Lognormal, by_capacity, by_yes_and_no, none
 from dampyr.structures.peaks import INTENSITIES, Group, groups
 

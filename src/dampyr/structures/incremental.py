@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.structures.labels import UNITS
+from dampyr.structures.ensemble_coordinates import UNITS
 from dampyr.structures.peaks import INTENSITIES, Group, groups
 
 Array = NDArray[np.float64]

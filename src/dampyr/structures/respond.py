@@ -1,6 +1,6 @@
 r"""The response of a building with dampers to a ground motion.
 
-The coupling (:mod:`dampyr.structures.coupling`) is one for every damper. Its step is found here: the final
+The coupling (:mod:`dampyr.structures.time_stepping`) is one for every damper. Its step is found here: the final
 one satisfies :math:`\omega_s h \le 1/2`, with :math:`\omega_s^2 = k/m` of the dampers at rest, and is
 halved until no peak of displacement or drift changes by more than the accuracy asked for.
 """
@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import GroundMotion
-from dampyr.structures.bare import largest
 from dampyr.structures.building import Building
 from dampyr.structures.connection import label, told
 from dampyr.structures.control_law import lag_of, parts
 from dampyr.structures.control_law import told as told_law
-from dampyr.structures.marching import Run, connections, drifts, runner
-from dampyr.structures.placement import LEVELS, Site, laws_of, place
+from dampyr.structures.kernel_run import Run, connections, drifts, runner
+from dampyr.structures.linear_response import largest
 from dampyr.structures.response import Energy, Response
+from dampyr.structures.sites import LEVELS, Site, laws_of, place
 from dampyr.structures.workspace import Output
 
 Array = NDArray[np.float64]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError
 from dampyr.records.contained import check_contained
-from dampyr.structures.cases import Cases
-from dampyr.structures.labels import Labels
-from dampyr.structures.shards import Shard
+from dampyr.structures.ensemble_batches import Shard
+from dampyr.structures.ensemble_coordinates import Labels
+from dampyr.structures.ensemble_grid import Cases
 
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"

@@ -24,6 +24,7 @@ from dampyr.identification import (
     Leaderboard,
     Validation,
     cross_validate,
+    findings,
     fit,
     leaderboard,
     prediction,

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.models.codegen.composition import Composition
+from dampyr.structures.batch.assemble import Text
+from dampyr.structures.batch.branchless_math import LANES
+from dampyr.structures.batch.modal import basis_of, step
+from dampyr.structures.batch.run_blocks import compiled
 from dampyr.structures.building import Building
-from dampyr.structures.lanes.arithmetic import LANES
-from dampyr.structures.lanes.block import compiled
-from dampyr.structures.lanes.coordinates import basis_of, step
-from dampyr.structures.lanes.text import Text
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -166,7 +166,8 @@ def engine(
 ) -> Engine:
     """The engine of ``building`` with sites at ``connections`` (N, n), m steps to a sample of ``dt`` seconds.
 
-    ``together`` is for dampers whose Bouc-Wen states the lanes can walk together (`dampyr.structures.lanes.flow.holds`).
+    ``together`` is for dampers whose Bouc-Wen states the lanes can walk together
+    (`dampyr.structures.batch.bouc_wen_branchless.holds`).
     """
     one = step(building, connections, dt / m, basis_of(building))
     text = Text(one, compositions, quantities, LANES * 64 // precision)

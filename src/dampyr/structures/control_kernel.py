@@ -11,7 +11,7 @@ from dampyr.errors import InputError
 from dampyr.models.piecewise_laws import table
 from dampyr.structures.connection import told
 from dampyr.structures.control_law import lag_of, settings
-from dampyr.structures.placement import Site
+from dampyr.structures.sites import Site
 from dampyr.structures.workspace import Control
 
 Array = NDArray[np.float64]

@@ -1,10 +1,10 @@
 r"""The text of a kernel: one step of a building with its dampers, for a block of histories side by side.
 
 In a step of h seconds the dampers' forces are the quadratics through their values at 0, h/2 and h (see
-`dampyr.structures.coupling`). Their first guess continues the last half step, the dampers' laws along the path of that guess
-give forces and slopes, and a Newton correction, written out, gives the forces that are kept; the states follow by their
-tangents. Nothing branches. At the middle of the step a site is where the cubic through both ends has it. What rounding and
-the correction leaves is measured in every ensemble (see `dampyr.structures.ensemble`).
+`dampyr.structures.time_stepping`). Their first guess continues the last half step, the dampers' laws along the path of
+that guess give forces and slopes, and a Newton correction, written out, gives the forces that are kept; the states
+follow by their tangents. Nothing branches. At the middle of the step a site is where the cubic through both ends has it.
+What rounding and the correction leaves is measured in every ensemble (see `dampyr.structures.ensemble`).
 
 Every history is a column of a block; which row holds what, `Rows` says. A small building's sums are written out, without the
 terms whose coefficients are 0; a large one's run in loops over its modes. Either way the text depends on the building's
@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.models.codegen.composition import Composition
-from dampyr.structures.lanes.arithmetic import LANES
-from dampyr.structures.lanes.coordinates import Step
-from dampyr.structures.lanes.glue import Half, half_step
-from dampyr.structures.lanes.loops import Loops
+from dampyr.structures.batch.branchless_math import LANES
+from dampyr.structures.batch.damper_step import Half, half_step
+from dampyr.structures.batch.loop_fission import Loops
+from dampyr.structures.batch.modal import Step
 
 Array = NDArray[np.float64]
 QUANTITIES = ("displacement", "drift", "acceleration", "force", "stroke", "energy")
@@ -71,7 +71,7 @@ class Text:
     cuts: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        from dampyr.structures.lanes.frames import Large, Small
+        from dampyr.structures.batch.building_step import Large, Small
 
         self.rows = Rows(self.lanes, ["low", "high"])  # the ground's acceleration about a step
         self.wide = self.wide or str(self.lanes)

@@ -12,8 +12,8 @@ from dampyr.errors import FileError, InputError
 from dampyr.ground_motions import el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.structures import collect, ensemble, read_ensemble, shear_building, two_storey, write_part
-from dampyr.structures.cases import Cases, cases
-from dampyr.structures.parts import ranges
+from dampyr.structures.ensemble_grid import Cases, cases
+from dampyr.structures.job_array import ranges
 from dampyr.structures.store import progress_of
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.DampyrWarning")
@@ -46,7 +46,7 @@ def test_parts_are_the_whole(cubics: Damper, folder: Path, tmp_path: Path) -> No
 def test_small_shards_in_a_part_are_the_same(
     cubics: Damper, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dampyr.structures.cases.CASES_PER_SHARD", 4)
+    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 4)
     told: list[tuple[int, int]] = []
     path = write_part(what(cubics), 2, 5, tmp_path, progress=lambda *now: told.append(now))
     assert told[-1] == (10, 10)

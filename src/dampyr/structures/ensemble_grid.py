@@ -18,12 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
+from dampyr.structures.batch.assemble import QUANTITIES
+from dampyr.structures.batch.gpu import missing
 from dampyr.structures.building import Building
 from dampyr.structures.connection import row
 from dampyr.structures.control_law import gains, is_control_law, parts, spelled
-from dampyr.structures.lanes.gpu import missing
-from dampyr.structures.lanes.text import QUANTITIES
-from dampyr.structures.placement import Site, place
+from dampyr.structures.sites import Site, place
 
 Array = NDArray[np.float64]
 STEPS = {"fast": 1.0, "strict": 0.4}  # of the longest step that the rule allows

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.records.contained import check_contained
-from dampyr.structures.cases import Cases
 from dampyr.structures.ensemble import Progress, completed, warn_of
-from dampyr.structures.labels import Labels
+from dampyr.structures.ensemble_coordinates import Labels
+from dampyr.structures.ensemble_grid import Cases
 from dampyr.structures.store import FORMAT, TOLD, attributes, describe, read_ensemble, room
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ import numpy as np
 
 from dampyr.models.codegen.composition import Composition, namespace_of
 from dampyr.models.codegen.kernels import jit, named
-from dampyr.structures.lanes import arithmetic, flow
+from dampyr.structures.batch import bouc_wen_branchless, branchless_math
 
 FAST = {"contract", "nsz", "arcp", "nnan", "ninf"}
 MATH = ("sqrt", "log", "log1p", "expm1", "sin", "cos", "tan", "atan")
@@ -24,7 +24,7 @@ CONSTANTS = {"zero": 0.0, "one": 1.0, "two": 2.0, "four": 4.0, "half": 0.5, "qua
 def compiled(source: str, compositions: tuple[Composition, ...], precision: int, together: bool = False) -> Any:
     """The kernel of a text, kept on disk; ``together`` takes the branch-free Bouc-Wen state."""
     text = namespace_of(compositions)[0] if compositions else ""
-    text += "\n\n" + flow.source() if together else ""
+    text += "\n\n" + bouc_wen_branchless.source() if together else ""
     names = _parts(text, precision)
     exec(compile(source, "<lanes>", "exec"), names)
     key = hashlib.sha256(f"{source}{text}{precision}".encode()).hexdigest()[:16]
@@ -41,7 +41,7 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
     names: dict[str, Any] = {name: getattr(math, name) for name in MATH}
     names |= (
         {"floor": math.floor, "real": kind}
-        | arithmetic.functions(precision)
+        | branchless_math.functions(precision)
         | {name: kind(value) for name, value in numbers.found.items()}
     )
     exec(compile(ast.fix_missing_locations(tree), "<parts>", "exec"), names)
@@ -53,7 +53,7 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
     return (
         names
         | {name: kind(value) for name, value in CONSTANTS.items()}
-        | {"tiny": arithmetic.constants(precision)["tiny"]}
+        | {"tiny": branchless_math.constants(precision)["tiny"]}
     )
 
 

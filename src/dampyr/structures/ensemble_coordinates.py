@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, sa
 from dampyr.structures.building import Building
-from dampyr.structures.cases import AXES, Cases
 from dampyr.structures.control_law import is_control_law, told
+from dampyr.structures.ensemble_grid import AXES, Cases
 
 Array = NDArray[np.float64]
 BARE = "no damper"

@@ -22,15 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.structures.batch import bouc_wen_branchless
+from dampyr.structures.batch.engine import Engine, engine, takes
+from dampyr.structures.batch.gpu import engine as gpu_engine
 from dampyr.structures.building import Building
-from dampyr.structures.cases import STEPS, Cases
 from dampyr.structures.control_law import lag_of, parts
-from dampyr.structures.lanes import flow
-from dampyr.structures.lanes.engine import Engine, engine, takes
-from dampyr.structures.lanes.gpu import engine as gpu_engine
-from dampyr.structures.marching import Run, connections, runner
-from dampyr.structures.placement import LEVELS, Site, laws_of
+from dampyr.structures.ensemble_grid import STEPS, Cases
+from dampyr.structures.kernel_run import Run, connections, runner
 from dampyr.structures.respond import ACCURACIES, refined
+from dampyr.structures.sites import LEVELS, Site, laws_of
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -96,7 +96,9 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         m = fitting * max(1, math.ceil(dt / step / fitting * (1 - 1e-9)))
         compositions = tuple(site.composition for site in sites)
         rows = tuple(map(tuple, connections(cases.buildings[b], sites).tolist()))
-        together = cases.device == "cpu" and flow.together((site.composition, site.values) for site in sites)
+        together = cases.device == "cpu" and bouc_wen_branchless.together(
+            (site.composition, site.values) for site in sites
+        )
         key = (b, rows, compositions, dt, together, m if takes(compositions) and not laws_of(sites) else None)
         found.setdefault(key, []).append(Member(row, b, sites, k, m))
     return found

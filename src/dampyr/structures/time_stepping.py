@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dampyr.structures.arithmetic import past, peak, put, solve, times, turning
+from dampyr.structures.kernel_math import past, peak, put, solve, times, turning
 
 
 def _unbound(*_: Any) -> Any:

@@ -1,4 +1,4 @@
-r"""The kernel under control laws: as `dampyr.structures.coupling`, with inputs that change on the way.
+r"""The kernel under control laws: as `dampyr.structures.time_stepping`, with inputs that change on the way.
 
 A law decides at its own sampling instants, which are ends of steps, and holds its command between them. The input at the coil
 follows at once, or as :math:`\tau \dot u = u_c - u`, whose exponential is known: the parameters of the dampers are
@@ -15,10 +15,10 @@ from __future__ import annotations
 from typing import Any
 
 from dampyr.models.piecewise_laws import look_up
-from dampyr.structures.arithmetic import solve
-from dampyr.structures.coupling import finish, forecast, keep, observe, prepare, settle, store
+from dampyr.structures.kernel_math import solve
+from dampyr.structures.time_stepping import finish, forecast, keep, observe, prepare, settle, store
 
-BOUND_WITH = ("dampyr.structures.coupling", "dampyr.models.piecewise_laws")
+BOUND_WITH = ("dampyr.structures.time_stepping", "dampyr.models.piecewise_laws")
 
 
 def _unbound(*_: Any) -> Any:

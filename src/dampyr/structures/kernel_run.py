@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
-from dampyr.structures.bare import march_bare
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import gains, source
-from dampyr.structures.placement import Site, laws_of
+from dampyr.structures.linear_response import march_bare
 from dampyr.structures.propagator import propagator, system
+from dampyr.structures.sites import Site, laws_of
 from dampyr.structures.workspace import Linear, Output, Sites, output, scratch
 
 Array = NDArray[np.float64]
@@ -58,7 +58,7 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
 def _constant(sites: tuple[Site, ...]) -> Any:
     """The march at constant inputs."""
     from dampyr.models.codegen.kernels import bind
-    from dampyr.structures.coupling import march
+    from dampyr.structures.time_stepping import march
 
     kernel = bind(march, tuple(site.composition for site in sites))
 
@@ -72,8 +72,8 @@ def _constant(sites: tuple[Site, ...]) -> Any:
 def _governed(building: Building, sites: tuple[Site, ...]) -> Any:
     """The march where at least one input is set by a law."""
     from dampyr.models.codegen.kernels import bind
-    from dampyr.structures.governing import check_reached, control
-    from dampyr.structures.sampled import march
+    from dampyr.structures.control_kernel import check_reached, control
+    from dampyr.structures.controlled_stepping import march
 
     text, kinds = source(tuple(site.law for site in sites))
     kernel = bind(march, tuple(site.composition for site in sites), text)

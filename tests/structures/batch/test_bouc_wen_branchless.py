@@ -13,8 +13,8 @@ from dampyr.models import Damper
 from dampyr.models.codegen.composition import compose
 from dampyr.models.numerics import bouc_wen_exact as exact
 from dampyr.structures import ensemble, respond, two_storey
-from dampyr.structures.lanes import flow
-from dampyr.structures.lanes.block import _parts
+from dampyr.structures.batch import bouc_wen_branchless
+from dampyr.structures.batch.run_blocks import _parts
 
 SHAPE = {"c0": 1400.0, "k0": 0.0, "kw": 200.0, "rho": 2e4}
 
@@ -27,7 +27,7 @@ def damper(n, sigma, **other):
 def walk(request):
     """Many flows of one precision, as the kernels write them."""
     kind = np.float64 if request.param == 64 else np.float32
-    names = _parts(compose("bouc_wen").source() + "\n\n" + flow.source(), request.param)
+    names = _parts(compose("bouc_wen").source() + "\n\n" + bouc_wen_branchless.source(), request.param)
     loop = "def many(y, xi, n, c, out, by):\n    for l in range(y.size):\n"
     loop += "        out[l] = flow(y[l], xi[l], n[l], c[l])\n        by[l] = rate(out[l], n[l], c[l])\n"
     exec(loop, names)
@@ -86,7 +86,7 @@ def test_peaks_are_those_of_the_exact_state(n, sigma):
             return ensemble(two_storey(), el_centro(), damper(n, sigma), [0.0], [0.05, 1.0], one, quantities=("drift",))
 
     found = peaks()
-    with patch("dampyr.structures.shards.flow.together", lambda _: False):
+    with patch("dampyr.structures.ensemble_batches.flow.together", lambda _: False):
         wanted = peaks()
     assert not found.identical(wanted)  # they did run differently
     np.testing.assert_allclose(found.drift, wanted.drift, rtol=2e-6)
@@ -114,11 +114,11 @@ def test_strict_is_respond():
 def test_which_states_walk_together(name, values, together):
     composition = compose(name)
     given = np.array([values.get(key.split(".")[1], 1.0) for key in composition.parameters])
-    assert flow.together([(composition, given)]) is together
+    assert bouc_wen_branchless.together([(composition, given)]) is together
 
 
 def test_one_that_cannot_keeps_all_apart():
     composition = compose("bouc_wen")
     usual, sharp = np.array([1, 1, 1, 1, 1, 1.5]), np.array([1, 1, 1, 1, 1, 9.0])
-    assert flow.together([(composition, usual), (composition, usual)])
-    assert not flow.together([(composition, usual), (composition, sharp)])
+    assert bouc_wen_branchless.together([(composition, usual), (composition, usual)])
+    assert not bouc_wen_branchless.together([(composition, usual), (composition, sharp)])

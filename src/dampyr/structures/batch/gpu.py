@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.models.codegen.composition import Composition, namespace_of
+from dampyr.structures.batch.assemble import WRITTEN_OUT_UP_TO, Text
+from dampyr.structures.batch.branchless_math import constants
+from dampyr.structures.batch.building_step import Small
+from dampyr.structures.batch.engine import Engine, Integers, grounds
+from dampyr.structures.batch.modal import step
+from dampyr.structures.batch.run_blocks import CONSTANTS, MATH, Numbers
 from dampyr.structures.building import Building
-from dampyr.structures.lanes.arithmetic import constants
-from dampyr.structures.lanes.block import CONSTANTS, MATH, Numbers
-from dampyr.structures.lanes.coordinates import step
-from dampyr.structures.lanes.engine import Engine, Integers, grounds
-from dampyr.structures.lanes.frames import Small
-from dampyr.structures.lanes.text import WRITTEN_OUT_UP_TO, Text
 
 Array = NDArray[np.float64]
 THREADS = 128  # in a block of the card
@@ -70,7 +70,7 @@ def engine(
     precision: int = 64,
     together: bool = False,
 ) -> GpuEngine:
-    """As `dampyr.structures.lanes.engine.engine`, for the card, whose threads take the exact Bouc-Wen state."""
+    """As `dampyr.structures.batch.engine.engine`, for the card, whose threads take the exact Bouc-Wen state."""
     if 2 * building.n > WRITTEN_OUT_UP_TO:
         raise InputError(
             f"{building.name} has {building.n} floors; a graphics card takes up to {WRITTEN_OUT_UP_TO // 2}: use device='cpu'"
