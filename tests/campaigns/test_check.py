@@ -10,7 +10,7 @@ import pytest
 from dampyr import campaigns
 from dampyr.campaigns import findings, kind, largest
 from dampyr.campaigns.check import ROOM, repairs
-from dampyr.campaigns.expected import FIT, course, envelope
+from dampyr.campaigns.force_prediction import FIT, course, envelope
 from dampyr.models import Damper
 from dampyr.models.laws import Constant
 from dampyr.rig import RigSettings

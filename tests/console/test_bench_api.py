@@ -131,7 +131,7 @@ def test_a_grid_is_its_text_and_back():
 
 def test_the_plan_is_that_of_the_command_line(client):
     from dampyr.campaigns import plan, read
-    from dampyr.campaigns.expected import specimen
+    from dampyr.campaigns.force_prediction import specimen
     from dampyr.rig import RigSettings
 
     rig = RigSettings()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from dampyr.campaigns import findings, kind, kinds
 from dampyr.campaigns.check import ROOM
-from dampyr.campaigns.expected import course
+from dampyr.campaigns.force_prediction import course
 from dampyr.campaigns.step import words
 from dampyr.config import origin, split
 from dampyr.errors import InputError

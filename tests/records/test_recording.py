@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dampyr.campaigns.taking import margin, refined
+from dampyr.campaigns.record_test import margin, refined
 from dampyr.errors import FileError, InputError
 from dampyr.records import read
 from dampyr.records.formats import h5

@@ -11,12 +11,12 @@ A kind of step is one file on the shelf ``dampyr.campaigns.steps``; `kinds` list
 
 from dampyr.campaigns.campaign import Campaign, Header, Test, load, read
 from dampyr.campaigns.check import Finding, findings, largest
-from dampyr.campaigns.control import Control, Progress, Stopped, exit_status
-from dampyr.campaigns.expected import envelope, specimen
+from dampyr.campaigns.force_prediction import envelope, specimen
 from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import kind, kinds
 from dampyr.campaigns.perform import perform
 from dampyr.campaigns.plan import Plan, PlannedTest, plan, planned
+from dampyr.campaigns.run_control import Control, Progress, Stopped, exit_status
 from dampyr.campaigns.step import Peaks, Step
 
 __all__ = [

@@ -16,8 +16,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
+from dampyr.campaigns.expand import Row, expanded, read_rows
 from dampyr.campaigns.kinds import kind as kind_of
-from dampyr.campaigns.rows import Row, expanded, read_rows
 from dampyr.campaigns.step import Length, shown, words
 from dampyr.campaigns.steps.quasi_static import QuasiStatic
 from dampyr.config import fill, load_toml, unknown, value_of

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.campaigns.expected import Array, Course, course
+from dampyr.campaigns.force_prediction import Array, Course, course
 from dampyr.campaigns.step import quantity_of, shown
 from dampyr.errors import InputError
 from dampyr.models import Damper

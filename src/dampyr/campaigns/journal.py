@@ -2,7 +2,7 @@
 
 Each entry is on the disk before the next thing happens, so that a killed campaign tells how far it came. The measurements
 themselves are in the files of the tests, and where the two differ the files are right: a journal that is lost is made anew from
-them (`dampyr.campaigns.recorded`).
+them (`dampyr.campaigns.recorded_tests`).
 """
 
 from __future__ import annotations

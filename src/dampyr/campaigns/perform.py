@@ -10,14 +10,14 @@ from pathlib import Path
 
 from dampyr.campaigns.campaign import Campaign
 from dampyr.campaigns.campaign import load as load_campaign
-from dampyr.campaigns.control import Control, Progress
-from dampyr.campaigns.expected import specimen
+from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.journal import Journal
+from dampyr.campaigns.monitor import Watch, time_left
 from dampyr.campaigns.plan import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
-from dampyr.campaigns.recorded import INTERRUPTED, last_try, recorded
-from dampyr.campaigns.taking import as_json, check_disk, file_of, reason, take
-from dampyr.campaigns.watching import Watch, time_left
+from dampyr.campaigns.record_test import as_json, check_disk, file_of, reason, take
+from dampyr.campaigns.recorded_tests import INTERRUPTED, last_try, recorded
+from dampyr.campaigns.run_control import Control, Progress
 from dampyr.errors import DampyrWarning, FileError
 from dampyr.records.formats.h5 import state
 from dampyr.rig.interlock import Samples

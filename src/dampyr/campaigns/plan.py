@@ -10,7 +10,7 @@ import numpy as np
 
 from dampyr.campaigns.campaign import Campaign, Test, load
 from dampyr.campaigns.check import Finding, findings, largest, repairs
-from dampyr.campaigns.expected import UNKNOWN, course, specimen
+from dampyr.campaigns.force_prediction import UNKNOWN, course, specimen
 from dampyr.campaigns.step import words
 from dampyr.errors import InputError
 from dampyr.models import Damper

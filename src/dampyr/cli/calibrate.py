@@ -25,7 +25,7 @@ def command(rig: Path, load: str | None, shunt: str | None, seconds: float, yes:
     stays at 0 V. The result is calibration.toml beside the rig.toml, and every campaign with that rig uses it.
     """
     from dampyr.rig import open_rig
-    from dampyr.rig.calibrating import Calibrating
+    from dampyr.rig.load_cell_calibration import Calibrating
 
     if load and shunt:
         raise InputError("both --load and --shunt are given; give one of the two")

@@ -23,8 +23,8 @@ from dampyr.console.guided import Guided, Step
 from dampyr.console.rigs import opened
 from dampyr.errors import InputError, RigFault
 from dampyr.rig import Rig, Table
-from dampyr.rig.calibrating import Calibrating
 from dampyr.rig.firmware.protocol import State
+from dampyr.rig.load_cell_calibration import Calibrating
 
 Opener = Callable[[Path, str, bool], Rig]
 READING = 1.0  # s of the load cell

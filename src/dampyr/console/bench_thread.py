@@ -18,9 +18,9 @@ from dampyr.console.jogging import Jogging
 from dampyr.console.warm import warm_up
 from dampyr.errors import DampyrError, InputError, RigFault
 from dampyr.rig import Rig, Table
-from dampyr.rig.calibrating import Calibrating
 from dampyr.rig.firmware.protocol import Status
 from dampyr.rig.interlock import Samples
+from dampyr.rig.load_cell_calibration import Calibrating
 
 GRACE = 4.0  # s that an armed rig waits for a page that is loaded anew
 POLL = 0.25  # s between two looks at an idle rig

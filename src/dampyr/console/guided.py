@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from dampyr.rig.calibrating import Calibrating
+from dampyr.rig.load_cell_calibration import Calibrating
 
 Step = Literal["unloaded", "loaded", "shunted"]
 

@@ -7,8 +7,8 @@
         table.go(0.005)
 """
 
-from dampyr.rig.connecting import connect, open_rig, simulated
-from dampyr.rig.connecting import connect as load
+from dampyr.rig.connect import connect, open_rig, simulated
+from dampyr.rig.connect import connect as load
 from dampyr.rig.drive import Drive, Reversals
 from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings, load_settings

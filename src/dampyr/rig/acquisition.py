@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from dampyr.errors import RigFault
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.firmware.protocol import Fault, State, Status
-from dampyr.rig.instruments.board import Board
+from dampyr.rig.instruments.ni_board import Board
 from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.interlock import Interlock, Samples
-from dampyr.rig.lateness import Lateness
 from dampyr.rig.player import Player
+from dampyr.rig.read_latency import Lateness
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.warmth import Warmth
+from dampyr.rig.thermal_model import Warmth
 
 Array = NDArray[np.float64]
 AHEAD = 2  # blocks by which the command runs ahead of the reading

@@ -12,7 +12,7 @@ import numpy as np
 from dampyr.errors import DampyrError
 from dampyr.rig.acquisition import fault_in_words
 from dampyr.rig.calibration import NAME, doubt, load_calibration
-from dampyr.rig.connecting import open_rig
+from dampyr.rig.connect import open_rig
 from dampyr.rig.firmware.protocol import Fault, State
 from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings, load_settings

@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.acquisition import Acquisition
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
-from dampyr.rig.collector import hold, set_aside
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import State
-from dampyr.rig.instruments.board import Board
+from dampyr.rig.gc_control import hold, set_aside
+from dampyr.rig.instruments.ni_board import Board
 from dampyr.rig.instruments.uno import HERE, INDEX, Uno
 from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.warmth import Warmth
+from dampyr.rig.thermal_model import Warmth
 
 Array = NDArray[np.float64]
 GENTLE = 0.010  # m/s, the speed of a table on its way to where a test begins

@@ -17,7 +17,7 @@ from dampyr.errors import InputError
 from dampyr.records import Record, read_campaign
 from dampyr.rig.drive import Reversals
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.simulation.resemblance import SETTLING, Character, character, open_loop
+from dampyr.rig.simulation.twin_validation import SETTLING, Character, character, open_loop
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

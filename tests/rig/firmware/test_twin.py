@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dampyr.rig.firmware import control as c
+from dampyr.rig.firmware import control_core as c
 from dampyr.rig.firmware.protocol import (
     BODIES,
     Fault,

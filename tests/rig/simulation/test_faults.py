@@ -8,7 +8,7 @@ from dampyr.errors import InputError
 from dampyr.rig.firmware.protocol import Fault, Frame, Request, State, encode
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation import plant
-from dampyr.rig.simulation.board import OVERRUN, TIMEOUT, BoardError
+from dampyr.rig.simulation.board_signals import OVERRUN, TIMEOUT, BoardError
 from dampyr.rig.simulation.faults import KINDS, FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
 

@@ -7,7 +7,7 @@ import pytest
 from tests.rig.simulation.driver import follow, rig, sine
 
 from dampyr.models import Constant, Damper, Interpolation
-from dampyr.rig.firmware import control as c
+from dampyr.rig.firmware import control_core as c
 from dampyr.rig.firmware.protocol import Request, State
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation import plant

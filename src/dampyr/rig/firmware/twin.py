@@ -1,4 +1,4 @@
-"""A model of the firmware: requests in, replies out, and the registers that `dampyr.rig.firmware.control` works on."""
+"""A model of the firmware: requests in, replies out, and the registers that `dampyr.rig.firmware.control_core` works on."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.rig.firmware import control as c
+from dampyr.rig.firmware import control_core as c
 from dampyr.rig.firmware.protocol import (
     ENABLED,
     HOMED,
@@ -40,7 +40,7 @@ WITHOUT_HELLO = (Request.HELLO, Request.STOP, Request.ABORT, Request.DISARM)
 
 
 class Twin:
-    """The Uno: `receive` takes the host's bytes, `dampyr.rig.firmware.control.tick` is to be run every millisecond.
+    """The Uno: `receive` takes the host's bytes, `dampyr.rig.firmware.control_core.tick` is to be run every millisecond.
 
     ``beaten`` is called when a HEARTBEAT has been carried out and before its status is made.
     """

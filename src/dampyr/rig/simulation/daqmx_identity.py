@@ -13,8 +13,8 @@ from nidaqmx._stubs import nidaqmx_pb2 as pb
 from nidaqmx._stubs import nidaqmx_pb2_grpc as service
 from numpy.typing import NDArray
 
-from dampyr.rig.simulation.board import WORDS, BoardError
-from dampyr.rig.simulation.keeper import Keeper
+from dampyr.rig.simulation.board_signals import WORDS, BoardError
+from dampyr.rig.simulation.clock import Keeper
 
 PRODUCT, SERIAL = "PCI-6221", 0x01A2B3C4
 NO_CHANNEL, NO_TASK, NO_DEVICE = -200170, -200088, -200220

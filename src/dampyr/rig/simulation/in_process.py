@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import RigFault
-from dampyr.rig.simulation.board import BoardError
+from dampyr.rig.simulation.board_signals import BoardError
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.simulation.timed_command import TimedCommand
 
@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 class InProcessBoard:
-    """A `dampyr.rig.instruments.board.Board` of a simulator in this process."""
+    """A `dampyr.rig.instruments.ni_board.Board` of a simulator in this process."""
 
     def __init__(self, simulator: Simulator) -> None:
         self.simulator = simulator

@@ -19,9 +19,9 @@ from __future__ import annotations
 from math import exp, floor
 from typing import Any, NamedTuple
 
-from dampyr.rig.firmware import control
+from dampyr.rig.firmware import control_core
 
-R_DUTY, R_STATE, R_FAULTS = control.R_DUTY, control.R_STATE, control.R_FAULTS
+R_DUTY, R_STATE, R_FAULTS = control_core.R_DUTY, control_core.R_STATE, control_core.R_FAULTS
 BRAKING = 0.4  # lag of the shorted motor over that of the driven one: no supply and leads in its circuit
 STATIC_SHARE = 0.3  # of the static force that slows the motor: in the records the two directions differ by so little
 COPPER = 0.0039  # 1/K
@@ -78,8 +78,8 @@ def _unbound(*_: Any) -> Any:
 
 
 advance = force = _unbound
-tick = control.tick
-BOUND_WITH = (control.__name__,)  # the firmware's control is compiled with the plant
+tick = control_core.tick
+BOUND_WITH = (control_core.__name__,)  # the firmware's control is compiled with the plant
 
 
 def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, counts, truth):

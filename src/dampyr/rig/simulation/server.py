@@ -17,10 +17,10 @@ from threading import Thread
 
 from dampyr.errors import DampyrError
 from dampyr.models import Damper
-from dampyr.rig.collector import set_aside
+from dampyr.rig.gc_control import set_aside
 from dampyr.rig.settings import RigSettings, load_settings
+from dampyr.rig.simulation.clock import BlackBox, Keeper
 from dampyr.rig.simulation.faults import FaultSpec
-from dampyr.rig.simulation.keeper import BlackBox, Keeper
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.simulation.specimen import specimen_of
 
@@ -99,7 +99,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except DampyrError as problem:
         print(problem, file=sys.stderr)
         return 2
-    from dampyr.rig.simulation.daqmx import serve
+    from dampyr.rig.simulation.daqmx_service import serve
 
     server, port = serve(keeper)
     serial = Serial(keeper)

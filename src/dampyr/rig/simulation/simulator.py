@@ -15,7 +15,7 @@ from dampyr.models.codegen.kernels import bind
 from dampyr.rig.firmware.twin import Twin
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation import plant
-from dampyr.rig.simulation.board import (
+from dampyr.rig.simulation.board_signals import (
     DEGREES_PER_VOLT,
     OVERRUN,
     TIMEOUT,
@@ -27,9 +27,9 @@ from dampyr.rig.simulation.board import (
 )
 from dampyr.rig.simulation.constants import DELAYED, constants_of
 from dampyr.rig.simulation.faults import FaultSpec
+from dampyr.rig.simulation.ground_truth import Tracks, Truth
 from dampyr.rig.simulation.specimen import force_at_rest, specimen_of, table_of, with_play
 from dampyr.rig.simulation.timed_command import TimedCommand
-from dampyr.rig.simulation.truth import Tracks, Truth
 
 Array = NDArray[np.float64]
 Told = Callable[[float, str], None]

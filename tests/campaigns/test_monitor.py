@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dampyr.campaigns.watching import Watch
+from dampyr.campaigns.monitor import Watch
 
 
 def by_hand(x: np.ndarray, threshold: float) -> float:

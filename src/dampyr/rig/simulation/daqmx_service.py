@@ -15,9 +15,9 @@ from nidaqmx._stubs import nidaqmx_pb2 as pb
 from nidaqmx._stubs import nidaqmx_pb2_grpc as service
 from numpy.typing import NDArray
 
-from dampyr.rig.simulation.board import TIMEOUT, BoardError
+from dampyr.rig.simulation.board_signals import TIMEOUT, BoardError
+from dampyr.rig.simulation.clock import Keeper
 from dampyr.rig.simulation.daqmx_identity import NO_CHANNEL, Identity, TaskHere
-from dampyr.rig.simulation.keeper import Keeper
 from dampyr.rig.simulation.timed_command import TimedCommand
 
 DO_NOT_REGENERATE = 10158
@@ -27,7 +27,7 @@ UNSUPPORTED = -200077
 
 
 class Board(Identity):
-    """The simulated PCI-6221 of a :class:`~dampyr.rig.simulation.keeper.Keeper`."""
+    """The simulated PCI-6221 of a :class:`~dampyr.rig.simulation.clock.Keeper`."""
 
     # tasks
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from dampyr.campaigns.journal import Entry, TestState
 from dampyr.campaigns.plan import Plan, PlannedTest
-from dampyr.campaigns.taking import as_json
+from dampyr.campaigns.record_test import as_json
 from dampyr.errors import FileError
 from dampyr.records.formats import h5
 

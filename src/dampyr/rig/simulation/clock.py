@@ -16,7 +16,7 @@ from threading import Condition, Event, RLock, Thread, local
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.rig.simulation.board import TIMEOUT, BoardError
+from dampyr.rig.simulation.board_signals import TIMEOUT, BoardError
 from dampyr.rig.simulation.simulator import Simulator
 
 SILENCE = 3.0  # s of the wall's clock: longer than a slow disk keeps a host that lives

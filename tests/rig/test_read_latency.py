@@ -6,7 +6,7 @@ import pytest
 from dampyr.rig import RigSettings
 from dampyr.rig.firmware.protocol import Fault, State, Status
 from dampyr.rig.interlock import Interlock, Samples
-from dampyr.rig.lateness import Lateness
+from dampyr.rig.read_latency import Lateness
 
 
 def test_prompt_readings_of_clocks_that_differ_are_not_late() -> None:

@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 from dampyr.rig.settings import RigSettings, load_settings
-from dampyr.rig.written import write_settings
+from dampyr.rig.settings_file import write_settings
 
 
 def test_it_reads_back_equal_to_the_last_bit(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from dampyr.errors import InputError
-from dampyr.rig.instruments.board import NiBoard
+from dampyr.rig.instruments.ni_board import NiBoard
 from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.instruments.wire import InProcess, open_wire
 from dampyr.rig.session import Rig

@@ -9,7 +9,7 @@ from dampyr.errors import InputError
 from dampyr.records import Record, read_campaign
 from dampyr.rig.drive import Reversals
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.simulation.resemblance import Character, character, open_loop
+from dampyr.rig.simulation.twin_validation import Character, character, open_loop
 
 VOLTAGES = (0.0, 0.8712, 1.98, 3.212)
 TOPS = (248, 165)

@@ -17,8 +17,8 @@ import numpy as np
 
 import dampyr
 from dampyr.campaigns.campaign import Campaign
-from dampyr.campaigns.control import Stopped, exit_status
 from dampyr.campaigns.plan import PlannedTest
+from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
 from dampyr.records.record import Array, Label

@@ -7,7 +7,7 @@ import pytest
 
 from dampyr.errors import RigFault
 from dampyr.rig import simulated
-from dampyr.rig.collector import hold, set_aside
+from dampyr.rig.gc_control import hold, set_aside
 
 
 @pytest.fixture(autouse=True)
