@@ -22,8 +22,8 @@ from dampyr import registry
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
 from dampyr.models import Constant, Damper, Polynomial, names, part
-from dampyr.records.columns import WORDS
 from dampyr.records.record import CHANNELS
+from dampyr.records.text_columns import WORDS
 from dampyr.structures import control_law, control_laws
 
 Array = np.ndarray

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records import campaign, campaign_rows, datasets, fetch, locate
+from dampyr.records import campaign_folder, campaign_rows, datasets, fetch, locate
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def source(tmp_path, monkeypatch):
     for name in ("one.mat", "two.mat"):
         (folder / name).write_bytes(name.encode() * 100)
         text += row.format(name, hashlib.sha256((folder / name).read_bytes()).hexdigest())
-    rows = campaign._rows(Path("table"), text + ",4.2,2,0,20,1,\n", None)
+    rows = campaign_folder._rows(Path("table"), text + ",4.2,2,0,20,1,\n", None)
     monkeypatch.setattr(datasets, "campaign_rows", lambda: rows)
     return folder
 

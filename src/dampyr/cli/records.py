@@ -54,7 +54,7 @@ def command(
 def _without_file(folder: Path) -> list[dict[str, Any]]:
     """The rows of a campaign's table that have no file."""
     from dampyr import records
-    from dampyr.records.campaign import TABLE
+    from dampyr.records.campaign_folder import TABLE
 
     rows = records.campaign_rows(folder) if (folder / TABLE).is_file() else []
     return [{"table": row.table, "row": row.row} for row in rows if row.file is None]

@@ -12,11 +12,11 @@ from dampyr import records
 from dampyr.console import places
 from dampyr.errors import DampyrError, InputError, MissingData
 from dampyr.records import Record
-from dampyr.records.campaign import TABLE, campaign_rows
-from dampyr.records.columns import has_numbers
+from dampyr.records.campaign_folder import TABLE, campaign_rows
 from dampyr.records.datasets import DATA_SETS
 from dampyr.records.folder import natural
-from dampyr.records.reading import reading_of
+from dampyr.records.folder_metadata import reading_of
+from dampyr.records.text_columns import has_numbers
 
 SUFFIXES = (".mat", ".csv", ".txt", ".h5")
 OWN = "data"

@@ -25,11 +25,11 @@ from dampyr.ground_motions.measures import (
     significant_duration,
 )
 from dampyr.ground_motions.motion import GroundMotion
-from dampyr.ground_motions.reading import formats as known_formats
-from dampyr.ground_motions.reading import read
+from dampyr.ground_motions.motion_files import formats as known_formats
+from dampyr.ground_motions.motion_files import read
 from dampyr.ground_motions.resampling import resampled
+from dampyr.ground_motions.response_spectrum import STANDARD_PERIODS, Spectrum, spectrum
 from dampyr.ground_motions.soils import FIRM, MEDIUM, SOFT, Soil
-from dampyr.ground_motions.spectrum import STANDARD_PERIODS, Spectrum, spectrum
 from dampyr.ground_motions.synthetic import kanai_tajimi
 
 __all__ = [

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.ground_motions import integrals
 from dampyr.ground_motions.motion import GroundMotion
-from dampyr.ground_motions.spectrum import spectrum
+from dampyr.ground_motions.response_spectrum import spectrum
 from dampyr.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]

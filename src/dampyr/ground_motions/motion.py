@@ -97,7 +97,7 @@ class GroundMotion:
 
     def scaled_to_sa(self, value: float, period: float, damping: float = 0.05) -> GroundMotion:
         """The same motion with a pseudo-acceleration of ``value`` [m/s2] at ``period`` [s] and ``damping`` (ratio)."""
-        from dampyr.ground_motions.spectrum import spectrum
+        from dampyr.ground_motions.response_spectrum import spectrum
 
         found = float(spectrum(self, period, damping).pseudo_acceleration)
         return self.scaled(_factor(value, found, f"{self.name}: Sa({period:g} s) of"))

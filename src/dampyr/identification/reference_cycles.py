@@ -19,7 +19,7 @@ from dampyr.identification.score import prediction
 from dampyr.models import Damper
 from dampyr.models.damper import INPUTS
 from dampyr.records import Cycle, Record, cycle_table, cycles
-from dampyr.records.inputs import SMALLEST, TOLERANCE, is_steady
+from dampyr.records.nominal_input import SMALLEST, TOLERANCE, is_steady
 
 Array = NDArray[np.float64]
 Reference = Damper | Record | Sequence[Record]

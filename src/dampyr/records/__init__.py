@@ -5,25 +5,25 @@ conditioning step returns a new record whose history says what was done; each re
 :func:`quality`, :func:`disagreements`, :func:`estimate_delay`, :func:`drift`) changes nothing.
 """
 
-from dampyr.records.campaign import CampaignRow, campaign_rows, read_campaign, read_row
+from dampyr.records.amplitude_spectrum import spectrum
+from dampyr.records.campaign_folder import CampaignRow, campaign_rows, read_campaign, read_row
 from dampyr.records.comparison import write_comparison
 from dampyr.records.cycle_table import Cycle, cycle_table
 from dampyr.records.cycles import cycle_average, cycles, legs, turning_points
 from dampyr.records.datasets import fetch, locate
-from dampyr.records.delay import Delay, correct_delay, estimate_delay
-from dampyr.records.derivative import check_bandwidth, default_bandwidth, differentiate, with_velocity
 from dampyr.records.description import describe
 from dampyr.records.drift import drift, remove_drift
-from dampyr.records.files import read, write
-from dampyr.records.inputs import nominal_inputs
-from dampyr.records.labels import creates_energy, disagreements
+from dampyr.records.force_lag import Delay, correct_delay, estimate_delay
+from dampyr.records.force_offset import mean_force, remove_offset
+from dampyr.records.label_checks import creates_energy, disagreements
 from dampyr.records.measure import Measured, cycle_energies, measure
-from dampyr.records.motion import motion_start
-from dampyr.records.offset import mean_force, remove_offset
+from dampyr.records.motion_onset import motion_start
+from dampyr.records.nominal_input import nominal_inputs
 from dampyr.records.overview import Overview, overview
 from dampyr.records.quality import Quality, quality, quantum
 from dampyr.records.record import Label, Record
-from dampyr.records.spectrum import spectrum
+from dampyr.records.record_files import read, write
+from dampyr.records.velocity import check_bandwidth, default_bandwidth, differentiate, with_velocity
 from dampyr.records.waveform import waveform
 
 __all__ = [

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from dampyr.records.cycles import require_cycles
-from dampyr.records.derivative import default_bandwidth, differentiate
+from dampyr.records.force_offset import mean_force
 from dampyr.records.measure import cycle_energies
-from dampyr.records.offset import mean_force
 from dampyr.records.record import Record
+from dampyr.records.velocity import default_bandwidth, differentiate
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records.campaign import TABLE, campaign_rows, check_sha256
+from dampyr.records.campaign_folder import TABLE, campaign_rows, check_sha256
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.records.labels import disagreements
+from dampyr.records.label_checks import disagreements
 from dampyr.records.measure import measure
 from dampyr.records.overview import Overview, overview
 from dampyr.records.quality import quality

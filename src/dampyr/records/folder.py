@@ -10,11 +10,11 @@ from typing import Any
 
 from dampyr import registry
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
-from dampyr.records.columns import has_numbers
-from dampyr.records.files import SHELF, read
+from dampyr.records.folder_metadata import NAME, reading_of
 from dampyr.records.formats import h5
-from dampyr.records.reading import NAME, reading_of
 from dampyr.records.record import Record
+from dampyr.records.record_files import SHELF, read
+from dampyr.records.text_columns import has_numbers
 
 TEXT = (".csv", ".txt")
 OWN = ".h5"

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from dampyr.records.cycles import require_cycles
-from dampyr.records.derivative import default_bandwidth, differentiate
 from dampyr.records.drift import drift
-from dampyr.records.motion import motion_start
-from dampyr.records.offset import mean_force
+from dampyr.records.force_offset import mean_force
+from dampyr.records.motion_onset import motion_start
 from dampyr.records.record import Array, Record
+from dampyr.records.velocity import default_bandwidth, differentiate
 
 ORDERS = 7
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from dampyr.records.cycles import cycles, turning_points
-from dampyr.records.derivative import default_bandwidth, differentiate
-from dampyr.records.motion import motion_start
+from dampyr.records.motion_onset import motion_start
 from dampyr.records.record import Array, Record
+from dampyr.records.velocity import default_bandwidth, differentiate
 
 SHARE = 0.5
 DISTORTION = 0.5

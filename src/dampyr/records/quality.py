@@ -104,7 +104,7 @@ def quantum(values: Array) -> float | None:
 
 def _moving(record: Record, found: list[tuple[int, int]]) -> slice:
     """The whole cycles, or without them all that comes after the start of the motion."""
-    from dampyr.records.motion import motion_start
+    from dampyr.records.motion_onset import motion_start
 
     if found:
         return slice(found[0][0], found[-1][1])

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
-from dampyr.records.contained import check_contained
+from dampyr.records.self_contained import check_contained
 from dampyr.structures.ensemble import Progress, completed, warn_of
 from dampyr.structures.ensemble_coordinates import Labels
 from dampyr.structures.ensemble_grid import Cases

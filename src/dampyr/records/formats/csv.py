@@ -1,4 +1,4 @@
-"""Comma-separated columns, see :mod:`dampyr.records.columns`; semicolons and tabs are read too."""
+"""Comma-separated columns, see :mod:`dampyr.records.text_columns`; semicolons and tabs are read too."""
 
 import io
 from pathlib import Path
@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from dampyr.atomic_write import write_whole
-from dampyr.records import columns
-from dampyr.records.files import Request
+from dampyr.records import text_columns
 from dampyr.records.record import CHANNELS, Record
+from dampyr.records.record_files import Request
 
 
 def read(path: Path, request: Request) -> Record:
     """The record in a ``.csv`` file, in SI."""
-    return columns.read(path, request, "CSV")
+    return text_columns.read(path, request, "CSV")
 
 
 def write(record: Record, path: Path) -> Path:

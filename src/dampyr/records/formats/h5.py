@@ -30,10 +30,10 @@ import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
-from dampyr.records.contained import check_contained
-from dampyr.records.files import Request
 from dampyr.records.new_file import new_file
 from dampyr.records.record import CHANNELS, Label, Record, as_role
+from dampyr.records.record_files import Request
+from dampyr.records.self_contained import check_contained
 from dampyr.units import to_si
 
 FORMAT = "dampyr record"

@@ -15,8 +15,8 @@ import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError
-from dampyr.records.files import Request
 from dampyr.records.record import Array, Record
+from dampyr.records.record_files import Request
 from dampyr.units import to_si
 
 UNITS = {"displacement": "mm", "velocity": "mm/s", "force": "N"}

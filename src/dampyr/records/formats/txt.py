@@ -1,12 +1,12 @@
-"""Columns of plain text, see :mod:`dampyr.records.columns`: white space, tabs, commas or semicolons."""
+"""Columns of plain text, see :mod:`dampyr.records.text_columns`: white space, tabs, commas or semicolons."""
 
 from pathlib import Path
 
-from dampyr.records import columns
-from dampyr.records.files import Request
+from dampyr.records import text_columns
 from dampyr.records.record import Record
+from dampyr.records.record_files import Request
 
 
 def read(path: Path, request: Request) -> Record:
     """The record in a ``.txt`` file, in SI."""
-    return columns.read(path, request, "text")
+    return text_columns.read(path, request, "text")

@@ -5,7 +5,7 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.records import default_bandwidth, differentiate, with_velocity
-from dampyr.records.derivative import response
+from dampyr.records.velocity import response
 
 T = 0.005 * np.arange(1201)
 

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import FileError
-from dampyr.records.files import Request
-from dampyr.records.inputs import MEASURED, SOURCE
+from dampyr.records.nominal_input import MEASURED, SOURCE
 from dampyr.records.record import CHANNELS, Array, Record
+from dampyr.records.record_files import Request
 from dampyr.units import to_si
 
 WORDS = {

@@ -15,9 +15,9 @@ import numpy as np
 
 from dampyr.errors import InputError
 from dampyr.records.cycles import require_cycles, turning_points
-from dampyr.records.derivative import default_bandwidth, differentiate
-from dampyr.records.offset import mean_force
+from dampyr.records.force_offset import mean_force
 from dampyr.records.record import Array, Record
+from dampyr.records.velocity import default_bandwidth, differentiate
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ import numpy as np
 
 from dampyr import registry
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records.inputs import agrees
-from dampyr.records.reading import FolderReading, reading_of
+from dampyr.records.folder_metadata import FolderReading, reading_of
+from dampyr.records.nominal_input import agrees
 from dampyr.records.record import CHANNELS, Array, Record
 
 SHELF = "dampyr.records.formats"
@@ -87,7 +87,7 @@ def read(
     """Read one test from a file; the suffix says which format it is.
 
     What is not said here is taken from the ``reading.toml`` beside the file, where there is one
-    (:mod:`dampyr.records.reading`): units, columns, input and role.
+    (:mod:`dampyr.records.folder_metadata`): units, columns, input and role.
 
     Parameters
     ----------

@@ -15,9 +15,9 @@ from importlib import resources
 from pathlib import Path
 
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records.files import read
 from dampyr.records.folder import read_folder
 from dampyr.records.record import CHANNELS, Label, Record, Role, as_role
+from dampyr.records.record_files import read
 from dampyr.units import round_trip, to_si
 
 TABLE = "campaign.csv"
@@ -72,7 +72,7 @@ def read_campaign(
     folder
         A folder with a ``campaign.csv``; or any folder with ``.csv``, ``.txt``, ``.mat`` or ``.h5`` files, each a record.
         What they do not say themselves is said here, or once for all in a ``reading.toml`` beside them
-        (:mod:`dampyr.records.reading`).
+        (:mod:`dampyr.records.folder_metadata`).
     role
         "fit" (the rows of the tables), "validation" (the tests that no fit may use), or None for both.
     incomplete
