@@ -4,7 +4,7 @@
 functions of the other rooms, as the commands do.
 
 A page is two files: ``pages/NAME.py`` with what it answers (see :mod:`dampyr.console.pages`) and ``static/pages/NAME.js``
-with what it shows. Long work is a file of ``work``, run in a process of its own (:mod:`dampyr.console.jobs`).
+with what it shows. Long work is a file of ``work``, run in a process of its own (:mod:`dampyr.console.job_processes`).
 """
 
 from dampyr.console.app import app

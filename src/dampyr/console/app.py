@@ -17,11 +17,11 @@ from starlette.staticfiles import StaticFiles
 import dampyr
 from dampyr import registry
 from dampyr.console import cards, job_routes
-from dampyr.console.errors import add_handlers
-from dampyr.console.house import PROBLEMS, House
-from dampyr.console.jobs import Jobs
-from dampyr.console.places import OWN
+from dampyr.console.error_responses import add_handlers
+from dampyr.console.job_processes import Jobs
+from dampyr.console.safe_paths import OWN
 from dampyr.console.security import Guard, Rules
+from dampyr.console.state import PROBLEMS, House
 
 PAGES = "dampyr.console.pages"
 LOOK = Path(str(files("dampyr.report"))) / "templates" / "look.css"  # one source of colours for console and reports

@@ -15,7 +15,7 @@ from dampyr.console.clients import Clients
 from dampyr.console.decimation import Strips
 from dampyr.console.guided import Guided, Step
 from dampyr.console.jogging import Jogging
-from dampyr.console.warm import warm_up
+from dampyr.console.preload import warm_up
 from dampyr.errors import DampyrError, InputError, RigFault
 from dampyr.rig import Rig, Table
 from dampyr.rig.firmware.protocol import Status

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from dampyr.console import places
-from dampyr.console.house import Here
+from dampyr.console import safe_paths
+from dampyr.console.state import Here
 
 CARDS = "cards"
 
@@ -15,4 +15,4 @@ router = APIRouter(tags=["Cards"])
 @router.get("/cards")
 def list_cards(here: Here) -> list[str]:
     """The cards of dampers in the folder ``cards`` of the data folder, by their names."""
-    return places.files(here.data / CARDS, (".toml",))
+    return safe_paths.files(here.data / CARDS, (".toml",))

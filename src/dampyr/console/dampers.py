@@ -8,9 +8,9 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from dampyr import studies
-from dampyr.console import places
+from dampyr.console import safe_paths
+from dampyr.console.building_schemas import DamperAsked
 from dampyr.console.cards import CARDS
-from dampyr.console.site import DamperAsked
 from dampyr.errors import DampyrError
 
 
@@ -27,7 +27,7 @@ class DamperLink(BaseModel):
 def dampers(data: Path) -> list[DamperLink]:
     """The cards first; what cannot be read is left out."""
     found = []
-    cards = [f"{CARDS}/{name}" for name in places.files(data / CARDS, (".toml",))]
+    cards = [f"{CARDS}/{name}" for name in safe_paths.files(data / CARDS, (".toml",))]
     for name in [*cards, *studies.damper_names()]:
         try:
             with warnings.catch_warnings():

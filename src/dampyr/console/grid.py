@@ -12,7 +12,7 @@ import numpy as np
 
 from dampyr.campaigns import Plan, plan, read, specimen
 from dampyr.campaigns.steps.earthquake import BUILT_IN
-from dampyr.console.places import inside
+from dampyr.console.safe_paths import inside
 from dampyr.errors import InputError
 from dampyr.report.plan_page import FORCES, largest_amplitude
 from dampyr.rig import RigSettings

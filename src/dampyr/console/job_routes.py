@@ -8,8 +8,8 @@ from fastapi import APIRouter
 from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
-from dampyr.console.house import Here
-from dampyr.console.jobs import Job, State
+from dampyr.console.job_processes import Job, State
+from dampyr.console.state import Here
 
 Id = Annotated[str, InPath(pattern="^[0-9a-f]{16}$")]
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from dampyr.console.bench import Bench
+from dampyr.console.bench_session import Bench
 from dampyr.console.decimation import as_lists
 from dampyr.errors import InputError
 from dampyr.to_json import plain

@@ -19,7 +19,7 @@ from typing import Any
 
 from dampyr import registry
 from dampyr.atomic_write import write_whole
-from dampyr.console.jobs import WORK
+from dampyr.console.job_processes import WORK
 from dampyr.errors import DampyrError, DampyrWarning
 from dampyr.to_json import plain
 

@@ -12,14 +12,14 @@ from pydantic import BaseModel, Field
 
 from dampyr.campaigns import read_journal
 from dampyr.campaigns.journal import NAME as JOURNAL
-from dampyr.console import places
-from dampyr.console.bench import Bench
+from dampyr.console import safe_paths
+from dampyr.console.bench_session import Bench
 from dampyr.console.bench_state import BenchState
 from dampyr.console.decimation import COLUMNS, as_lists
 from dampyr.console.grid import FOLDER
 from dampyr.console.guided import Step
-from dampyr.console.house import Here, House
 from dampyr.console.rigs import rig_names, rig_settings
+from dampyr.console.state import Here, House
 from dampyr.console.stream import ABORTING, Stream
 from dampyr.errors import InputError
 
@@ -162,7 +162,7 @@ def runs(here: Here) -> list[str]:
 @router.get("/tests")
 def tests(here: Here, folder: Annotated[str, Query(max_length=100)]) -> list[TestState]:
     """The tests of a run, as its journal tells; none where it has no journal yet."""
-    place = places.inside(here.data, f"{RUNS}/{folder}")
+    place = safe_paths.inside(here.data, f"{RUNS}/{folder}")
     if not (place / JOURNAL).is_file():
         return []
     found, _ = read_journal(place)
@@ -250,8 +250,8 @@ def calibration_end(asked: Keep, bench: Known) -> Done:
 @router.post("/start")
 def start(asked: Start, here: Here, bench: Known) -> Done:
     """Check a campaign and run it, or what is left of it."""
-    path = places.existing(here.data, f"{FOLDER}/{asked.campaign}.toml")
-    folder = places.inside(here.data, f"{RUNS}/{asked.folder}")
+    path = safe_paths.existing(here.data, f"{FOLDER}/{asked.campaign}.toml")
+    folder = safe_paths.inside(here.data, f"{RUNS}/{asked.folder}")
     if folder.parent != here.data / RUNS:
         raise InputError(f"folder = {asked.folder!r} is not allowed; give a name without /")
     bench.start(asked.client, asked.campaign, path, folder)

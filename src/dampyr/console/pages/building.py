@@ -10,13 +10,13 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel
 
 from dampyr import structures
-from dampyr.console import places
+from dampyr.console import safe_paths
+from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS, EnsembleAsked, ResponseAsked
 from dampyr.console.cards import CARDS
 from dampyr.console.dampers import DamperLink, dampers
-from dampyr.console.house import Here
 from dampyr.console.job_routes import Id, JobState, told
-from dampyr.console.site import MOTION_SUFFIXES, MOTIONS, EnsembleAsked, ResponseAsked
-from dampyr.console.work import CURVES, PAGE
+from dampyr.console.jobs import CURVES, PAGE
+from dampyr.console.state import Here
 from dampyr.errors import MissingData
 
 TITLE, ORDER = "Building", 50
@@ -36,7 +36,7 @@ class Choices(BaseModel):
 @router.get("/choices")
 def list_choices(here: Here) -> Choices:
     """Dampers, control laws and ground motions that can be chosen."""
-    motions = places.files(here.data / MOTIONS, MOTION_SUFFIXES)
+    motions = safe_paths.files(here.data / MOTIONS, MOTION_SUFFIXES)
     return Choices(dampers=dampers(here.data), laws=structures.control_laws(), motions=motions)
 
 

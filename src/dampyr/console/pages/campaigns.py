@@ -9,7 +9,7 @@ from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
 from dampyr.atomic_write import write_whole
-from dampyr.console import places
+from dampyr.console import safe_paths
 from dampyr.console.grid import (
     FOLDER,
     Envelope,
@@ -20,8 +20,8 @@ from dampyr.console.grid import (
     place_of,
     planned_text,
 )
-from dampyr.console.house import Here
 from dampyr.console.rigs import rig_file, rig_settings
+from dampyr.console.state import Here
 from dampyr.errors import InputError
 from dampyr.report.plan_page import plan_notes
 
@@ -104,13 +104,13 @@ class PlanAnswer(BaseModel):
 @router.get("/files")
 def files(here: Here) -> list[str]:
     """The campaigns of the data folder."""
-    return [name.removesuffix(".toml") for name in places.files(here.data / FOLDER, (".toml",)) if "/" not in name]
+    return [name.removesuffix(".toml") for name in safe_paths.files(here.data / FOLDER, (".toml",)) if "/" not in name]
 
 
 @router.get("/files/{name}")
 def load(name: Name, here: Here) -> File:
     """A campaign."""
-    path = places.existing(here.data, f"{FOLDER}/{name}.toml")
+    path = safe_paths.existing(here.data, f"{FOLDER}/{name}.toml")
     try:
         text = path.read_text("utf-8")
     except UnicodeDecodeError:
@@ -121,13 +121,13 @@ def load(name: Name, here: Here) -> File:
 @router.put("/files/{name}")
 def save(name: Name, asked: Saved, here: Here) -> File:
     """Save a campaign that can be read; what the rig cannot do may be saved."""
-    path = places.inside(here.data, f"{FOLDER}/{name}.toml")
+    path = safe_paths.inside(here.data, f"{FOLDER}/{name}.toml")
     if path.parent != here.data / FOLDER:
         raise InputError(f"{name!r} is no name of a campaign; leave / out")
     _plan(asked, here)
-    places.check_quota(here.data, len(asked.text), here.quota)
+    safe_paths.check_quota(here.data, len(asked.text), here.quota)
     path.parent.mkdir(exist_ok=True)
-    with places.ALONE:
+    with safe_paths.ALONE:
         if asked.replaces is not None and path.exists() and path.read_bytes() != asked.replaces.encode():
             raise HTTPException(
                 409, f"{name!r} holds another campaign by now; open it anew, or save under another name"

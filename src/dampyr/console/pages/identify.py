@@ -9,11 +9,11 @@ from fastapi import APIRouter, HTTPException, Query
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
-from dampyr.console import places, shelf
+from dampyr.console import record_sources, safe_paths
 from dampyr.console.cards import CARDS
-from dampyr.console.house import Here, House
 from dampyr.console.job_routes import Id, JobState, told
-from dampyr.console.work import CARD, CURVES, PAGE
+from dampyr.console.jobs import CARD, CURVES, PAGE
+from dampyr.console.state import Here, House
 from dampyr.errors import InputError, MissingData
 from dampyr.identification.leaderboard import ADD_ONS, check_count
 from dampyr.models import Damper, compose, names
@@ -66,7 +66,7 @@ def list_models() -> Models:
 def identify(here: Here, wanted: Wanted) -> JobState:
     """Start to identify; the job says how far it is, its result what was found."""
     for key in wanted.records:
-        shelf.place(here.data, key)
+        record_sources.place(here.data, key)
     if wanted.model is None:
         check_count(len(wanted.records))
     for model in [wanted.model, *wanted.tried]:
@@ -92,13 +92,13 @@ def keep_card(here: Here, id: Id, card: Card) -> Kept:
     source = _done(here, id) / CARD
     if not source.is_file():
         raise InputError("this fit made no damper, so there is no card; see its reason")
-    if not places.is_name(card.name):
+    if not safe_paths.is_name(card.name):
         raise InputError(f"{card.name!r} is no name of a file; write letters, digits, space and .()+@=-_")
-    target = places.inside(here.data, f"{CARDS}/{card.name}.toml")
-    places.check_quota(here.data, 2**16, here.quota)
+    target = safe_paths.inside(here.data, f"{CARDS}/{card.name}.toml")
+    safe_paths.check_quota(here.data, 2**16, here.quota)
     target.parent.mkdir(exist_ok=True)
     damper = Damper.load(source)
-    with places.ALONE:
+    with safe_paths.ALONE:
         if target.exists():
             raise HTTPException(409, f"there is a card {card.name!r} already; choose another name")
         damper.save(target)

@@ -17,12 +17,12 @@ from pydantic import BaseModel, Field
 from starlette.background import BackgroundTask
 
 from dampyr import records
-from dampyr.console import acceptance, curves, limits, places, shelf
-from dampyr.console import notes as written
+from dampyr.console import curves, limits, record_acceptance, record_sources, safe_paths
+from dampyr.console import record_notes as written
 from dampyr.console.curves import Line
-from dampyr.console.errors import without_places
-from dampyr.console.house import Here
+from dampyr.console.error_responses import without_places
 from dampyr.console.security import MOST_UPLOAD
+from dampyr.console.state import Here
 from dampyr.errors import DampyrError, InputError
 from dampyr.records import Record
 from dampyr.to_json import plain
@@ -33,7 +33,7 @@ FORMATS = {"csv": "text/csv", "mat": "application/octet-stream", "h5": "applicat
 Key = Annotated[str, Query(min_length=3, max_length=340, description="Such as data/uploads/test.h5.")]
 
 router = APIRouter()
-router.include_router(acceptance.router)
+router.include_router(record_acceptance.router)
 
 
 class SourceLink(BaseModel):
@@ -80,26 +80,31 @@ class Taken(BaseModel):
 @router.get("/sources")
 def list_sources(here: Here) -> list[SourceLink]:
     """Where records come from."""
-    return [SourceLink(name=one.name, title=one.title) for one in shelf.sources(here.data)]
+    return [SourceLink(name=one.name, title=one.title) for one in record_sources.sources(here.data)]
 
 
 @router.get("/list")
-def list_records(here: Here, source: Annotated[str, Query(max_length=40)] = shelf.OWN) -> list[Known]:
+def list_records(here: Here, source: Annotated[str, Query(max_length=40)] = record_sources.OWN) -> list[Known]:
     """The records of a source, measured and checked."""
     said = written.notes(here.data)
-    return [_known(here.data, key, said.get(key, "")) for key in shelf.keys(shelf.source(here.data, source))]
+    return [
+        _known(here.data, key, said.get(key, ""))
+        for key in record_sources.keys(record_sources.source(here.data, source))
+    ]
 
 
 @router.get("/one")
 def read_one(here: Here, key: Key) -> Known:
     """What is known of one record."""
-    return Known(key=key, about=plain(shelf.described(here.data, key)), note=written.notes(here.data).get(key, ""))
+    return Known(
+        key=key, about=plain(record_sources.described(here.data, key)), note=written.notes(here.data).get(key, "")
+    )
 
 
 @router.get("/curves")
 def read_curves(here: Here, key: Key) -> Curves:
     """The lines of one record."""
-    record = _with_velocity(shelf.read(here.data, key))
+    record = _with_velocity(record_sources.read(here.data, key))
     assert record.velocity is not None
     t, x, v, f = record.time, record.displacement, record.velocity, record.force
     return Curves(
@@ -116,13 +121,13 @@ def read_curves(here: Here, key: Key) -> Curves:
 @router.get("/cycles")
 def read_cycles(here: Here, key: Key) -> list[dict[str, float]]:
     """Every whole cycle of one record, SI, with the peak-velocity pick-up; see `dampyr.records.Cycle`."""
-    return [plain(one) for one in records.cycle_table(shelf.read(here.data, key))]
+    return [plain(one) for one in records.cycle_table(record_sources.read(here.data, key))]
 
 
 @router.put("/notes")
 def write_note(here: Here, note: Note) -> Note:
     """Keep a note about a record; an empty one takes it away."""
-    shelf.place(here.data, note.key)
+    record_sources.place(here.data, note.key)
     written.write_note(here.data, note.key, note.text)
     return note
 
@@ -148,9 +153,9 @@ async def take(
 ) -> Taken:
     """Take a record in: it is read in a process with limits and kept as an .h5 file in the folder ``uploads``."""
     said = {"voltage": voltage, "current": current, "units": _pairs(unit), "columns": _pairs(column)}
-    if not places.is_name(name) or Path(name).suffix.lower() not in shelf.SUFFIXES:
-        raise InputError(f"{name!r} is no name of a record; it ends in {', '.join(shelf.SUFFIXES)}")
-    target = places.inside(here.data, f"{UPLOADS}/{Path(name).stem}.h5")
+    if not safe_paths.is_name(name) or Path(name).suffix.lower() not in record_sources.SUFFIXES:
+        raise InputError(f"{name!r} is no name of a record; it ends in {', '.join(record_sources.SUFFIXES)}")
+    target = safe_paths.inside(here.data, f"{UPLOADS}/{Path(name).stem}.h5")
     if target.exists():
         raise HTTPException(409, f"there is a record {target.stem!r} already; rename the file, and upload it again")
     async with _incoming(here.data) as folder:
@@ -158,26 +163,26 @@ async def take(
         made = folder / "read.h5"
         await to_thread.run_sync(limits.read_apart, folder / name, made, said)
         target.parent.mkdir(exist_ok=True)
-        with places.ALONE:
+        with safe_paths.ALONE:
             if target.exists():
                 raise HTTPException(
                     409, f"a record {target.stem!r} came in meanwhile; rename the file, and upload it again"
                 )
             made.replace(target)
-    return Taken(key=f"{shelf.OWN}/{UPLOADS}/{target.name}")
+    return Taken(key=f"{record_sources.OWN}/{UPLOADS}/{target.name}")
 
 
 @router.delete("/uploads/{name}", status_code=204)
 def remove(here: Here, name: Annotated[str, InPath(max_length=110)]) -> None:
     """Delete a record that was uploaded, with its note."""
-    places.existing(here.data, f"{UPLOADS}/{name}").unlink()
-    written.write_note(here.data, f"{shelf.OWN}/{UPLOADS}/{name}", "")
+    safe_paths.existing(here.data, f"{UPLOADS}/{name}").unlink()
+    written.write_note(here.data, f"{record_sources.OWN}/{UPLOADS}/{name}", "")
 
 
 @router.get("/export", response_class=Response, responses={200: {"content": {kind: {} for kind in FORMATS.values()}}})
 def give(here: Here, key: Key, format: Annotated[str, Query(pattern="^(csv|mat|h5|png)$")]) -> FileResponse:
     """One record as a file: csv and h5 in SI, mat as the campaign's files, png a figure of its loops."""
-    record = shelf.read(here.data, key)
+    record = record_sources.read(here.data, key)
     folder = Path(tempfile.mkdtemp(prefix="dampyr-"))
     path = folder / f"record.{format}"
     try:
@@ -208,7 +213,7 @@ def _with_velocity(record: Record) -> Record:
 
 def _known(data: Path, key: str, note: str) -> Known:
     try:
-        return Known(key=key, about=plain(shelf.described(data, key)), note=note)
+        return Known(key=key, about=plain(record_sources.described(data, key)), note=note)
     except DampyrError as problem:
         return Known(key=key, problem=without_places(str(problem), data), note=note)
 
@@ -223,7 +228,7 @@ def _pairs(given: list[str]) -> dict[str, str]:
 @asynccontextmanager
 async def _incoming(data: Path) -> AsyncIterator[Path]:
     """A folder for one file that comes in; gone afterwards."""
-    folder = Path(tempfile.mkdtemp(prefix="incoming-", dir=data / places.OWN))
+    folder = Path(tempfile.mkdtemp(prefix="incoming-", dir=data / safe_paths.OWN))
     try:
         yield folder
     finally:
@@ -232,7 +237,7 @@ async def _incoming(data: Path) -> AsyncIterator[Path]:
 
 async def _receive(request: Request, path: Path, data: Path, quota: int) -> None:
     """Write the body to ``path`` as it comes, within the limits."""
-    room = quota - await to_thread.run_sync(places.used, data)
+    room = quota - await to_thread.run_sync(safe_paths.used, data)
     size = 0
     with path.open("wb") as file:
         async for piece in request.stream():

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dampyr import records
-from dampyr.console import places
+from dampyr.console import safe_paths
 from dampyr.errors import DampyrError, InputError, MissingData
 from dampyr.records import Record
 from dampyr.records.campaign_folder import TABLE, campaign_rows
@@ -57,7 +57,7 @@ def source(data: Path, name: str) -> Source:
 def keys(of: Source) -> list[str]:
     """The keys of the records of a source, such as ``data/lab/test 1.csv``; files that are no records are left out."""
     found = []
-    for name in sorted(places.files(of.folder, SUFFIXES), key=_order):
+    for name in sorted(safe_paths.files(of.folder, SUFFIXES), key=_order):
         path = of.folder / name
         if path.name == TABLE or name.startswith(NOT_RECORDS) or not _is_record(path):
             continue
@@ -82,7 +82,7 @@ def _is_record(path: Path) -> bool:
 def place(data: Path, key: str) -> Path:
     """The file of a key."""
     name, _, rest = key.partition("/")
-    return places.existing(source(data, name).folder, rest)
+    return safe_paths.existing(source(data, name).folder, rest)
 
 
 def read(data: Path, key: str) -> Record:

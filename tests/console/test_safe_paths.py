@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 pytest.importorskip("fastapi")
 
-from dampyr.console import places
+from dampyr.console import safe_paths
 from dampyr.errors import InputError, MissingData
 
 
@@ -19,14 +19,14 @@ from dampyr.errors import InputError, MissingData
 )  # fmt: skip
 def test_a_name_that_leads_elsewhere_is_refused(tmp_path, name):
     with pytest.raises(InputError):
-        places.inside(tmp_path, name)
+        safe_paths.inside(tmp_path, name)
 
 
 @pytest.mark.parametrize(
     "name", ["test 1.csv", "lab/0.25A_2Hz (second).mat", "ensaio.A.1.mat", "Prüfung/Versuch+3.h5", "a/b/c"]
 )
 def test_ordinary_names_are_taken(tmp_path, name):
-    assert places.inside(tmp_path, name) == tmp_path / name
+    assert safe_paths.inside(tmp_path, name) == tmp_path / name
 
 
 def test_links_are_not_followed(tmp_path):
@@ -37,15 +37,15 @@ def test_links_are_not_followed(tmp_path):
     (root / "up").symlink_to(tmp_path)
     for name in ("link.csv", "up/outside.csv"):
         with pytest.raises(InputError, match="link"):
-            places.existing(root, name)
-    assert places.files(root, (".csv",)) == []
+            safe_paths.existing(root, name)
+    assert safe_paths.files(root, (".csv",)) == []
 
 
 @given(st.text(alphabet=st.sampled_from("ab./\\ ~:-\0é"), max_size=12))
 def test_whatever_is_asked_stays_inside(name):
     root = Path("/data/root")
     try:
-        found = places.inside(root, name)
+        found = safe_paths.inside(root, name)
     except InputError:
         return
     assert found.is_relative_to(root)
@@ -55,13 +55,13 @@ def test_whatever_is_asked_stays_inside(name):
 
 def test_a_file_that_is_not_there_is_missing(tmp_path):
     with pytest.raises(MissingData, match=r"x\.csv: there is no such file"):
-        places.existing(tmp_path, "x.csv")
+        safe_paths.existing(tmp_path, "x.csv")
 
 
 def test_the_quota_counts_every_file(tmp_path):
     (tmp_path / ".console").mkdir()
     (tmp_path / ".console/x").write_bytes(b"1" * 700)
     (tmp_path / "y").write_bytes(b"1" * 200)
-    places.check_quota(tmp_path, 100, 1000)
+    safe_paths.check_quota(tmp_path, 100, 1000)
     with pytest.raises(InputError, match="quota"):
-        places.check_quota(tmp_path, 101, 1000)
+        safe_paths.check_quota(tmp_path, 101, 1000)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from dampyr import ground_motions, models, structures, studies
-from dampyr.console import places
+from dampyr.console import safe_paths
 from dampyr.console.cards import CARDS
 from dampyr.errors import InputError
 from dampyr.studies import THESIS
@@ -61,7 +61,7 @@ class MotionAsked(Strict):
                 self.duration, DT, self.seed if seed is None else seed, pga=self.pga or 0.3 * STANDARD_GRAVITY
             )
         if self.kind == "file":
-            path = places.existing(data / MOTIONS, self.file)
+            path = safe_paths.existing(data / MOTIONS, self.file)
             found = ground_motions.read(path, units=self.unit or None)
         else:
             found = ground_motions.el_centro()
@@ -80,7 +80,7 @@ class DamperAsked(Strict):
     def damper(self, data: Path) -> Any:
         """As a `dampyr.models.Damper`."""
         if self.name.startswith(f"{CARDS}/"):
-            return models.Damper.load(places.existing(data, self.name))
+            return models.Damper.load(safe_paths.existing(data, self.name))
         return studies.published_damper(self.name)
 
     def all_inputs(self, damper: Any) -> list[Any]:

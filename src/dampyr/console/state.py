@@ -10,7 +10,7 @@ from fastapi import Depends
 from pydantic import BaseModel, Field
 from starlette.requests import HTTPConnection
 
-from dampyr.console.jobs import Jobs
+from dampyr.console.job_processes import Jobs
 
 
 @dataclass

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from dampyr.atomic_write import write_whole
-from dampyr.console import curves, shelf
-from dampyr.console.places import data_of
-from dampyr.console.work import CARD, CURVES, PAGE
+from dampyr.console import curves, record_sources
+from dampyr.console.jobs import CARD, CURVES, PAGE
+from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
 from dampyr.identification import (
     Fit,
@@ -45,7 +45,7 @@ Tell = Callable[[str, float], None]
 def run(request: dict[str, Any], folder: Path, progress: Tell) -> dict[str, Any]:
     """``request``: records (keys), model or None, tried (models), predict (a split or ""), loss, bandwidth."""
     progress("reading the records", 0.0)
-    chosen = shelf.gather(data_of(folder), request["records"])
+    chosen = record_sources.gather(data_of(folder), request["records"])
     fitted = [record for record in chosen if record.role == "fit"]
     if not fitted:
         raise InputError(

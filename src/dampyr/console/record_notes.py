@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from dampyr.atomic_write import write_whole
-from dampyr.console.places import OWN
+from dampyr.console.safe_paths import OWN
 from dampyr.errors import InputError
 
 LONGEST = 2000

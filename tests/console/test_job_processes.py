@@ -9,7 +9,7 @@ pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
 
 from dampyr.console import app
-from dampyr.console.jobs import Jobs
+from dampyr.console.job_processes import Jobs
 from dampyr.errors import InputError, MissingData
 
 SMALL = {"damper": {"inputs": [1.98]}}

@@ -14,11 +14,11 @@ from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
 from dampyr import records
-from dampyr.console import shelf
+from dampyr.console import record_sources
+from dampyr.console.building_schemas import DamperAsked
 from dampyr.console.cards import CARDS
 from dampyr.console.dampers import DamperLink, dampers
-from dampyr.console.house import Here
-from dampyr.console.site import DamperAsked
+from dampyr.console.state import Here
 from dampyr.identification import Acceptance, Point, Tolerance, accept
 from dampyr.identification.acceptance import QUANTITIES, Quantity, band
 
@@ -141,7 +141,7 @@ def _judged(data: Path, asked: AcceptanceAsked) -> dict[str, Acceptance]:
     is_damper = len(asked.reference) == 1 and _is_damper(asked.reference[0])
     damper = DamperAsked(name=asked.reference[0]).damper(data) if is_damper else None
     keys = list(dict.fromkeys([*asked.key, *([] if is_damper else asked.reference)]))
-    read = records.nominal_inputs([shelf.read(data, key) for key in keys], damper.range if damper else ())
+    read = records.nominal_inputs([record_sources.read(data, key) for key in keys], damper.range if damper else ())
     known = dict(zip(keys, read, strict=True))
     against = damper or [known[key] for key in asked.reference]
     tolerance = Tolerance(asked.tolerance, asked.force, asked.energy)

@@ -1,7 +1,7 @@
 """Long work in a process of its own: it survives a reload of the page, can be cancelled, and cannot take the console down.
 
 A job is a folder: ``request.json`` (what was asked), ``job.json`` (how it stands), ``result.json`` and whatever files the work
-made. The work itself is a file of :mod:`dampyr.console.work`. Jobs wait for one another, so that the machine keeps a core for
+made. The work itself is a file of :mod:`dampyr.console.jobs`. Jobs wait for one another, so that the machine keeps a core for
 the rig. A job that ran when the console was stopped is told as such when it starts again.
 """
 
@@ -24,7 +24,7 @@ from dampyr import registry
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError, MissingData
 
-WORK = "dampyr.console.work"
+WORK = "dampyr.console.jobs"
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 ENDED = ("done", "failed", "cancelled")
 MOST_KEPT = 60
@@ -62,7 +62,7 @@ class Jobs:
             threading.Thread(target=self._serve, daemon=True).start()
 
     def submit(self, kind: str, request: dict[str, Any], title: str) -> Job:
-        """Put work in the queue; ``kind`` is a file of `dampyr.console.work`, ``request`` what its ``run`` takes."""
+        """Put work in the queue; ``kind`` is a file of `dampyr.console.jobs`, ``request`` what its ``run`` takes."""
         registry.member(WORK, kind)
         with self._lock:
             if sum(job.state == "waiting" for job in self._jobs.values()) >= MOST_WAITING:

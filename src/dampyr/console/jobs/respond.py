@@ -11,9 +11,9 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.console import curves
-from dampyr.console.places import data_of
-from dampyr.console.site import ResponseAsked
-from dampyr.console.work import CURVES, PAGE
+from dampyr.console.building_schemas import ResponseAsked
+from dampyr.console.jobs import CURVES, PAGE
+from dampyr.console.safe_paths import data_of
 from dampyr.report.response_page import write_response_page
 from dampyr.structures import Response, respond
 from dampyr.to_json import plain

@@ -15,7 +15,7 @@ import pytest
 
 from dampyr.campaigns import read_journal
 from dampyr.console import bench_thread
-from dampyr.console.bench import Bench
+from dampyr.console.bench_session import Bench
 from dampyr.errors import InputError
 from dampyr.records import read
 from dampyr.rig import Rig, RigSettings, simulated
@@ -384,7 +384,7 @@ def test_the_steps_of_the_guide_twice_on_one_rig(bench: Bench) -> None:
 DYING = """
 import sys, time
 from pathlib import Path
-from dampyr.console.bench import Bench
+from dampyr.console.bench_session import Bench
 from dampyr.rig import simulated
 bench = Bench(Path("."), lambda *_: simulated(real_time=True, black_box=sys.argv[1]))
 bench.clients.join("a")

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.console.places import data_of
-from dampyr.console.site import EnsembleAsked
-from dampyr.console.work import PAGE
+from dampyr.console.building_schemas import EnsembleAsked
+from dampyr.console.jobs import PAGE
+from dampyr.console.safe_paths import data_of
 from dampyr.report.ensemble_page import summary_rows, trust, write_ensemble_page
 from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, limit_in_words, remarks
 from dampyr.structures import ensemble_cases, fragility
