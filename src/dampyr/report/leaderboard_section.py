@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dampyr.identification import Leaderboard
+from dampyr.identification import Leaderboard, Screened
 from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text
 from dampyr.report.figures.leaderboard import leaderboard_figure
 
@@ -33,7 +33,11 @@ def leaderboard_section(board: Leaderboard) -> Section:
             Text(words),
             Table(NAMES, rows, UNITS, caption="The finalists, validated on all records.", digits=3),
             FigureBlock(
-                leaderboard_figure(board),
+                leaderboard_figure(
+                    [_in_two_lines(one) for one in board.screened],
+                    [one.bare.error for one in board.screened],
+                    [one.best.error for one in board.screened],
+                ),
                 "Every model on a few short records: bare, and with the add-ons that were worth it.",
             ),
             _screened(board),
@@ -55,6 +59,11 @@ def _screened(board: Leaderboard) -> Table:
         caption=caption,
         digits=3,
     )
+
+
+def _in_two_lines(one: Screened) -> str:
+    """The model, and its add-ons in a line below it."""
+    return one.best.model.replace(one.base, one.base + "\n", 1).replace("\n + ", "\n+ ").rstrip("\n")
 
 
 def _percent(error: float) -> float | None:
