@@ -17,7 +17,7 @@ __version__ = "0.2.0"
 
 _ROOMS = (
     "records", "models", "identification", "ground_motions", "structures",
-    "report", "export", "studies", "rig", "campaigns", "errors", "units", "registry",
+    "figures", "report", "export", "studies", "rig", "campaigns", "errors", "units", "registry",
 )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 from dampyr.report import Section, Text
 from dampyr.report.fit_page import write_fit_page
-from dampyr.report.fitted import correlation_blocks, parameter_table
+from dampyr.report.fit_sections import correlation_blocks, parameter_table
 from dampyr.report.prediction_section import prediction_section
 from dampyr.report.range_section import range_section, range_table
 

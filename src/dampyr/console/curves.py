@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field
 
-from dampyr.report.style import thin
+from dampyr.figures.style import thin
 
 POINTS = 1600
 

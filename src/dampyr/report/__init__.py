@@ -10,31 +10,31 @@ A figure takes plain arrays in SI, shows them in the units people read (mm, N, s
     write_page("out/damper.html", html)
 """
 
+from dampyr.figures.acceptance import band_used, peak_velocity_band
+from dampyr.figures.autocorrelation import memory
+from dampyr.figures.building import building_response
+from dampyr.figures.calibration_range import calibrated
+from dampyr.figures.control_comparison import controlled
+from dampyr.figures.correlation import correlation, strong_pairs
+from dampyr.figures.envelope import envelope
+from dampyr.figures.fragility import Fragile, fragility_curves
+from dampyr.figures.ground_histories import ground_histories
+from dampyr.figures.ground_motion import ground_motion
+from dampyr.figures.history import history
+from dampyr.figures.incremental import incremental_curves
+from dampyr.figures.laws import Law, parameters_against_input
+from dampyr.figures.loops import loops
+from dampyr.figures.phase_portrait import phase_portrait
+from dampyr.figures.planned_drive import planned_drive
+from dampyr.figures.residual_sizes import residual_sizes
+from dampyr.figures.residual_velocity import residual_velocity
+from dampyr.figures.response_spectrum import response_spectrum
+from dampyr.figures.scores import scores
+from dampyr.figures.style import save
+from dampyr.figures.theta import theta
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.figure_files import figure_files
-from dampyr.report.figures.acceptance import band_used, peak_velocity_band
-from dampyr.report.figures.building import building_response
-from dampyr.report.figures.calibrated import calibrated
-from dampyr.report.figures.controlled import controlled
-from dampyr.report.figures.correlation import correlation, strong_pairs
-from dampyr.report.figures.envelope import envelope
-from dampyr.report.figures.fragility import Fragile, fragility_curves
-from dampyr.report.figures.ground_histories import ground_histories
-from dampyr.report.figures.ground_motion import ground_motion
-from dampyr.report.figures.history import history
-from dampyr.report.figures.incremental import incremental_curves
-from dampyr.report.figures.laws import Law, parameters_against_input
-from dampyr.report.figures.loops import loops
-from dampyr.report.figures.memory import memory
-from dampyr.report.figures.phase_portrait import phase_portrait
-from dampyr.report.figures.planned_drive import planned_drive
-from dampyr.report.figures.residual_sizes import residual_sizes
-from dampyr.report.figures.residual_velocity import residual_velocity
-from dampyr.report.figures.response_spectrum import response_spectrum
-from dampyr.report.figures.scores import scores
-from dampyr.report.figures.theta import theta
-from dampyr.report.page import page, write_page
-from dampyr.report.style import save
+from dampyr.report.html_page import page, write_page
 
 __all__ = [
     "Block",

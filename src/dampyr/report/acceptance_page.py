@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.figures.acceptance import band_used, peak_velocity_band
 from dampyr.identification import Acceptance, Point
 from dampyr.identification.acceptance import UNITS, band, in_short
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
-from dampyr.report.figures.acceptance import band_used, peak_velocity_band
-from dampyr.report.page import page, write_page
+from dampyr.report.html_page import page, write_page
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 import dampyr
+from dampyr.figures.incremental import incremental_curves
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
-from dampyr.report.figures.incremental import incremental_curves
 from dampyr.report.fragility_section import axis_of, fragility_section
-from dampyr.report.page import page, write_page
+from dampyr.report.html_page import page, write_page
 from dampyr.structures import Fragility, Incremental, incremental, summary
 
 SHOWN = {

@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dampyr.report.style import save
+from dampyr.figures.style import save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

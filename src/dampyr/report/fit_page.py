@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 import dampyr
+from dampyr.figures.scores import scores
 from dampyr.identification import Fit, Validation, findings, warnings_of
+from dampyr.report.best_and_worst import by_input, extremes, record_section
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
-from dampyr.report.extremes import by_input, extremes, record_section
-from dampyr.report.figures.scores import scores
-from dampyr.report.fitted import correlation_blocks, fit_blocks, score_table
-from dampyr.report.page import page, write_page
+from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_table
+from dampyr.report.html_page import page, write_page
 from dampyr.report.prediction_section import mean_l1, prediction_section
 from dampyr.report.range_section import range_section
 from dampyr.report.residual_section import residual_section

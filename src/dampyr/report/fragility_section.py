@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dampyr.figures.fragility import PGA, SA, SCALE, Fragile, fragility_curves
+from dampyr.figures.style import Axis
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
-from dampyr.report.figures.fragility import PGA, SA, SCALE, Fragile, fragility_curves
-from dampyr.report.style import Axis
 from dampyr.structures import Curve, Fragility
 
 LEVEL = 0.9

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from dampyr.figures.leaderboard import leaderboard_figure
 from dampyr.identification import Leaderboard, Screened
 from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text
-from dampyr.report.figures.leaderboard import leaderboard_figure
 
 NAMES = ("", "model", "error", "L1", "unseen input", "NRMSE", "pointwise", "energy", "parameters", "AIC", "BIC", "fit")
 UNITS = ("", "", "%", "%", "%", "%", "%", "%", "", "", "", "s")

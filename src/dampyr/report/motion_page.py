@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from dampyr.figures.ground_histories import ground_histories
+from dampyr.figures.response_spectrum import SPECTRAL_DISPLACEMENT, response_spectrum
 from dampyr.ground_motions import GroundMotion, Measures, Spectrum, measures, spectrum
 from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text
-from dampyr.report.figures.ground_histories import ground_histories
-from dampyr.report.figures.response_spectrum import SPECTRAL_DISPLACEMENT, response_spectrum
-from dampyr.report.page import page, write_page
+from dampyr.report.html_page import page, write_page
 from dampyr.units import STANDARD_GRAVITY
 
 DAMPINGS = (0.02, 0.05, 0.1)

@@ -9,10 +9,10 @@ import numpy as np
 import dampyr
 from dampyr.campaigns import Plan, PlannedTest
 from dampyr.campaigns.check import ROOM
+from dampyr.figures.envelope import envelope
+from dampyr.figures.planned_drive import planned_drive
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
-from dampyr.report.figures.envelope import envelope
-from dampyr.report.figures.planned_drive import planned_drive
-from dampyr.report.page import page, write_page
+from dampyr.report.html_page import page, write_page
 from dampyr.rig import RigSettings
 
 FORCES = (0.0, 500.0, 1000.0, 1500.0)

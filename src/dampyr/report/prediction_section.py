@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dampyr.figures.scores import scores
 from dampyr.identification import Fit, Validation
+from dampyr.report.best_and_worst import by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
-from dampyr.report.extremes import by_input
-from dampyr.report.figures.scores import scores
 
 SPLITS = {
     "record": "random parts of the records",

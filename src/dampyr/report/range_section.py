@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from dampyr.figures.calibration_range import calibrated
 from dampyr.identification import Fit
 from dampyr.models import Damper
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
-from dampyr.report.figures.calibrated import calibrated
 
 SHOWN = {
     "displacement": ("displacement from the middle", "mm", 1e3),

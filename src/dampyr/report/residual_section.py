@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from dampyr.figures.autocorrelation import memory
+from dampyr.figures.residual_sizes import residual_sizes
+from dampyr.figures.residual_velocity import residual_velocity
+from dampyr.figures.style import CURRENT, VOLTAGE
 from dampyr.identification import Residuals, findings, warnings_of
 from dampyr.identification.directions import SIDES, Group
 from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
-from dampyr.report.figures.memory import memory
-from dampyr.report.figures.residual_sizes import residual_sizes
-from dampyr.report.figures.residual_velocity import residual_velocity
-from dampyr.report.style import CURRENT, VOLTAGE
 
 MOST_PANELS = 6
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from dampyr.figures.building import building_response
+from dampyr.figures.control_comparison import controlled
+from dampyr.figures.ground_motion import ground_motion
+from dampyr.figures.loops import loops
+from dampyr.figures.style import CURRENT, VOLTAGE, Axis
 from dampyr.report.blocks import FigureBlock, Section, Table, Text
-from dampyr.report.figures.building import building_response
-from dampyr.report.figures.controlled import controlled
-from dampyr.report.figures.ground_motion import ground_motion
-from dampyr.report.figures.loops import loops
-from dampyr.report.page import page, write_page
-from dampyr.report.style import CURRENT, VOLTAGE, Axis
+from dampyr.report.html_page import page, write_page
 from dampyr.structures import Response
 
 STROKE = Axis("stroke", "mm", 1e3)

@@ -7,7 +7,7 @@ import re
 from html import escape
 from typing import TYPE_CHECKING
 
-from dampyr.report import style
+from dampyr.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

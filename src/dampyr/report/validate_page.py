@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
+from dampyr.figures.calibration_range import calibrated
+from dampyr.figures.scores import scores as scores_figure
 from dampyr.identification import Score, prediction
 from dampyr.identification.residuals import motion
 from dampyr.models import Damper
 from dampyr.records import Record, with_velocity
+from dampyr.report.best_and_worst import by_input, extremes, record_section
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
-from dampyr.report.extremes import by_input, extremes, record_section
-from dampyr.report.figures.calibrated import calibrated
-from dampyr.report.figures.scores import scores as scores_figure
-from dampyr.report.fitted import score_table
-from dampyr.report.page import page, write_page
+from dampyr.report.fit_sections import score_table
+from dampyr.report.html_page import page, write_page
 from dampyr.report.range_section import SHOWN, range_table
 
 Array = NDArray[np.float64]

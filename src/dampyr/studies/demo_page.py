@@ -19,7 +19,7 @@ from dampyr.report import (
     scores,
     write_page,
 )
-from dampyr.report.fitted import fit_blocks, score_table
+from dampyr.report.fit_sections import fit_blocks, score_table
 
 if TYPE_CHECKING:
     from dampyr.studies.demo import Array, Demo

@@ -34,7 +34,7 @@ from dampyr.identification import (
 from dampyr.identification.screening import held_in
 from dampyr.records import Record
 from dampyr.report.fit_page import write_fit_page
-from dampyr.report.fitted import parameter_table, score_table
+from dampyr.report.fit_sections import parameter_table, score_table
 from dampyr.report.leaderboard_section import leaderboard_section
 from dampyr.to_json import plain
 

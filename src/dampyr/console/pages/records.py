@@ -198,8 +198,8 @@ def give(here: Here, key: Key, format: Annotated[str, Query(pattern="^(csv|mat|h
 
 def _write(record: Record, path: Path) -> None:
     if path.suffix == ".png":
-        from dampyr.report.figures.loops import loops
-        from dampyr.report.style import save
+        from dampyr.figures.loops import loops
+        from dampyr.figures.style import save
 
         shown = _with_velocity(record)
         save(loops(shown.displacement, shown.velocity, shown.force, title=record.name), path)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.figures.style import DISPLACEMENT, Axis
 from dampyr.identification import LimitCycle, limit_cycle
 from dampyr.models import Damper
 from dampyr.models.parts.bouc_wen import from_printed
 from dampyr.report import FigureBlock, Text, history, phase_portrait, theta
-from dampyr.report.style import DISPLACEMENT, Axis
 from dampyr.studies.raminelli_2020.finding import Candidate, Erratum, Finding, Tolerance, judge, unchecked
 from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.published import BoucWenLetters, Example, Published

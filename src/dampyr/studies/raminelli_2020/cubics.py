@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.figures.style import Axis
 from dampyr.models import Damper, Polynomial
 from dampyr.report import Block, Cell, FigureBlock, Law, Table, Text, parameters_against_input
-from dampyr.report.style import Axis
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Tolerance, judge
 from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published

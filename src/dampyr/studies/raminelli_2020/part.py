@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from dampyr.report import Block, Cell, Table, Verdict
-from dampyr.report.page import number
+from dampyr.report.html_page import number
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from dampyr.report import style
-from dampyr.report.style import VELOCITY, Axis
+from dampyr.figures import style
+from dampyr.figures.style import VELOCITY, Axis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dampyr.report import style
-from dampyr.report.style import DISPLACEMENT, TIME, VOLTAGE, Axis
+from dampyr.figures import style
+from dampyr.figures.style import DISPLACEMENT, TIME, VOLTAGE, Axis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dampyr.report import style
-from dampyr.report.style import ACCELERATION, TIME
+from dampyr.figures import style
+from dampyr.figures.style import ACCELERATION, TIME
 from dampyr.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dampyr import report
-from dampyr.report.style import thin
+from dampyr.figures.style import thin
 
 
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5000), limit=st.integers(8, 400))

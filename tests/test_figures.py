@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from dampyr import report
 from dampyr.errors import InputError
-from dampyr.report.style import ACCELERATION, Axis
+from dampyr.figures.style import ACCELERATION, Axis
 from dampyr.report.svg import inline_svg
 
 T = np.linspace(0.0, 4.0, 401)

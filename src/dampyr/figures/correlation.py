@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.report import style
+from dampyr.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from dampyr.report import style
+from dampyr.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

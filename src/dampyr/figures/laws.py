@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dampyr.report import style
-from dampyr.report.style import VOLTAGE, Axis
+from dampyr.figures import style
+from dampyr.figures.style import VOLTAGE, Axis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dampyr.report import style
-from dampyr.report.style import DISPLACEMENT, FORCE, TIME
+from dampyr.figures import style
+from dampyr.figures.style import DISPLACEMENT, FORCE, TIME
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dampyr.report import style
-from dampyr.report.style import Axis
+from dampyr.figures import style
+from dampyr.figures.style import Axis
 from dampyr.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.figures.history import history
+from dampyr.figures.loops import loops
 from dampyr.identification import Score
 from dampyr.records import Record
 from dampyr.report.blocks import FigureBlock, Section
-from dampyr.report.figures.history import history
-from dampyr.report.figures.loops import loops
 
 Array = NDArray[np.float64]
 SECONDS = 6.0

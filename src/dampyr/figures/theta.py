@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from dampyr.report import style
-from dampyr.report.style import DISPLACEMENT, FORCE
+from dampyr.figures import style
+from dampyr.figures.style import DISPLACEMENT, FORCE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

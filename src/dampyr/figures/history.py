@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dampyr.report import style
-from dampyr.report.style import FORCE, TIME, Axis
+from dampyr.figures import style
+from dampyr.figures.style import FORCE, TIME, Axis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dampyr.figures.correlation import MARKED, correlation, strong_pairs
+from dampyr.figures.laws import Law, parameters_against_input
+from dampyr.figures.style import CURRENT, VOLTAGE, Axis
 from dampyr.identification import Fit, Score
 from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text, sentence
-from dampyr.report.figures.correlation import MARKED, correlation, strong_pairs
-from dampyr.report.figures.laws import Law, parameters_against_input
-from dampyr.report.style import CURRENT, VOLTAGE, Axis
 from dampyr.units import for_people
 
 PAIRS = 8

@@ -10,20 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dampyr.errors import InputError
-from dampyr.report import (
-    FigureBlock,
-    Section,
-    Table,
-    Text,
-    Verdict,
-    figure_files,
-    loops,
-    page,
-    sentence,
-    style,
-    write_page,
-)
-from dampyr.report.page import number
+from dampyr.figures import style
+from dampyr.report import FigureBlock, Section, Table, Text, Verdict, figure_files, loops, page, sentence, write_page
+from dampyr.report.html_page import number
 
 COLOURS = re.compile(r"(:root[^{}]*) \{([^}]*)\}")
 VOID = {"meta", "br", "use", "path"}

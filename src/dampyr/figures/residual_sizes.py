@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from dampyr.report import style
-from dampyr.report.figures.calibrated import FREQUENCY, looks
-from dampyr.report.style import VOLTAGE, Axis
+from dampyr.figures import style
+from dampyr.figures.calibration_range import FREQUENCY, looks
+from dampyr.figures.style import VOLTAGE, Axis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

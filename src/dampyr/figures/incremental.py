@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dampyr.report import style
-from dampyr.report.figures.fragility import PGA
-from dampyr.report.style import Axis
+from dampyr.figures import style
+from dampyr.figures.fragility import PGA
+from dampyr.figures.style import Axis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
