@@ -11,12 +11,12 @@ from dampyr.errors import ExtrapolationWarning, MissingData, RangeError
 from dampyr.studies import raminelli_2020
 from dampyr.studies.raminelli_2020 import PUBLISHED, Finding
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
+from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1
 from dampyr.studies.raminelli_2020.chapter_5 import chapter_5
 from dampyr.studies.raminelli_2020.cubics import equations
 from dampyr.studies.raminelli_2020.finding import Printed
-from dampyr.studies.raminelli_2020.part import Part
 from dampyr.studies.raminelli_2020.study import Study
-from dampyr.studies.raminelli_2020.tables import table_4_1
+from dampyr.studies.raminelli_2020.study_part import Part
 
 ARTEFACTS = (
     "Figure 2.2", "Figure 2.3", "Figure 2.4", "Section 2.4, step 2", "Section 2.4, steps 3 to 5", "Table 4.1", "Table 4.2",

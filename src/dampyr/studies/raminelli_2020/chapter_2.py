@@ -13,8 +13,8 @@ from dampyr.models import Damper
 from dampyr.models.parts.bouc_wen import from_printed
 from dampyr.report import FigureBlock, Text, history, phase_portrait, theta
 from dampyr.studies.raminelli_2020.finding import Candidate, Erratum, Finding, Tolerance, judge, unchecked
-from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.published import BoucWenLetters, Example, Published
+from dampyr.studies.raminelli_2020.study_part import Part, findings_table
 
 Array = NDArray[np.float64]
 DT = 1.25e-4  # s; the sampling that the velocities of Step 2 imply, tested below

@@ -18,8 +18,8 @@ from dampyr.structures import Response, respond, state_space, two_storey
 from dampyr.studies.raminelli_2020.chapter_2 import PICTURE
 from dampyr.studies.raminelli_2020.cubics import published_damper
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Tolerance, claim, judge, unchecked
-from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.published import Published
+from dampyr.studies.raminelli_2020.study_part import Part, findings_table
 
 MILLIONTH = Tolerance(relative=1e-6)
 MOTION_FILE = "ElCentroData.mat"

@@ -12,8 +12,8 @@ from dampyr.figures.style import Axis
 from dampyr.models import Damper, Polynomial
 from dampyr.report import Block, Cell, FigureBlock, Law, Table, Text, parameters_against_input
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Tolerance, judge
-from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published
+from dampyr.studies.raminelli_2020.study_part import Part, findings_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,12 +11,12 @@ from dampyr.identification import compare, prediction, score
 from dampyr.models import Constant, Damper
 from dampyr.records import Record, default_bandwidth, with_velocity
 from dampyr.report import Block, Cell, FigureBlock, Table, Text, scores
-from dampyr.studies.raminelli_2020.campaign import Campaign, Test
+from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
+from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH
 from dampyr.studies.raminelli_2020.cubics import published_damper
 from dampyr.studies.raminelli_2020.finding import Finding, Tolerance, judge, unchecked
-from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, Published, Row
-from dampyr.studies.raminelli_2020.tables import FETCH
+from dampyr.studies.raminelli_2020.study_part import Part, findings_table
 
 Array = NDArray[np.float64]
 Readings = Mapping[str, Array]  # of the coefficients or files -> (records, definitions), %

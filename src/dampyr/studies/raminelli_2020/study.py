@@ -11,17 +11,17 @@ from typing import Any
 
 from dampyr.errors import MissingData
 from dampyr.records import locate
-from dampyr.studies.raminelli_2020.campaign import Campaign, Progress, load
+from dampyr.studies.raminelli_2020.appendix_a import rig
+from dampyr.studies.raminelli_2020.campaign_records import Campaign, Progress, load
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
+from dampyr.studies.raminelli_2020.chapter_4_loops import figures_4
+from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1, tables
 from dampyr.studies.raminelli_2020.chapter_5 import chapter_5
 from dampyr.studies.raminelli_2020.cubics import equations
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Outcome, overall
-from dampyr.studies.raminelli_2020.loops import figures_4
-from dampyr.studies.raminelli_2020.part import Part
 from dampyr.studies.raminelli_2020.prediction import errors
 from dampyr.studies.raminelli_2020.published import Published
-from dampyr.studies.raminelli_2020.rig import rig
-from dampyr.studies.raminelli_2020.tables import table_4_1, tables
+from dampyr.studies.raminelli_2020.study_part import Part
 
 OUTCOMES: tuple[Outcome, ...] = ("agrees", "differs", "cannot be checked")
 
@@ -119,7 +119,7 @@ def _absent(campaign: Campaign | None) -> list[str]:
 def write(study: Study, out: Path) -> Study:
     """``reproduce.html`` and ``reproduce.json`` in ``out``; returns the study with its page."""
     from dampyr.report import write_page
-    from dampyr.studies.raminelli_2020.page import html
+    from dampyr.studies.raminelli_2020.study_page import html
 
     done = Study(study.parts, study.data, study.left_out, write_page(out / "reproduce.html", html(study)))
     text = json.dumps(done.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)

@@ -9,14 +9,14 @@ from dampyr.records import cycles
 from dampyr.report import Block, FigureBlock, Text
 from dampyr.report import history as history_figure
 from dampyr.report import loops as loops_figure
-from dampyr.studies.raminelli_2020.campaign import Campaign, Test
+from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
 from dampyr.studies.raminelli_2020.chapter_2 import PICTURE
+from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH, MOTION
 from dampyr.studies.raminelli_2020.cubics import published_damper
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Tolerance, claim, judge, unchecked
-from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.prediction import row_damper
 from dampyr.studies.raminelli_2020.published import Published
-from dampyr.studies.raminelli_2020.tables import FETCH, MOTION
+from dampyr.studies.raminelli_2020.study_part import Part, findings_table
 
 TITLE = "Figures 4.1 to 4.4"
 SHOWN_ROW = 5

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.report import Block, Cell, Table, Text, Verdict
-from dampyr.studies.raminelli_2020.campaign import Campaign, Test
+from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
 from dampyr.studies.raminelli_2020.finding import Candidate, Erratum, Finding, Tolerance, judge, overall, unchecked
-from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published, Row
+from dampyr.studies.raminelli_2020.study_part import Part, findings_table
 
 Array = NDArray[np.float64]
 MOTION = Tolerance(relative=0.05)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dampyr.studies.raminelli_2020.campaign import Campaign
+from dampyr.studies.raminelli_2020.campaign_records import Campaign
+from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH
 from dampyr.studies.raminelli_2020.finding import Finding, Outcome, unchecked
-from dampyr.studies.raminelli_2020.part import Part, findings_table
 from dampyr.studies.raminelli_2020.published import Published
-from dampyr.studies.raminelli_2020.tables import FETCH
+from dampyr.studies.raminelli_2020.study_part import Part, findings_table
 
 
 def rig(published: Published, campaign: Campaign | None) -> Part:
