@@ -9,7 +9,7 @@ import pytest
 
 from dampyr import campaigns
 from dampyr.campaigns import findings, kind, largest
-from dampyr.campaigns.check import ROOM, repairs
+from dampyr.campaigns.check import STROKE_MARGIN, repairs
 from dampyr.campaigns.force_prediction import FIT, course, envelope
 from dampyr.models import Damper
 from dampyr.models.laws import Constant
@@ -103,7 +103,7 @@ def test_nothing_is_proposed_where_lowering_it_does_not_help():
 
 
 def test_the_stroke_counts_the_centre_and_some_room():
-    most = RIG.limits.stroke / 2 - ROOM
+    most = RIG.limits.stroke / 2 - STROKE_MARGIN
     assert limits(SINE(most - 0.010, 0.1, centre=0.010)) == []
     assert limits(SINE(most - 0.0099, 0.1, centre=-0.010)) == ["stroke"]
 

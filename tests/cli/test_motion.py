@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from tests.report.test_page import Reader
+from tests.report.test_html_page import Reader
 
 from dampyr.cli import cli
 from dampyr.cli._motion import acceleration, ratio, spectral

@@ -51,7 +51,7 @@ def house(tmp_path_factory, campaign_folder):
     made = app(folder, at_once=0)
     api = schemathesis.openapi.from_asgi("/api/openapi.json", made, headers=HERE)
     with asgi.get_client(made) as client:
-        yield SimpleNamespace(folder=folder, client=client, known=known(jobs), api=api, own=made.inner.state.house.own)
+        yield SimpleNamespace(folder=folder, client=client, known=known(jobs), api=api, own=made.inner.state.dampyr.own)
 
 
 def listens(clients):

@@ -130,7 +130,7 @@ def test_a_jog_stops_with_its_page(armed: Bench) -> None:
     armed.clients.join("b")
     armed.jog("a", 0.005)
     until(lambda: armed.state().jogging)
-    armed.clients.leave("a")
+    armed.clients.disconnect("a")
     until(lambda: not armed.state().jogging, 2.0)
     assert armed.state().holder == ""
     assert armed.state().phase == "armed"  # "b" still looks on
@@ -160,13 +160,13 @@ def test_a_table_is_homed_by_its_index(bench: Bench) -> None:
 
 def test_an_armed_rig_that_nobody_looks_at_is_disarmed(armed: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench_thread, "GRACE", 0.3)
-    armed.clients.leave("a")
+    armed.clients.disconnect("a")
     phase(armed, "idle", 5.0)
     assert "no page was open" in armed.state().note
 
 
 def test_a_page_loaded_anew_finds_the_rig_armed(armed: Bench) -> None:
-    armed.clients.leave("a")
+    armed.clients.disconnect("a")
     time.sleep(0.2)
     armed.clients.join("a")
     time.sleep(0.2)
@@ -255,7 +255,7 @@ def test_the_guided_steps_of_a_calibration(bench: Bench) -> None:
 def test_a_campaign_to_its_end_survives_its_page(armed: Bench) -> None:
     run(armed)
     phase(armed, "campaign")
-    armed.clients.leave("a")
+    armed.clients.disconnect("a")
     until(lambda: (found := armed.state().run) is not None and found.cycles > 0.5)
     armed.clients.join("a")
     phase(armed, "idle")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from dampyr.console.clients import MOST, SILENCE, Clients
+from dampyr.console.clients import MAX_CLIENTS, SILENCE, Clients
 from dampyr.errors import InputError
 
 
@@ -43,20 +43,20 @@ def test_who_leaves_loses_control_and_nobody_gets_it_unasked(clock: Clock) -> No
     clients = Clients(clock)
     clients.join("a")
     clients.join("b")
-    assert clients.leave("a")
+    assert clients.disconnect("a")
     assert clients.holder is None
     with pytest.raises(InputError, match="nobody holds control"):
         clients.require("b")
-    assert not clients.leave("a")
+    assert not clients.disconnect("a")
 
 
 def test_the_same_page_twice_is_one_client_until_both_are_closed(clock: Clock) -> None:
     clients = Clients(clock)
     clients.join("a")
     clients.join("a")
-    assert not clients.leave("a")
+    assert not clients.disconnect("a")
     clients.require("a")
-    assert clients.leave("a")
+    assert clients.disconnect("a")
 
 
 def test_silence_is_as_good_as_gone(clock: Clock) -> None:
@@ -77,14 +77,14 @@ def test_how_long_nobody_looks(clock: Clock) -> None:
     clients.join("a")
     clock.now = 2.0
     assert clients.alone == 0.0
-    clients.leave("a")
+    clients.disconnect("a")
     clock.now = 5.0
     assert clients.alone == 3.0
 
 
 def test_a_crowd_is_turned_away(clock: Clock) -> None:
     clients = Clients(clock)
-    for k in range(MOST):
+    for k in range(MAX_CLIENTS):
         clients.join(str(k))
     with pytest.raises(InputError, match="close one"):
         clients.join("one more")

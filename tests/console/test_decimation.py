@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dampyr.console.decimation import BINS, COLUMNS, HISTORY, Strips, as_lists
+from dampyr.console.decimation import BINS, COLUMNS, HISTORY, MinMaxBins, as_lists
 from dampyr.rig.firmware.protocol import Fault, State, Status
 from dampyr.rig.interlock import Samples
 
@@ -17,9 +17,9 @@ def block(first: int, x: np.ndarray, force: np.ndarray, rate: float) -> Samples:
     return Samples(first, time, x, force, None, force[None] / 613, np.zeros(n, int), np.zeros(n), REST)
 
 
-def fed(rate: float, x: np.ndarray, force: np.ndarray, blocks: list[int]) -> Strips:
+def fed(rate: float, x: np.ndarray, force: np.ndarray, blocks: list[int]) -> MinMaxBins:
     """Strips that took the blocks of the given lengths one after the other, from the start again and again."""
-    strips, first, k = Strips(rate), 0, 0
+    strips, first, k = MinMaxBins(rate), 0, 0
     while first < len(x):
         n = min(blocks[k % len(blocks)], len(x) - first)
         strips.take(block(first, x[first : first + n], force[first : first + n], rate), 20.0, 0.0)
@@ -27,7 +27,7 @@ def fed(rate: float, x: np.ndarray, force: np.ndarray, blocks: list[int]) -> Str
     return strips
 
 
-def columns(strips: Strips) -> dict[str, np.ndarray]:
+def columns(strips: MinMaxBins) -> dict[str, np.ndarray]:
     return dict(zip(COLUMNS, strips.since(0)[1].T, strict=True))
 
 
@@ -84,7 +84,7 @@ def test_memory_is_flat_and_a_reader_that_was_away_gets_what_is_left() -> None:
 
 
 def test_a_new_run_begins_after_a_gap_and_keeps_what_was_held_back() -> None:
-    strips = Strips(1000.0)
+    strips = MinMaxBins(1000.0)
     strips.take(block(0, np.zeros(40), np.arange(40.0), 1000.0), 20.0, 5.0)
     strips.take(block(0, np.zeros(40), np.zeros(40), 1000.0), 20.0, 9.0)
     found = columns(strips)

@@ -57,7 +57,7 @@ def test_what_fails_in_the_job_is_a_sentence(client, finished, data):
 def test_a_job_is_cancelled_and_its_processes_are_gone(client, finished):
     job = client.post("/api/building/ensembles", json=LONG).json()
     begun(client, job["id"])
-    jobs = client.app.inner.state.house.jobs
+    jobs = client.app.inner.state.dampyr.jobs
     process = jobs._running[job["id"]]
     if hasattr(os, "getpriority"):
         assert os.getpriority(os.PRIO_PROCESS, process.pid) > os.getpriority(os.PRIO_PROCESS, 0)  # a rig goes before
@@ -83,7 +83,7 @@ def test_a_job_ends_with_its_console_and_is_told_when_it_starts_again(data):
     with TestClient(app(data), base_url="http://localhost") as client:
         id = client.post("/api/building/ensembles", json=LONG).json()["id"]
         begun(client, id)
-        process = client.app.inner.state.house.jobs._running[id]
+        process = client.app.inner.state.dampyr.jobs._running[id]
     process.wait(10)
     with TestClient(app(data), base_url="http://localhost") as client:
         job = client.get(f"/api/jobs/{id}").json()

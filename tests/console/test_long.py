@@ -67,7 +67,7 @@ def memory() -> int:
 def test_ten_minutes_at_10_khz(data: Path) -> None:
     (data / "long.toml").write_text(CAMPAIGN)
     with TestClient(app(data), base_url=HERE) as client:
-        bench = client.app.inner.state.house.own["bench"]
+        bench = client.app.inner.state.dampyr.own["bench"]
         bench._opener = fast
         pages = [Page(client, f"page-number-{k}") for k in range(2)]
         for page in pages:

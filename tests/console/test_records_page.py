@@ -16,7 +16,7 @@ pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from tests.records.test_contained import PLANTS, planted
+from tests.records.test_self_contained import PLANTS, planted
 
 from dampyr import records
 from dampyr.console import app, limits

@@ -13,7 +13,7 @@ from fastapi.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
 from dampyr.console import app
-from dampyr.console.security import MOST_BODY, MOST_UPLOAD, UPLOAD, Rules, is_loopback
+from dampyr.console.security import MAX_BODY, MAX_UPLOAD, UPLOAD, Rules, is_loopback
 
 HERE = "http://127.0.0.1:8077"
 TOKEN = "a-token-of-some-length"
@@ -134,14 +134,13 @@ def test_the_page_holds_no_script_and_names_no_other_machine():
 def test_a_large_body_is_refused_announced_or_not(client):
     kind = {"content-type": "application/json"}
     assert (
-        client.post("/api/jobs/0123456789abcdef/cancel", content=b"1" * (MOST_BODY + 1), headers=kind).status_code
-        == 413
+        client.post("/api/jobs/0123456789abcdef/cancel", content=b"1" * (MAX_BODY + 1), headers=kind).status_code == 413
     )
-    pieces = (b"1" * 65536 for _ in range(MOST_BODY // 65536 + 1))
+    pieces = (b"1" * 65536 for _ in range(MAX_BODY // 65536 + 1))
     assert client.post("/api/records/notes", content=pieces, headers=kind).status_code in (404, 405, 413)
 
 
-@pytest.mark.parametrize("length", ["-1", "1e3", str(MOST_UPLOAD + 1), "x"])
+@pytest.mark.parametrize("length", ["-1", "1e3", str(MAX_UPLOAD + 1), "x"])
 def test_an_announced_length_that_makes_no_sense_is_refused(client, length):
     answer = client.post("/api/console", headers={"content-length": length, "content-type": UPLOAD})
     assert answer.status_code == 413
@@ -160,7 +159,7 @@ def test_a_fault_tells_nothing_of_the_inside(data, monkeypatch, caplog):
     def broken(*_):
         raise RuntimeError("secret /etc/passwd")
 
-    monkeypatch.setattr(cards.places, "files", broken)
+    monkeypatch.setattr(cards.safe_paths, "files", broken)
     with TestClient(app(data), base_url=HERE, raise_server_exceptions=False) as client:
         answer = client.get("/api/cards")
     assert answer.status_code == 500

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from dampyr.campaigns import findings, kind, kinds
-from dampyr.campaigns.check import ROOM
+from dampyr.campaigns.check import STROKE_MARGIN
 from dampyr.campaigns.force_prediction import course
 from dampyr.campaigns.step import words
 from dampyr.config import origin, split
@@ -101,7 +101,7 @@ def test_what_passes_the_check_stays_within_the_limits(name: str, data: st.DataO
         return
     drive = step.drive(RIG)
     position, speed = numeric(drive)
-    assert position <= RIG.limits.stroke / 2 - ROOM + 1e-9
+    assert position <= RIG.limits.stroke / 2 - STROKE_MARGIN + 1e-9
     assert speed <= RIG.limits.speed
     assert drive.voltage.max() <= min(RIG.limits.voltage, DAMPER.range[1]) + 1e-9
     assert drive.voltage.min() >= 0.0

@@ -31,7 +31,7 @@ from dampyr.structures.time_stepping import march as coupled
 PROBE = """
 import sys
 import numpy as np
-from dampyr.models import march, names, part
+from dampyr.models import names, part, path_integration
 from dampyr.models.codegen.composition import compose
 t = np.linspace(0.0, 1.0, 200)
 for name in sys.argv[1:]:
@@ -39,8 +39,8 @@ for name in sys.argv[1:]:
     path = (t, 0.005 * np.sin(6.28 * t), 0.0314 * np.cos(6.28 * t), np.zeros(200))
     P = len(c.parameters)
     given = (np.linspace(1.0, 2.0, P), np.zeros(c.n_states), np.sin(t), np.ones(200), np.arange(P), np.ones((1, P)), 1.0)
-    sums = march.products_along(c, path, *given, np.array([200]))
-    hits = march.bind(march.march_products, (c,)).stats.cache_hits
+    sums = path_integration.products_along(c, path, *given, np.array([200]))
+    hits = path_integration.bind(path_integration.march_products, (c,)).stats.cache_hits
     print(repr(float(sums.sum())), sum(hits.values()))
 """
 

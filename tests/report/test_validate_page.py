@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.identification.synthetic import sine
-from tests.report.test_page import Reader
+from tests.report.test_html_page import Reader
 
 from dampyr.errors import InputError
 from dampyr.identification import Score, score

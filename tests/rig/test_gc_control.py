@@ -7,7 +7,7 @@ import pytest
 
 from dampyr.errors import RigFault
 from dampyr.rig import simulated
-from dampyr.rig.gc_control import hold, set_aside
+from dampyr.rig.gc_control import disable_gc, freeze_objects
 
 
 @pytest.fixture(autouse=True)
@@ -28,7 +28,7 @@ def longest_collection():
 def test_what_exists_is_not_looked_at_again():
     kept = [[k] for k in range(150_000)]
     before = longest_collection()
-    release = hold()
+    release = disable_gc()
     assert gc.get_freeze_count() > len(kept)
     assert longest_collection() < before / 10
     release()
@@ -36,7 +36,7 @@ def test_what_exists_is_not_looked_at_again():
 
 
 def test_new_garbage_is_still_collected():
-    release = hold()
+    release = disable_gc()
     gc.collect()
     for _ in range(100):  # fewer than set a collection off
         circle = []
@@ -58,12 +58,12 @@ def test_what_was_garbage_before_is_not_kept():
             Circle.seen += 1
 
     Circle()
-    set_aside()
+    freeze_objects()
     assert Circle.seen == 1
 
 
 def test_the_last_one_undoes_it_once():
-    first, second = hold(), hold()
+    first, second = disable_gc(), disable_gc()
     first()
     first()
     assert gc.get_freeze_count() > 0
@@ -73,7 +73,7 @@ def test_the_last_one_undoes_it_once():
 
 def test_what_others_set_aside_stays():
     gc.freeze()
-    first, second = hold(), hold()
+    first, second = disable_gc(), disable_gc()
     second()
     first()
     assert gc.get_freeze_count() > 0

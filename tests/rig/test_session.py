@@ -374,7 +374,7 @@ def test_a_table_is_homed_from_where_it_stands_and_armed_again_where_it_was_left
         table.go(0.005)
     for to in (-0.012, 0.030, 0.0):
         moved(rig, simulator, to)
-    assert rig.warmth.temperature == pytest.approx(rig.settings.specimen.room, abs=0.1)
+    assert rig.warmth.temperature == pytest.approx(rig.settings.specimen.ambient_temperature, abs=0.1)
 
 
 def test_a_search_without_an_index_leaves_a_rig_that_can_be_armed() -> None:

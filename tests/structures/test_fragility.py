@@ -12,7 +12,7 @@ from scipy.stats import binom, norm
 from dampyr.errors import InputError
 from dampyr.structures import fragility, incremental, summary
 from dampyr.structures.ensemble_coordinates import Labels
-from dampyr.structures.lognormal import by_capacity, by_yes_and_no
+from dampyr.structures.lognormal import by_capacity, fit_binomial
 
 SCALES = np.linspace(0.2, 4.0, 20)
 
@@ -54,7 +54,7 @@ def test_the_likelihood_is_that_of_the_binomial() -> None:
         return -float(binom.logpmf(k, 30, norm.cdf(np.log(x / np.exp(p[0])) / np.exp(p[1]))).sum())
 
     best = minimize(cost, [0.0, 0.0], method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-12, "maxiter": 4000})
-    found = by_yes_and_no(x, k, n)
+    found = fit_binomial(x, k, n)
     assert [found.theta, found.beta] == pytest.approx(np.exp(best.x), rel=1e-5)
 
 
@@ -134,8 +134,8 @@ def test_no_curve_is_a_value_with_a_reason(limit: float, motions: int, message: 
 
 def test_a_fragility_that_falls_is_none() -> None:
     x = np.array([1.0, 2.0, 3.0])
-    assert "this is no fragility" in by_yes_and_no(x, np.array([8.0, 5.0, 2.0]), np.full(3, 10.0)).reason
-    assert "this is no fragility" in by_yes_and_no(x, np.array([9.0, 0.0, 0.0]), np.full(3, 9.0)).reason
+    assert "this is no fragility" in fit_binomial(x, np.array([8.0, 5.0, 2.0]), np.full(3, 10.0)).reason
+    assert "this is no fragility" in fit_binomial(x, np.array([9.0, 0.0, 0.0]), np.full(3, 9.0)).reason
 
 
 def test_motions_are_the_unit_and_draws_belong_to_them() -> None:

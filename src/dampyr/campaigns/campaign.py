@@ -25,7 +25,7 @@ from dampyr.errors import DampyrError, FileError, InputError, MissingData
 from dampyr.units import Quantity, round_trip
 
 ORDERS = ("as written", "random")
-MOST = 2000
+MAX_TESTS = 2000
 OWN = ("kind", "repeats", "zip", "rows")
 """What a ``[[step]]`` may say beside the fields of its kind."""
 
@@ -86,8 +86,8 @@ class Campaign:
     @property
     def digest(self) -> str:
         """A hash of what is run, in its order."""
-        told = [(test.name, test.kind, repr(test.step)) for test in self.tests]
-        return hashlib.sha256(repr(told).encode()).hexdigest()[:16]
+        contents = [(test.name, test.kind, repr(test.step)) for test in self.tests]
+        return hashlib.sha256(repr(contents).encode()).hexdigest()[:16]
 
     @property
     def preliminary(self) -> QuasiStatic | None:
@@ -102,31 +102,31 @@ def load(path: str | Path, seed: int | None = None) -> Campaign:
     Raises :class:`~dampyr.errors.FileError` that says what is wrong and where, and MissingData where a file is not there.
     """
     path = Path(path)
-    told = load_toml(path)
+    document = load_toml(path)
     try:
-        found = read(told, path.parent, seed)
+        campaign = read(document, path.parent, seed)
     except (FileError, MissingData):
         raise
     except DampyrError as problem:
         raise FileError(path, str(problem)) from None
-    return replace(found, source=path.read_text("utf-8"), header=_named(found.header, path.stem))
+    return replace(campaign, source=path.read_text("utf-8"), header=_named(campaign.header, path.stem))
 
 
-def read(told: Mapping[str, Any], beside: str | Path = ".", seed: int | None = None) -> Campaign:
+def read(document: Mapping[str, Any], folder: str | Path = ".", seed: int | None = None) -> Campaign:
     """The campaign in a table as TOML gives it; files that it names are looked for in the folder ``beside``."""
-    known = [*(field.name for field in fields(Header)), "step"]
-    for name in told:
-        if name not in known:
-            raise InputError(unknown(name, name, known))
-    head = {name: value for name, value in told.items() if name != "step"}
+    allowed = [*(field.name for field in fields(Header)), "step"]
+    for name in document:
+        if name not in allowed:
+            raise InputError(unknown(name, name, allowed))
+    head = {name: value for name, value in document.items() if name != "step"}
     header = fill(Header, head | ({} if seed is None else {"seed": seed}))
-    steps = told.get("step")
+    steps = document.get("step")
     if not isinstance(steps, list) or not steps or not all(isinstance(each, Mapping) for each in steps):
         raise InputError("there is no step; give at least one table [[step]] with its kind")
-    written = [each for k, table in enumerate(steps) for each in _steps(table, k + 1, Path(beside))]
+    written = [each for k, table in enumerate(steps) for each in _steps(table, k + 1, Path(folder))]
     count = len(written)
-    if (total := sum(repeats for *_, repeats in written)) > MOST:
-        raise InputError(f"the campaign has {total} tests; split it into several of at most {MOST}")
+    if (total := sum(repeats for *_, repeats in written)) > MAX_TESTS:
+        raise InputError(f"the campaign has {total} tests; split it into several of at most {MAX_TESTS}")
     tests = [test for k, each in enumerate(written) for test in _tests(k + 1, count, *each)]
     return Campaign(header, tuple(_ordered(tests, header)))
 
@@ -135,7 +135,7 @@ def _named(header: Header, name: str) -> Header:
     return header if header.name else replace(header, name=name)
 
 
-def _steps(table: Mapping[str, Any], number: int, beside: Path) -> Iterator[tuple[int, str, Any, int]]:
+def _steps(table: Mapping[str, Any], number: int, folder: Path) -> Iterator[tuple[int, str, Any, int]]:
     """Each step of one ``[[step]]``: its number, kind, dataclass and how often it is repeated."""
     where = f"step {number}"
     if "kind" not in table:
@@ -149,20 +149,20 @@ def _steps(table: Mapping[str, Any], number: int, beside: Path) -> Iterator[tupl
     if repeats < 1:
         raise InputError(f"{where}.repeats = {repeats} is not allowed; it must be at least 1")
     own = {name: value for name, value in table.items() if name not in OWN}
-    rows = read_rows(beside / value_of(str, table["rows"], f"{where}.rows")) if "rows" in table else []
+    rows = read_rows(folder / value_of(str, table["rows"], f"{where}.rows")) if "rows" in table else []
     zipped = value_of(bool, table.get("zip", False), f"{where}.zip")
     for row in expanded(own, cls, where, zipped, rows):
-        yield number, kind, _step(cls, row, where, beside), repeats
+        yield number, kind, _step(cls, row, where, folder), repeats
 
 
-def _step(cls: Any, row: Row, where: str, beside: Path) -> Any:
+def _step(cls: Any, row: Row, where: str, folder: Path) -> Any:
     row = _halved(cls, row, where)
     try:
         made = fill(cls, row, where)
     except InputError as problem:
         text = str(problem)
         raise InputError(text if text.startswith(where) else f"{where}.{text}") from None
-    return made.beside(beside) if hasattr(made, "beside") else made
+    return made.located_in(folder) if hasattr(made, "located_in") else made
 
 
 def _halved(cls: Any, row: Row, where: str) -> Row:

@@ -21,8 +21,8 @@ from dampyr.models import Damper
 from dampyr.rig import Drive, RigSettings
 from dampyr.units import round_trip
 
-ROOM = 0.0005  # m that the path stays inside of the stroke: the table follows its set points with an error
-LONGEST = 7200.0  # s of one test
+STROKE_MARGIN = 0.0005  # m that the path stays inside of the stroke: the table follows its set points with an error
+MAX_DURATION = 7200.0  # s of one test
 DIGITS = 3
 HALVINGS = 16
 
@@ -38,38 +38,42 @@ class Finding:
 def findings(step: Any, rig: RigSettings, damper: Damper | None = None) -> tuple[Finding, ...]:
     """What the rig cannot do of a step; empty where it can do all of it."""
     drive = step.drive(rig)
-    found = [*_duration(drive), *_temperature(drive, rig), *_voltage(drive, rig, damper)]
-    if not any(each.limit in ("voltage", "duration") for each in found):  # the force follows from the voltage
-        asked = course(drive, rig, damper)
-        found += [*_stroke(step, asked, rig), *_speed(step, drive, asked, rig), *_force(asked, rig, damper)]
+    violations = [*_duration(drive), *_temperature(drive, rig), *_voltage(drive, rig, damper)]
+    if not any(each.limit in ("voltage", "duration") for each in violations):  # the force follows from the voltage
+        trajectory = course(drive, rig, damper)
+        violations += [
+            *_stroke(step, trajectory, rig),
+            *_speed(step, drive, trajectory, rig),
+            *_force(trajectory, rig, damper),
+        ]
     else:
-        found += _stroke(step, None, rig)
-    return tuple(found)
+        violations += _stroke(step, None, rig)
+    return tuple(violations)
 
 
 def _duration(drive: Drive) -> list[Finding]:
-    if drive.duration <= LONGEST:
+    if drive.duration <= MAX_DURATION:
         return []
-    words = f"takes {drive.duration / 60:.4g} min, a test takes at most {LONGEST / 60:g} min; shorten it"
+    words = f"takes {drive.duration / 60:.4g} min, a test takes at most {MAX_DURATION / 60:g} min; shorten it"
     return [Finding("duration", words)]
 
 
 def _temperature(drive: Drive, rig: RigSettings) -> list[Finding]:
-    wanted, most = drive.until_temperature, rig.limits.temperature
+    wanted, limit = drive.until_temperature, rig.limits.temperature
     if wanted is None:
         return []
     if not rig.wires.temperature:
         return [Finding("temperature", "waits for a temperature, the rig has no thermocouple (wires.temperature); "
                                        "give cycles and no temperature")]  # fmt: skip
-    if wanted < most:
+    if wanted < limit:
         return []
-    return [Finding("temperature", f"warms up to {wanted:g} degC, the limit is {most:g} degC; stay below it")]
+    return [Finding("temperature", f"warms up to {wanted:g} degC, the limit is {limit:g} degC; stay below it")]
 
 
 def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Finding]:
-    high, most = float(drive.voltage.max()), min(rig.limits.voltage, rig.board.range * rig.supply.gain)
-    if high > most * (1 + 1e-9):
-        return [Finding("voltage", f"needs {high:.4g} V at the coil, the limit is {most:.4g} V")]
+    high, limit = float(drive.voltage.max()), min(rig.limits.voltage, rig.board.range * rig.supply.gain)
+    if high > limit * (1 + 1e-9):
+        return [Finding("voltage", f"needs {high:.4g} V at the coil, the limit is {limit:.4g} V")]
     if damper is None:
         return []
     factor = 1.0 if damper.input == "V" else rig.supply.resistance
@@ -82,32 +86,32 @@ def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Find
     return []
 
 
-def _stroke(step: Any, asked: Course | None, rig: RigSettings) -> list[Finding]:
-    most = 0.5 * rig.limits.stroke - ROOM
-    far = max(step.peaks(rig).position, 0.0 if asked is None else float(np.abs(asked.x).max()))
-    if far <= most * (1 + 1e-9):
+def _stroke(step: Any, trajectory: Course | None, rig: RigSettings) -> list[Finding]:
+    limit = 0.5 * rig.limits.stroke - STROKE_MARGIN
+    far = max(step.peaks(rig).position, 0.0 if trajectory is None else float(np.abs(trajectory.x).max()))
+    if far <= limit * (1 + 1e-9):
         return []
-    room = f"{1e3 * most:.4g} mm (half of the stroke, less {1e3 * ROOM:g} mm for errors of following)"
-    return [Finding("stroke", f"goes {1e3 * far:.4g} mm from the middle, the table may go {room}")]
+    allowed = f"{1e3 * limit:.4g} mm (half of the stroke, less {1e3 * STROKE_MARGIN:g} mm for errors of following)"
+    return [Finding("stroke", f"goes {1e3 * far:.4g} mm from the middle, the table may go {allowed}")]
 
 
-def _speed(step: Any, drive: Drive, asked: Course, rig: RigSettings) -> list[Finding]:
-    peak, fast = step.peaks(rig).speed, float(asked.speed.max())
+def _speed(step: Any, drive: Drive, trajectory: Course, rig: RigSettings) -> list[Finding]:
+    peak, fast = step.peaks(rig).speed, float(trajectory.speed.max())
     between = max(peak / fast, 1.0) if fast else 1.0  # the peak of the path between set points
-    too_slow = [] if drive.reversals is not None else _actuator(asked, between * asked.speed, rig)
+    too_slow = [] if drive.reversals is not None else _actuator(trajectory, between * trajectory.speed, rig)
     fast = max(fast, peak)
     if too_slow or fast <= rig.limits.speed:
         return too_slow
     return [Finding("speed", f"reaches {1e3 * fast:.4g} mm/s, the limit is {1e3 * rig.limits.speed:.4g} mm/s")]
 
 
-def _actuator(asked: Course, speed: Array, rig: RigSettings) -> list[Finding]:
+def _actuator(trajectory: Course, speed: Array, rig: RigSettings) -> list[Finding]:
     """Where the path is faster than the loaded actuator, or, with what its lag takes, its motor."""
-    loaded = asked.against + rig.table.friction
+    loaded = trajectory.against + rig.table.friction
     gives = rig.actuator.free_speed - rig.actuator.droop * loaded
-    lagging = np.abs(asked.v + rig.actuator.lag * asked.a)
+    lagging = np.abs(trajectory.v + rig.actuator.lag * trajectory.a)
     for need, words in ((speed, ","), (lagging, " of the motor, with what its lag takes,")):
-        short = np.where(asked.speed > 0, need - gives, -np.inf)
+        short = np.where(trajectory.speed > 0, need - gives, -np.inf)
         worst = int(np.argmax(short))
         if short[worst] > 0:
             have = f"{1e3 * gives[worst]:.4g} mm/s at {loaded[worst]:.3g} N"
@@ -115,8 +119,8 @@ def _actuator(asked: Course, speed: Array, rig: RigSettings) -> list[Finding]:
     return []
 
 
-def _force(asked: Course, rig: RigSettings, damper: Damper | None) -> list[Finding]:
-    high = float(np.abs(asked.force).max())
+def _force(trajectory: Course, rig: RigSettings, damper: Damper | None) -> list[Finding]:
+    high = float(np.abs(trajectory.force).max())
     if high <= rig.limits.force:
         return []
     kind = "expects" if damper is not None else "may meet, by a conservative envelope,"
@@ -125,12 +129,12 @@ def _force(asked: Course, rig: RigSettings, damper: Damper | None) -> list[Findi
 
 def repairs(step: Any, rig: RigSettings, damper: Damper | None = None, limit: str | None = None) -> tuple[str, ...]:
     """What could be lowered, each alone, and to what: ``the amplitude to 6.2 mm``; for one ``limit``, or for all."""
-    found = []
+    suggestions = []
     for field in step.lowers:
         value = largest(step, field, rig, damper, limit)
         if value is not None:
-            found.append(f"the {field.replace('_', ' ')} to {_value(replace(step, **{field: value}), field)}")
-    return tuple(found)
+            suggestions.append(f"the {field.replace('_', ' ')} to {_value(replace(step, **{field: value}), field)}")
+    return tuple(suggestions)
 
 
 def largest(
@@ -144,10 +148,10 @@ def largest(
 
     def passes(value: float) -> bool:
         try:
-            found = findings(replace(step, **{field: value}), rig, damper)
+            violations = findings(replace(step, **{field: value}), rig, damper)
         except InputError:  # such as a frequency below the least that is allowed
             return False
-        return not [each for each in found if limit in (None, each.limit)]
+        return not [each for each in violations if limit in (None, each.limit)]
 
     high = float(getattr(step, field))
     low = next((high * 0.5**k for k in range(1, HALVINGS) if high > 0 and passes(high * 0.5**k)), None)

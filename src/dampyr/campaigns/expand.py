@@ -14,16 +14,16 @@ from dampyr.errors import FileError, InputError, MissingData
 Row = dict[str, Any]
 
 
-def expanded(told: Mapping[str, Any], cls: Any, where: str, zipped: bool, rows: Sequence[Row]) -> list[Row]:
+def expanded(table: Mapping[str, Any], cls: Any, where: str, zipped: bool, rows: Sequence[Row]) -> list[Row]:
     """The fields of each test, in order: a grid's first list changes slowest, and a table's rows slowest of all."""
-    axes = {name: value for name, value in told.items() if _is_axis(cls, name, value)}
+    axes = {name: value for name, value in table.items() if _is_axis(cls, name, value)}
     for name, values in axes.items():
         if not values:
             raise InputError(f"{where}.{name} = [] is empty; give at least one value")
-    single = {name: value for name, value in told.items() if name not in axes}
+    single = {name: value for name, value in table.items() if name not in axes}
     chosen = [dict(zip(axes, values)) for values in (_together(axes, where) if zipped else product(*axes.values()))]
     for name in rows[0] if rows else ():
-        if name in told:
+        if name in table:
             raise InputError(f"{where}.{name} stands in the step and in its table of rows; give it in one place")
     return [{**row, **single, **one} for row in rows or [{}] for one in chosen]
 
@@ -38,8 +38,8 @@ def _is_axis(cls: Any, name: str, value: Any) -> bool:
 def _together(axes: Mapping[str, Sequence[Any]], where: str) -> Sequence[Sequence[Any]]:
     lengths = {name: len(values) for name, values in axes.items()}
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{name} has {n}" for name, n in lengths.items())
-        raise InputError(f"{where}: zip = true takes lists row by row, and {told}; give as many of each")
+        summary = ", ".join(f"{name} has {n}" for name, n in lengths.items())
+        raise InputError(f"{where}: zip = true takes lists row by row, and {summary}; give as many of each")
     if not axes:
         raise InputError(f"{where}: zip = true takes lists row by row, and there is no list; leave it out")
     return list(zip(*axes.values(), strict=True))

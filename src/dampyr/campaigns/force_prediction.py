@@ -66,13 +66,13 @@ class Course:
         return np.maximum(self.force * np.sign(self.v), 0.0)
 
 
-def specimen(rig: RigSettings, beside: Path | None = None) -> Damper | None:
+def specimen(rig: RigSettings, folder: Path | None = None) -> Damper | None:
     """The damper whose card the rig names, looked for in the folder ``beside``.
 
     Where it names none: the simulated rig's own damper, and None where wires lead to a real one.
     """
     if rig.specimen.card or not rig.wires.serial:
-        return specimen_of(rig, beside)
+        return specimen_of(rig, folder)
     return None
 
 
@@ -84,13 +84,13 @@ def course(drive: Drive, rig: RigSettings, damper: Damper | None) -> Course:
     a = np.asarray(np.gradient(v, drive.period), dtype=float)
     if damper is None:
         return Course(t, x, v, a, np.copysign(envelope(x, v, u), v))
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", DampyrWarning)
         if damper.input == "V":
             force = damper.force(t, x, velocity=v, voltage=u)
         else:
             force = damper.force(t, x, velocity=v, current=u / rig.supply.resistance)
-    notes = tuple(dict.fromkeys(str(each.message) for each in told if issubclass(each.category, DampyrWarning)))
+    notes = tuple(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, DampyrWarning)))
     return Course(t, x, v, a, force, notes)
 
 

@@ -89,10 +89,10 @@ class Journal:
             raise FileError(self.path, f"is no journal of a campaign, or is broken ({problem}); {REPAIR}") from problem
 
     def _check_schema(self) -> None:
-        found = self.said("schema")
-        if found and int(found) > SCHEMA:
-            raise FileError(self.path, f"has the schema {found}, this dampyr knows schema {SCHEMA}; upgrade dampyr")
-        if not found:
+        version = self.said("schema")
+        if version and int(version) > SCHEMA:
+            raise FileError(self.path, f"has the schema {version}, this dampyr knows schema {SCHEMA}; upgrade dampyr")
+        if not version:
             self.say({"schema": str(SCHEMA)})
 
     def said(self, key: str) -> str:
@@ -100,10 +100,10 @@ class Journal:
         row = self._base.execute("SELECT value FROM campaign WHERE key = ?", (key,)).fetchone()
         return str(row[0]) if row else ""
 
-    def say(self, told: dict[str, str]) -> None:
+    def say(self, metadata: dict[str, str]) -> None:
         """Say something about the campaign."""
         with self._transaction():
-            self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", told.items())
+            self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", metadata.items())
 
     @property
     def is_empty(self) -> bool:
@@ -112,23 +112,23 @@ class Journal:
 
     def check(self, digest: str) -> None:
         """Raise :class:`InputError` where the folder belongs to another plan."""
-        known = self.said("digest")
-        if known and known != digest:
+        saved = self.said("digest")
+        if saved and saved != digest:
             raise InputError(
                 f"{self.path.parent} holds the campaign {self.said('name')!r}, and this one differs; give another --out"
             )
 
-    def plan(self, digest: str, names: Iterable[str], told: dict[str, str], known: Iterable[Entry] = ()) -> None:
+    def plan(self, digest: str, names: Iterable[str], metadata: dict[str, str], recorded: Iterable[Entry] = ()) -> None:
         """Enter the plan where none is, with what is known of its tests; :class:`InputError` where there is another one."""
         self.check(digest)
         if self.is_empty:
-            done = {entry.name: entry for entry in known}
+            done = {entry.name: entry for entry in recorded}
             entries = [done.get(name, Entry(name, "planned", 0, "")) for name in names]
             rows = [(each.name, place, each.state, each.attempt, each.reason) for place, each in enumerate(entries)]
             with self._transaction():
                 self._base.executemany("INSERT OR REPLACE INTO tests VALUES (?, ?, ?, ?, ?)", rows)
-                told = told | {"digest": digest}
-                self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", told.items())
+                metadata = metadata | {"digest": digest}
+                self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", metadata.items())
 
     def tests(self) -> list[Entry]:
         """All tests in their order."""

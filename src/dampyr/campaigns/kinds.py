@@ -6,14 +6,14 @@ from typing import Any
 
 from dampyr import registry
 
-SHELF = "dampyr.campaigns.steps"
+REGISTRY = "dampyr.campaigns.steps"
 
 
 def kinds() -> list[str]:
     """The names of all kinds of step."""
-    return registry.names(SHELF)
+    return registry.names(REGISTRY)
 
 
 def kind(name: str) -> Any:
     """The dataclass of a kind; :class:`~dampyr.errors.InputError` lists them where there is none of that name."""
-    return getattr(registry.member(SHELF, name), "".join(part.capitalize() for part in name.split("_")))
+    return getattr(registry.member(REGISTRY, name), "".join(part.capitalize() for part in name.split("_")))

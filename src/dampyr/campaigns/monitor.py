@@ -32,11 +32,11 @@ class Watch:
         """Count the crossings of the middle, with a hysteresis of a fifth of the amplitude."""
         keep = max(8, round(SEEN * self.rate))
         self._past = np.concatenate([self._past, samples.displacement])[-keep:]
-        found = _sides(samples.displacement, 0.2 * self.test.peak_position)
-        if found.size:
-            before = self._side or found[0]
-            self.cycles += 0.5 * float(np.count_nonzero(np.diff(found, prepend=before)))
-            self._side = int(found[-1])
+        sides = _sides(samples.displacement, 0.2 * self.test.peak_position)
+        if sides.size:
+            before = self._side or sides[0]
+            self.cycles += 0.5 * float(np.count_nonzero(np.diff(sides, prepend=before)))
+            self._side = int(sides[-1])
 
     @property
     def stroke(self) -> float:

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 RAMP = 0.1  # s from rest to a constant speed
 GLIDE = 0.010  # m/s from the middle to a test's centre and back
 AFTER = 0.5  # s of rest after a test
-LONGEST = 36_000.0  # s of a path that is worth drawing; the check of a test is stricter
+MAX_DURATION = 36_000.0  # s of a path that is worth drawing; the check of a test is stricter
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,10 @@ def around(pieces: Sequence[Piece], centre: float, rest_before: float) -> list[P
 def sampled(pieces: Sequence[Piece], period: float) -> Array:
     """The positions at 0, period, 2 period ...; the last set point is at or after the end, and at rest."""
     edges = np.concatenate(([0.0], np.cumsum([piece.duration for piece in pieces])))
-    if edges[-1] > LONGEST:
-        raise InputError(f"the path takes {edges[-1] / 60:.4g} min, at most {LONGEST / 60:g} min are drawn; shorten it")
+    if edges[-1] > MAX_DURATION:
+        raise InputError(
+            f"the path takes {edges[-1] / 60:.4g} min, at most {MAX_DURATION / 60:g} min are drawn; shorten it"
+        )
     t = np.arange(math.ceil(edges[-1] / period - 1e-9) + 1) * period
     which = np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(pieces) - 1)
     x = np.empty(t.size)
@@ -116,5 +118,5 @@ def stepwise(pieces: Sequence[Piece], period: float, begin: float, levels: Seque
     """The drive along the pieces; from ``begin`` [s] each of the ``levels`` [V] for ``hold_for`` seconds, else 0 V."""
     x = sampled(pieces, period)
     slot = np.floor((np.arange(x.size) * period - begin) / hold_for + 1e-9).astype(int)
-    known = (slot >= 0) & (slot < len(levels))
-    return Drive(period, x, np.where(known, np.asarray(levels)[np.clip(slot, 0, len(levels) - 1)], 0.0))
+    inside = (slot >= 0) & (slot < len(levels))
+    return Drive(period, x, np.where(inside, np.asarray(levels)[np.clip(slot, 0, len(levels) - 1)], 0.0))

@@ -51,13 +51,13 @@ def perform(
     has acted, :class:`Stopped` where it was asked for, :class:`~dampyr.errors.FileError` where the disk is full. In every
     case the table is at rest, the coil at 0 V, and the journal tells the story.
     """
-    found = _planned(campaign, rig)
-    found.require()
+    campaign_plan = _planned(campaign, rig)
+    campaign_plan.require()
     folder = _made(Path(folder))
     with closing(Journal(folder)) as journal:
-        _enter(found, rig, journal, folder)
+        _enter(campaign_plan, rig, journal, folder)
         _reconcile(journal, folder)
-        run = _Run(found, rig, folder, journal, progress or (lambda _: None), control or Control())
+        run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or Control())
         if run.left():
             run.perform()
     return folder
@@ -66,8 +66,8 @@ def perform(
 def _planned(campaign: Plan | Campaign | str | Path, rig: Rig) -> Plan:
     if isinstance(campaign, Plan):
         return campaign
-    known = campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
-    return plan(known, rig.settings, specimen(rig.settings, rig.folder))
+    loaded = campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
+    return plan(loaded, rig.settings, specimen(rig.settings, rig.folder))
 
 
 def _made(folder: Path) -> Path:
@@ -78,28 +78,29 @@ def _made(folder: Path) -> Path:
     return folder
 
 
-def _enter(found: Plan, rig: Rig, journal: Journal, folder: Path) -> None:
+def _enter(campaign_plan: Plan, rig: Rig, journal: Journal, folder: Path) -> None:
     """Enter the plan; where the journal holds none, with what the files in the folder say of its tests."""
-    names, digest = [test.name for test in found.tests], found.campaign.digest
+    names, digest = [test.name for test in campaign_plan.tests], campaign_plan.campaign.digest
     journal.check(digest)
     if not journal.is_empty:
         return
-    known = recorded(folder, found)
-    journal.plan(digest, names, _told(found, rig), known)
-    if known:
-        complete = sum(entry.state == "complete" for entry in known)
-        words = f"from the files of {len(known)} of its {len(names)} tests: {complete} complete, {len(known) - complete} not"
+    entries = recorded(folder, campaign_plan)
+    journal.plan(digest, names, _metadata(campaign_plan, rig), entries)
+    if entries:
+        complete = sum(entry.state == "complete" for entry in entries)
+        words = f"from the files of {len(entries)} of its {len(names)} tests: "
+        words += f"{complete} complete, {len(entries) - complete} not"
         journal.note("rebuilt", words)
         warnings.warn(f"{journal.path} was missing or empty and is made anew {words}", DampyrWarning, stacklevel=3)
 
 
-def _told(found: Plan, rig: Rig) -> dict[str, str]:
-    head = found.campaign.header
+def _metadata(campaign_plan: Plan, rig: Rig) -> dict[str, str]:
+    head = campaign_plan.campaign.header
     return {
         "name": head.name,
         "operator": head.operator,
         "note": head.note,
-        "source": found.campaign.source,
+        "source": campaign_plan.campaign.source,
         "rig": as_json(rig.settings),
     }
 
@@ -203,9 +204,11 @@ class _Run:
 
             take(table, test, self.plan.campaign, file_of(self.folder, test.name, attempt), attempt, seen)
         except BaseException as problem:
-            told = reason(problem)
+            outcome = reason(problem)
             with _noted(problem):
-                self.journal.end(test.name, "failed" if told["exit_status"] == "failed" else "stopped", told["reason"])
+                self.journal.end(
+                    test.name, "failed" if outcome["exit_status"] == "failed" else "stopped", outcome["reason"]
+                )
             raise
         self.journal.end(test.name, "complete")
 

@@ -86,12 +86,12 @@ def plan(campaign: Campaign, rig: RigSettings | None = None, damper: Damper | No
     """
     rig = rig or RigSettings()
     alike = {test.number: test for test in campaign.tests}
-    known = {number: _planned(alike[number], rig, damper) for number in sorted(alike)}
-    tests = tuple(replace(known[test.number], test=test) for test in campaign.tests)
+    by_number = {number: _planned(alike[number], rig, damper) for number in sorted(alike)}
+    tests = tuple(replace(by_number[test.number], test=test) for test in campaign.tests)
     before = campaign.preliminary
-    refusals = [each.refusal for each in known.values() if each.refusal]
-    if before is not None and (found := findings(before, rig, damper)):
-        refusals.insert(0, f"the stroke before the first test: {found[0].words}; lower check_amplitude")
+    refusals = [each.refusal for each in by_number.values() if each.refusal]
+    if before is not None and (violations := findings(before, rig, damper)):
+        refusals.insert(0, f"the stroke before the first test: {violations[0].words}; lower check_amplitude")
     notes = (UNKNOWN,) if damper is None else ()
     return Plan(campaign, rig, damper, tests, before.drive(rig) if before else None, notes, tuple(refusals))
 
@@ -104,22 +104,22 @@ def planned(campaign: str | Path, rig: str | Path | None = None, seed: int | Non
 
 
 def _planned(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest:
-    step, found, notes = _fitted(test.step, findings(test.step, rig, damper), rig, damper)
+    step, violations, notes = _fitted(test.step, findings(test.step, rig, damper), rig, damper)
     drive, peaks, force, energy = step.drive(rig), step.peaks(rig), None, None
-    if not any(each.limit == "voltage" for each in found):
-        asked = course(drive, rig, damper)
-        force, energy = float(np.abs(asked.force).max()), asked.energy
-        notes = (*notes, *asked.notes, *_warming(energy, rig))
+    if not any(each.limit == "voltage" for each in violations):
+        trajectory = course(drive, rig, damper)
+        force, energy = float(np.abs(trajectory.force).max()), trajectory.energy
+        notes = (*notes, *trajectory.notes, *_warming(energy, rig))
     return PlannedTest(
         test, step, drive, drive.duration, peaks.speed, peaks.position, force, float(drive.voltage.max()),
-        energy, notes, _refusal(test, step, found, rig, damper),
+        energy, notes, _refusal(test, step, violations, rig, damper),
     )  # fmt: skip
 
 
 def _warming(energy: float, rig: RigSettings) -> tuple[str, ...]:
     """A note where a test alone may warm the damper from the room's temperature to the limit."""
-    rise, room = energy / rig.specimen.heat_capacity, rig.specimen.room
-    if room + rise < rig.limits.temperature:
+    rise, ambient = energy / rig.specimen.heat_capacity, rig.specimen.room
+    if ambient + rise < rig.limits.temperature:
         return ()
     return (
         f"puts {1e-3 * energy:.3g} kJ into the damper, up to {rise:.0f} K; the limit is {rig.limits.temperature:g} degC",
@@ -130,20 +130,20 @@ Findings = tuple[Finding, ...]
 
 
 def _fitted(
-    step: Any, found: Findings, rig: RigSettings, damper: Damper | None
+    step: Any, violations: Findings, rig: RigSettings, damper: Damper | None
 ) -> tuple[Any, Findings, tuple[str, ...]]:
     """The step scaled to what the rig can do, where it asks for that and needs it, and what was done in words."""
-    scale = largest(step, "scale", rig, damper) if found and getattr(step, "fit_limits", False) else None
+    scale = largest(step, "scale", rig, damper) if violations and getattr(step, "fit_limits", False) else None
     if scale is None:
-        return step, found, ()
-    why = " and it ".join(each.words for each in found)
+        return step, violations, ()
+    why = " and it ".join(each.words for each in violations)
     note = f"scaled to {scale:g} instead of {step.scale:g}: at {step.scale:g} it {why}"
     return replace(step, scale=scale), (), (note,)
 
 
-def _refusal(test: Test, step: Any, found: tuple[Finding, ...], rig: RigSettings, damper: Damper | None) -> str:
-    told = []
-    for each in found:
-        ways = repairs(step, rig, damper, each.limit if len(found) > 1 else None)
-        told.append(each.words + (f"; lower {' or '.join(ways)}" if ways else ""))
-    return f"{test.where}: {'; it also '.join(told)}" if told else ""
+def _refusal(test: Test, step: Any, violations: tuple[Finding, ...], rig: RigSettings, damper: Damper | None) -> str:
+    sentences = []
+    for each in violations:
+        ways = repairs(step, rig, damper, each.limit if len(violations) > 1 else None)
+        sentences.append(each.words + (f"; lower {' or '.join(ways)}" if ways else ""))
+    return f"{test.where}: {'; it also '.join(sentences)}" if sentences else ""

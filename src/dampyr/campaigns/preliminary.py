@@ -15,12 +15,12 @@ NEAR = 0.2  # by which the measured stroke may differ from the one asked for
 
 def preliminary_check(table: Table, drive: Drive) -> str:
     """What was found, in words; :class:`RigFault` where a test should not begin."""
-    found = [(samples.displacement[kept], samples.force[kept]) for samples, kept in table.play(drive)]
-    x, force = (np.concatenate(rows) for rows in zip(*found, strict=True))
-    asked, had = float(np.ptp(drive.displacement)), float(np.ptp(x))
-    if abs(had / asked - 1.0) > NEAR:
+    blocks = [(samples.displacement[selection], samples.force[selection]) for samples, selection in table.play(drive)]
+    x, force = (np.concatenate(rows) for rows in zip(*blocks, strict=True))
+    commanded, had = float(np.ptp(drive.displacement)), float(np.ptp(x))
+    if abs(had / commanded - 1.0) > NEAR:
         raise RigFault(
-            f"the slow stroke before the first test was {had * 1e3:.2f} mm where {asked * 1e3:.2f} mm were asked for; "
+            f"the slow stroke before the first test was {had * 1e3:.2f} mm where {commanded * 1e3:.2f} mm were asked for; "
             "look at the encoder and the screw",
             "check",
         )

@@ -47,13 +47,13 @@ def take(
 ) -> Path:
     """Play a test and record it. The file says how it ended; what ended it early is raised again."""
     table.go(float(planned.drive.displacement[0]))
-    known = header(table.rig, table.loop.calibration, planned, campaign, attempt)
-    recording = Recording(path, capacity(planned.drive, table.rig), known)
+    record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt)
+    recording = Recording(path, capacity(planned.drive, table.rig), record_header)
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
     with ended(recording, table, started):
-        for samples, kept in table.play(planned.drive):
-            if kept.stop > kept.start:
-                recording.append(values(samples, kept, recording.header))
+        for samples, selection in table.play(planned.drive):
+            if selection.stop > selection.start:
+                recording.append(values(samples, selection, recording.header))
             seen(samples)
     return path
 
@@ -64,18 +64,18 @@ def ended(recording: Recording, table: Table, started: dict[str, str]) -> Iterat
     try:
         yield
     except BaseException as problem:
-        table.quiet()
-        told = started | {"ended": now(), **reason(problem)}
+        table.soft_stop()
+        outcome = started | {"ended": now(), **reason(problem)}
         with suppress(
             DampyrError
         ):  # a full disk, or too few samples for a record: what was acknowledged is in the file
-            recording.close() if isinstance(problem, FileError) else recording.finish(told, complete=False)
+            recording.close() if isinstance(problem, FileError) else recording.finish(outcome, complete=False)
         raise
-    told = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
+    outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
     rig = table.rig.settings
-    told |= {"exit_status": "complete", "reason": ""}
+    outcome |= {"exit_status": "complete", "reason": ""}
     table.meanwhile(
-        lambda: recording.finish(told, history(rig), refine=lambda values: refined(values, rig), margin=margin(rig))
+        lambda: recording.finish(outcome, history(rig), refine=lambda values: refined(values, rig), margin=margin(rig))
     )
 
 
@@ -128,36 +128,41 @@ def capacity(drive: Drive, rig: Rig) -> int:
 def check_disk(folder: Path, rig: Rig, tests: list[PlannedTest], campaign: Campaign) -> None:
     """Raise :class:`~dampyr.errors.FileError` where the disk has not the room for one of the tests."""
     assert rig.calibration is not None
-    longest = max(tests, key=lambda test: capacity(test.drive, rig))
-    known = header(rig, rig.calibration, longest, campaign, 1)
-    check_room(folder, longest.name, known, capacity(longest.drive, rig))
+    largest = max(tests, key=lambda test: capacity(test.drive, rig))
+    record_header = header(rig, rig.calibration, largest, campaign, 1)
+    check_room(folder, largest.name, record_header, capacity(largest.drive, rig))
 
 
-def header(rig: Rig, known: Calibration, planned: PlannedTest, campaign: Campaign, attempt: int) -> Header:
+def header(rig: Rig, calibration: Calibration, planned: PlannedTest, campaign: Campaign, attempt: int) -> Header:
     """What is known before a test begins."""
     drive = planned.drive
-    kept = drive.voltage[drive.record_from : drive.record_to]
-    constant = bool(np.ptp(kept) == 0.0)
+    voltage = drive.voltage[drive.record_from : drive.record_to]
+    constant = bool(np.ptp(voltage) == 0.0)
     channels = ["time", "displacement", "force", *(() if constant else ("voltage",))]
     raw = {
-        "force": RawChannel("V", known.scale, -known.scale * known.zero, "N"),
+        "force": RawChannel("V", calibration.scale, -calibration.scale * calibration.zero, "N"),
         "position": RawChannel(
-            "count", known.count, known.count * (0.5 - known.middle), "m", "i8", rig.settings.force_delay
+            "count",
+            calibration.count,
+            calibration.count * (0.5 - calibration.middle),
+            "m",
+            "i8",
+            rig.settings.force_delay,
         ),
     }
     if rig.settings.wires.temperature:
         channels.append("temperature")
-        raw["temperature"] = RawChannel("V", known.slope, known.base, "degC")
+        raw["temperature"] = RawChannel("V", calibration.slope, calibration.base, "degC")
     return Header(
         planned.name,
         planned.name,
         attempt,
         tuple(channels),
         raw,
-        {"voltage": float(kept[0])} if constant else {},
+        {"voltage": float(voltage[0])} if constant else {},
         role=getattr(planned.step, "role", "fit"),
         label=label(planned.step),
-        provenance=provenance(rig, known, planned, campaign),
+        provenance=provenance(rig, calibration, planned, campaign),
         derived=("velocity",),
     )
 
@@ -169,7 +174,7 @@ def label(step: Any) -> Label | None:
     return Label(2.0 * step.amplitude, step.frequency)
 
 
-def provenance(rig: Rig, known: Calibration, planned: PlannedTest, campaign: Campaign) -> dict[str, str]:
+def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaign: Campaign) -> dict[str, str]:
     """Configuration, versions, calibration and the operator's note."""
     return {
         "campaign": campaign.header.name,
@@ -179,7 +184,7 @@ def provenance(rig: Rig, known: Calibration, planned: PlannedTest, campaign: Cam
         "kind": planned.kind,
         "step": as_json(planned.step),
         "rig": as_json(rig.settings),
-        "calibration": as_json(known),
+        "calibration": as_json(calibration),
         "board": rig.identity,
         "data_sheet": rig.settings.specimen.data_sheet,
         "dampyr": dampyr.__version__,
@@ -194,9 +199,9 @@ def as_json(settings: Any) -> str:
     return json.dumps(dataclasses.asdict(settings), default=str)
 
 
-def values(samples: Samples, kept: slice, known: Header) -> dict[str, Any]:
+def values(samples: Samples, selection: slice, record_header: Header) -> dict[str, Any]:
     """The rows of a block for the file."""
-    found: dict[str, Any] = {
+    columns: dict[str, Any] = {
         "calibrated/time": samples.time,
         "calibrated/displacement": samples.displacement,
         "calibrated/force": samples.force,
@@ -206,8 +211,11 @@ def values(samples: Samples, kept: slice, known: Header) -> dict[str, Any]:
         "raw/position": samples.counts,
         "raw/temperature": samples.volts[-1],
     }
-    wanted = [*(f"calibrated/{name}" for name in known.channels), *(f"raw/{name}" for name in known.raw)]
-    return {name: found[name][kept] for name in wanted}
+    wanted = [
+        *(f"calibrated/{name}" for name in record_header.channels),
+        *(f"raw/{name}" for name in record_header.raw),
+    ]
+    return {name: columns[name][selection] for name in wanted}
 
 
 def now() -> str:

@@ -15,39 +15,39 @@ INTERRUPTED = "interrupted: the host was killed or lost its power"
 REPAIR = "give another --out, or move the files that are there to another folder"
 
 
-def recorded(folder: Path, found: Plan) -> list[Entry]:
+def recorded(folder: Path, campaign_plan: Plan) -> list[Entry]:
     """The tests of a plan that have files in ``folder``: complete where one of them is.
 
     Raises :class:`~dampyr.errors.FileError` where a file is of another campaign or cannot be read.
     """
-    planned = {test.name: test for test in found.tests}
+    planned = {test.name: test for test in campaign_plan.tests}
     tries: dict[str, list[tuple[h5.State, dict[str, str]]]] = {}
     for path in sorted(filter(Path.is_file, folder.glob("[!.]*.h5"))):
         try:
-            state, told = h5.state(path), h5.provenance(path)
+            state, provenance = h5.state(path), h5.provenance(path)
         except FileError as problem:
             raise FileError(
                 folder, f"has no journal of its tests, and a file cannot be read: {problem}; {REPAIR}"
             ) from None
-        why = _difference(found, planned.get(state.test), told)
+        why = _difference(campaign_plan, planned.get(state.test), provenance)
         if why:
             raise FileError(
                 folder,
                 f"has no journal of its tests, and its file {path.name} is not of the campaign "
-                f"{found.campaign.header.name!r}: {why}; {REPAIR}",
+                f"{campaign_plan.campaign.header.name!r}: {why}; {REPAIR}",
             )
-        tries.setdefault(state.test, []).append((state, told))
+        tries.setdefault(state.test, []).append((state, provenance))
     return [_entry(name, tries[name]) for name in planned if name in tries]
 
 
-def _difference(found: Plan, test: PlannedTest | None, told: dict[str, str]) -> str:
+def _difference(campaign_plan: Plan, test: PlannedTest | None, provenance: dict[str, str]) -> str:
     """Why a file is not of this plan; empty where it is. Files of before 2026-11-22 tell their own step only."""
-    known = told.get("campaign_digest", "")
-    if known:
-        return "" if known == found.campaign.digest else "what it runs differs"
+    digest = provenance.get("campaign_digest", "")
+    if digest:
+        return "" if digest == campaign_plan.campaign.digest else "what it runs differs"
     if test is None:
         return "it has no such test"
-    if told.get("kind") != test.kind or told.get("step") != as_json(test.step):
+    if provenance.get("kind") != test.kind or provenance.get("step") != as_json(test.step):
         return "its step differs, or is not told"
     return ""
 
@@ -56,9 +56,9 @@ def _entry(name: str, tries: list[tuple[h5.State, dict[str, str]]]) -> Entry:
     complete = [state.attempt for state, _ in tries if state.complete]
     if complete:
         return Entry(name, "complete", max(complete), "by its file: the journal was lost")
-    last, told = max(tries, key=lambda each: each[0].attempt)
-    how: TestState = "stopped" if told.get("exit_status") in ("stopped", "aborted") else "failed"
-    return Entry(name, how, last.attempt, told.get("reason") or INTERRUPTED)
+    last, provenance = max(tries, key=lambda each: each[0].attempt)
+    how: TestState = "stopped" if provenance.get("exit_status") in ("stopped", "aborted") else "failed"
+    return Entry(name, how, last.attempt, provenance.get("reason") or INTERRUPTED)
 
 
 def last_try(folder: Path, name: str) -> int:

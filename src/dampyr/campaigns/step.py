@@ -70,9 +70,9 @@ def words(kind: str, step: Any) -> str:
 
 def quantity_of(step: Any, field: str) -> Quantity:
     """What a field means."""
-    found = split(get_type_hints(type(step), include_extras=True)[field])[1]
-    assert found is not None, f"{field} has no unit"
-    return found
+    quantity = split(get_type_hints(type(step), include_extras=True)[field])[1]
+    assert quantity is not None, f"{field} has no unit"
+    return quantity
 
 
 def check_ranges(step: Any) -> None:

@@ -43,10 +43,10 @@ def command(rig: Path, load: str | None, shunt: str | None, seconds: float, yes:
             rig.parent, {"date": datetime.now(UTC).isoformat(timespec="seconds"), "load": load or shunt or ""}
         )
     if as_json:
-        print_json({"file": str(found), "calibration": steps.found, "doubt": steps.doubt})
+        print_json({"file": str(found), "calibration": steps.calibration, "doubt": steps.doubt})
         return
-    rows = [["zero", steps.found.zero, "V"], ["scale", steps.found.scale, "N/V"], ["noise", steps.noise, "N rms"]]
-    notes = [steps.found.how, *([steps.doubt] if steps.doubt else []), f"written: {found}"]
+    rows = [["zero", steps.calibration.zero, "V"], ["scale", steps.calibration.scale, "N/V"], ["noise", steps.noise, "N rms"]]
+    notes = [steps.calibration.how, *([steps.doubt] if steps.doubt else []), f"written: {found}"]
     print_table("Load cell", ["what", "value", "unit"], rows, notes=notes)
 
 

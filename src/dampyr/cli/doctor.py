@@ -28,7 +28,7 @@ def command(rig: Path | None, simulated: bool, as_json: bool) -> None:
     if rig or simulated:
         from dampyr.rig.diagnosis import diagnose
 
-        findings += [[each.what, each.found, each.repair] for each in diagnose(rig)]
+        findings += [[each.what, each.observed, each.repair] for each in diagnose(rig)]
     if as_json:
         print_json([dict(zip(("what", "found", "repair"), each, strict=True)) for each in findings])
         return

@@ -21,7 +21,7 @@ from dampyr.console.error_responses import add_handlers
 from dampyr.console.job_processes import Jobs
 from dampyr.console.safe_paths import OWN
 from dampyr.console.security import Guard, Rules
-from dampyr.console.state import PROBLEMS, House
+from dampyr.console.state import PROBLEMS, AppState
 
 PAGES = "dampyr.console.pages"
 LOOK = Path(str(files("dampyr.report"))) / "templates" / "look.css"  # one source of colours for console and reports
@@ -67,13 +67,13 @@ def app(
     """
     folder = Path(data).resolve()
     folder.mkdir(parents=True, exist_ok=True)
-    house = House(folder, Jobs(folder / OWN / "jobs", at_once), quota)
+    app_state = AppState(folder, Jobs(folder / OWN / "jobs", at_once), quota)
     pages = sorted(registry.members(PAGES), key=lambda each: each[1].ORDER)
     inner = FastAPI(
         title="dampyr console", version=dampyr.__version__, openapi_url="/api/openapi.json", docs_url=None, redoc_url=None,
-        lifespan=_lifespan(house, [module for _, module in pages]), responses=PROBLEMS,
+        lifespan=_lifespan(app_state, [module for _, module in pages]), responses=PROBLEMS,
     )  # fmt: skip
-    inner.state.house = house
+    inner.state.dampyr = app_state
     add_handlers(inner, folder)
     inner.include_router(_about([PageLink(name=name, title=module.TITLE) for name, module in pages]), prefix="/api")
     for shared in (job_routes, cards):
@@ -96,14 +96,14 @@ def _about(links: list[PageLink]) -> APIRouter:
     return router
 
 
-def _lifespan(house: House, modules: list[Any]) -> Any:
+def _lifespan(app_state: AppState, modules: list[Any]) -> Any:
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         async with AsyncExitStack() as stack:
-            stack.callback(house.jobs.close)
+            stack.callback(app_state.jobs.close)
             for module in modules:
                 if hasattr(module, "lifespan"):
-                    await stack.enter_async_context(module.lifespan(house))
+                    await stack.enter_async_context(module.lifespan(app_state))
             yield
 
     return lifespan

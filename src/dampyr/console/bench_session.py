@@ -15,10 +15,10 @@ from functools import partial
 from pathlib import Path
 
 from dampyr.campaigns import load, plan, specimen
-from dampyr.console.bench_state import BenchState, Known, Phase, Run, check_ring, firmware_ring, interlock_ring
+from dampyr.console.bench_state import BenchState, ConnectedRig, Phase, Run, check_ring, firmware_ring, interlock_ring
 from dampyr.console.bench_thread import BenchThread
 from dampyr.console.clients import Clients
-from dampyr.console.decimation import Strips
+from dampyr.console.decimation import MinMaxBins
 from dampyr.console.guided import Guided, Step
 from dampyr.console.rigs import opened
 from dampyr.errors import InputError, RigFault
@@ -44,7 +44,7 @@ class Bench:
         return self._thread.rig
 
     @property
-    def strips(self) -> Strips | None:
+    def strips(self) -> MinMaxBins | None:
         """What is drawn of it; None before the first one."""
         return self._thread.strips
 
@@ -57,7 +57,7 @@ class Bench:
     def disconnect(self, client: str) -> None:
         """Let go of the rig; an armed one is disarmed first."""
         self._accept(client, ("idle", "armed"), "disconnecting")
-        self._thread.leave.set()
+        self._thread.disarm_requested.set()
         self._thread.jobs.put(self._thread.disconnect)
 
     def arm(self, client: str) -> None:
@@ -70,7 +70,7 @@ class Bench:
     def disarm(self, client: str) -> None:
         """Bring the table to rest and let no energy in."""
         self._accept(client, ("armed", "homing", "measuring"), "disarming")
-        self._thread.leave.set()
+        self._thread.disarm_requested.set()
 
     def home(self, client: str, here: bool = False) -> None:
         """Look for the index mark, or take the place where the table stands for the middle."""
@@ -105,22 +105,25 @@ class Bench:
         if keep and rig.folder is not None:
             self._thread.say(f"written: {steps.save(rig.folder).name}, beside the rig's file")
         elif keep:
-            rig.calibration = steps.found
+            rig.calibration = steps.calibration
         self._thread.steps, self._thread.guided = None, None
 
     def start(self, client: str, name: str, path: Path, folder: Path) -> None:
         """Run a campaign file into a folder; where the folder holds a part of it already, the rest."""
         self._accept(client, ("idle", "armed"), None)
         rig = self._connected()
-        found = plan(load(path), rig.settings, specimen(rig.settings, rig.folder))
-        self._refused, self._checked = "; ".join(found.refusals), f"{name}: all of its {len(found.tests)} tests passed"
-        found.require()
+        campaign_plan = plan(load(path), rig.settings, specimen(rig.settings, rig.folder))
+        self._refused, self._checked = (
+            "; ".join(campaign_plan.refusals),
+            f"{name}: all of its {len(campaign_plan.tests)} tests passed",
+        )
+        campaign_plan.require()
         with self._thread.lock:
             self._accept(client, ("idle", "armed"), "campaign")
             self._thread.expect()
-            self._thread.run = Run(name, folder.name, len(found.tests), time_left=found.duration)
-        self._thread.leave.set()
-        self._thread.jobs.put(partial(self._thread.perform, found, folder))
+            self._thread.run = Run(name, folder.name, len(campaign_plan.tests), time_left=campaign_plan.duration)
+        self._thread.disarm_requested.set()
+        self._thread.jobs.put(partial(self._thread.perform, campaign_plan, folder))
 
     def pause(self, client: str, paused: bool) -> None:
         """Wait after the test under way, or go on."""
@@ -164,18 +167,19 @@ class Bench:
             )
             return BenchState(
                 thread.phase, thread.note, thread.fault, armed, bool(status and status.homed),
-                bool(status and status.state is State.JOGGING), self._known(), thread.live, rings, thread.guided, thread.run,
+                bool(status and status.state is State.JOGGING), self._connected_rig(),
+                thread.live, rings, thread.guided, thread.run,
                 self.clients.count, self.clients.name(self.clients.holder),
             )  # fmt: skip
 
-    def _known(self) -> Known | None:
+    def _connected_rig(self) -> ConnectedRig | None:
         rig, status = self._thread.rig, self._thread.status
         if rig is None or rig.calibration is None:
             return None
         cell, settings = rig.calibration, rig.settings
         fastest = self._thread.jogging.fastest(bool(status and status.homed))
-        told = (settings.board.rate, settings.limits.stroke, cell.scale, cell.zero, cell.how, fastest)
-        return Known(settings.name, self._simulated, self._thread.identity, *told)
+        values = (settings.board.rate, settings.limits.stroke, cell.scale, cell.zero, cell.how, fastest)
+        return ConnectedRig(settings.name, self._simulated, self._thread.identity, *values)
 
     def _accept(self, client: str, phases: tuple[Phase, ...], then: Phase | None) -> None:
         """Begin the phase ``then``, where ``client`` holds control and the bench is in one of ``phases``."""

@@ -67,7 +67,7 @@ class Live:
 
 
 @dataclass(frozen=True)
-class Known:
+class ConnectedRig:
     """The rig that is connected."""
 
     name: str
@@ -91,7 +91,7 @@ class BenchState:
     armed: bool
     homed: bool
     jogging: bool
-    rig: Known | None
+    rig: ConnectedRig | None
     live: Live | None
     rings: tuple[Ring, ...]
     guided: Guided | None

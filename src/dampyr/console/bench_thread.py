@@ -12,7 +12,7 @@ from pathlib import Path
 from dampyr.campaigns import Control, Plan, Progress, Stopped, exit_status, perform
 from dampyr.console.bench_state import Live, Phase, Run, advanced
 from dampyr.console.clients import Clients
-from dampyr.console.decimation import Strips
+from dampyr.console.decimation import MinMaxBins
 from dampyr.console.guided import Guided, Step
 from dampyr.console.jogging import Jogging
 from dampyr.console.preload import warm_up
@@ -43,12 +43,12 @@ class BenchThread:
         self.identity = ""
         self.status: Status | None = None
         self.live: Live | None = None
-        self.strips: Strips | None = None
+        self.strips: MinMaxBins | None = None
         self.guided: Guided | None = None
         self.steps: Calibrating | None = None
         self.run: Run | None = None
         self.control, self.jogging = Control(), Jogging(clock)
-        self.leave, self.aborted, self.closing = threading.Event(), threading.Event(), threading.Event()
+        self.disarm_requested, self.aborted, self.closing = threading.Event(), threading.Event(), threading.Event()
         self.jobs: queue.Queue[Callable[[], None]] = queue.Queue()
         self._motions: queue.Queue[tuple[str, Callable[[Table], None]]] = queue.Queue()
         self._mover = ""
@@ -99,7 +99,7 @@ class BenchThread:
             self.enter("disconnected")
             raise
         rig.watchers.append(self._seen)
-        self.strips = Strips(rig.settings.board.rate, self.clock() - self.born)
+        self.strips = MinMaxBins(rig.settings.board.rate, self.clock() - self.born)
         self.rig, self.identity, self.status = rig, rig.identity, rig.uno.heartbeat()
         self.tripped = ""
         self.enter("idle")
@@ -121,7 +121,7 @@ class BenchThread:
                 if self.aborted.is_set():
                     table.abort()
                 self.enter("armed")
-                while not (self.leave.is_set() or self.closing.is_set()):
+                while not (self.disarm_requested.is_set() or self.closing.is_set()):
                     self._step(table)
         except Exception as problem:  # told before the bench is idle again
             self._tell(problem)
@@ -132,13 +132,13 @@ class BenchThread:
             self._look(rig)
             self.enter("idle", unless=("campaign", "disconnecting"))
 
-    def perform(self, found: Plan, folder: Path) -> None:
+    def perform(self, campaign_plan: Plan, folder: Path) -> None:
         """Run a campaign to its end, whatever the end is."""
         rig = self._begun()
         try:
             self.control.check()
-            perform(found, rig, folder, self._progress, self.control)
-            self.progressed(outcome="complete", fraction=1.0, done=len(found.tests), time_left=0.0)
+            perform(campaign_plan, rig, folder, self._progress, self.control)
+            self.progressed(outcome="complete", fraction=1.0, done=len(campaign_plan.tests), time_left=0.0)
         except Exception as problem:
             self.progressed(outcome=exit_status(problem), reason=str(problem) or type(problem).__name__)
             self._tell(problem)
@@ -158,7 +158,7 @@ class BenchThread:
 
     def _begun(self) -> Rig:
         assert self.rig is not None
-        self.leave.clear()
+        self.disarm_requested.clear()
         self.jogging.forget()
         self.tripped, self.guided, self.steps = "", None, None
         self.say("")
@@ -217,12 +217,12 @@ class BenchThread:
         if self.clients.alone > GRACE:
             self.say("disarmed: no page was open any more")
             self.enter("disarming")
-            self.leave.set()
+            self.disarm_requested.set()
 
     def _check(self) -> None:
         """Whether what moves may go on."""
         self.clients.silent()
-        if self.leave.is_set() or self.closing.is_set():
+        if self.disarm_requested.is_set() or self.closing.is_set():
             raise Cancelled("ended: the rig is disarmed")
         if self._mover != self.clients.holder:
             raise Cancelled("ended: whoever asked for it does not hold control any more")
@@ -244,6 +244,6 @@ class BenchThread:
     def _tell(self, problem: Exception) -> None:
         if isinstance(problem, RigFault) and problem.ring == "interlock":
             self.tripped = str(problem)
-        known = isinstance(problem, DampyrError)
-        words = str(problem) if known else f"an error of dampyr: {type(problem).__name__}: {problem}"
+        expected = isinstance(problem, DampyrError)
+        words = str(problem) if expected else f"an error of dampyr: {type(problem).__name__}: {problem}"
         self.say(words, fault=not isinstance(problem, Cancelled | Stopped))

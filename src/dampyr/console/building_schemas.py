@@ -62,10 +62,10 @@ class MotionAsked(Strict):
             )
         if self.kind == "file":
             path = safe_paths.existing(data / MOTIONS, self.file)
-            found = ground_motions.read(path, units=self.unit or None)
+            ground_motion = ground_motions.read(path, units=self.unit or None)
         else:
-            found = ground_motions.el_centro()
-        return found if self.pga is None else found.scaled_to_pga(self.pga)
+            ground_motion = ground_motions.el_centro()
+        return ground_motion if self.pga is None else ground_motion.scaled_to_pga(self.pga)
 
 
 class DamperAsked(Strict):
@@ -86,10 +86,10 @@ class DamperAsked(Strict):
     def all_inputs(self, damper: Any) -> list[Any]:
         """The constant inputs, then the control laws over the calibrated range."""
         low, high = damper.range
-        found = [*self.inputs, *(structures.control_law(law, low=low, high=high) for law in self.laws)]
-        if not found:
+        inputs = [*self.inputs, *(structures.control_law(law, low=low, high=high) for law in self.laws)]
+        if not inputs:
             raise InputError("no input and no control law is given; give one or more")
-        return found
+        return inputs
 
     def word(self, damper: Any) -> str:
         """The argument that takes its input."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from dampyr.errors import InputError
 
 SILENCE = 3.0  # s after which a client that says nothing has vanished
-MOST = 16
+MAX_CLIENTS = 16
 
 
 @dataclass
@@ -25,7 +25,7 @@ class Clients:
 
     clock: Callable[[], float]
     holder: str | None = None
-    _known: dict[str, _Client] = field(default_factory=dict)
+    _clients: dict[str, _Client] = field(default_factory=dict)
     _numbered: int = 0
     _lock: threading.RLock = field(default_factory=threading.RLock)
 
@@ -35,34 +35,34 @@ class Clients:
     def join(self, client: str) -> None:
         """A client opens a stream; it gets control where nobody has it."""
         with self._lock:
-            known = self._known.get(client)
-            if known is None and len(self._known) >= MOST:
-                raise InputError(f"{MOST} pages look at the bench already; close one of them")
-            if known is None:
+            entry = self._clients.get(client)
+            if entry is None and len(self._clients) >= MAX_CLIENTS:
+                raise InputError(f"{MAX_CLIENTS} pages look at the bench already; close one of them")
+            if entry is None:
                 self._numbered += 1
-                known = self._known[client] = _Client(f"page {self._numbered}", 0, self.clock())
-            known.streams, known.heard, self.alone_since = known.streams + 1, self.clock(), None
+                entry = self._clients[client] = _Client(f"page {self._numbered}", 0, self.clock())
+            entry.streams, entry.heard, self.alone_since = entry.streams + 1, self.clock(), None
             self.holder = self.holder or client
 
     def hear(self, client: str) -> None:
         """A client says that it lives."""
         with self._lock:
-            if client in self._known:
-                self._known[client].heard = self.clock()
+            if client in self._clients:
+                self._clients[client].heard = self.clock()
 
-    def leave(self, client: str) -> bool:
+    def disconnect(self, client: str) -> bool:
         """A client closes a stream; whether it lost control by that."""
         with self._lock:
-            known = self._known.get(client)
-            if known is None:
+            entry = self._clients.get(client)
+            if entry is None:
                 return False
-            known.streams -= 1
-            return known.streams <= 0 and self._forget(client)
+            entry.streams -= 1
+            return entry.streams <= 0 and self._forget(client)
 
     def silent(self) -> bool:
         """Forget who has said nothing for `SILENCE`; whether the holder of control was among them."""
         with self._lock:
-            late = [each for each, known in self._known.items() if self.clock() - known.heard > SILENCE]
+            late = [each for each, entry in self._clients.items() if self.clock() - entry.heard > SILENCE]
             lost = [each for each in late if self._forget(each)]
             return bool(lost)
 
@@ -84,17 +84,17 @@ class Clients:
     def name(self, client: str | None) -> str:
         """How others see a client; empty for none."""
         with self._lock:
-            return self._known[client].name if client in self._known else ""
+            return self._clients[client].name if client in self._clients else ""
 
     def knows(self, client: str) -> bool:
         """Whether a client has an open stream."""
         with self._lock:
-            return client in self._known
+            return client in self._clients
 
     @property
     def count(self) -> int:
         """How many there are."""
-        return len(self._known)
+        return len(self._clients)
 
     @property
     def alone(self) -> float:
@@ -103,12 +103,12 @@ class Clients:
         return 0.0 if since is None else self.clock() - since
 
     def _require_stream(self, client: str) -> None:
-        if client not in self._known:
+        if client not in self._clients:
             raise InputError("this page has no open stream, so it cannot hold control; reload it")
 
     def _forget(self, client: str) -> bool:
-        del self._known[client]
-        if not self._known:
+        del self._clients[client]
+        if not self._clients:
             self.alone_since = self.clock()
         if self.holder != client:
             return False

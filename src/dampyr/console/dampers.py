@@ -26,7 +26,7 @@ class DamperLink(BaseModel):
 
 def dampers(data: Path) -> list[DamperLink]:
     """The cards first; what cannot be read is left out."""
-    found = []
+    links = []
     cards = [f"{CARDS}/{name}" for name in safe_paths.files(data / CARDS, (".toml",))]
     for name in [*cards, *studies.damper_names()]:
         try:
@@ -37,5 +37,5 @@ def dampers(data: Path) -> list[DamperLink]:
         except DampyrError:
             continue
         title = name.removeprefix(f"{CARDS}/").removesuffix(".toml") if name in cards else f"published: {name}"
-        found.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high))
-    return found
+        links.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high))
+    return links

@@ -33,7 +33,7 @@ COLUMNS = {  # what a bin holds, its unit on the page, the factor from SI, and i
 _FACTOR = np.array([factor for _, factor, _ in COLUMNS.values()])
 
 
-class Strips:
+class MinMaxBins:
     """The last bins of a rig, numbered from 0; filled by one thread and read by any.
 
     A bin's velocity is that of the mean positions of its neighbours; ``first`` and ``second`` are its samples of least and
@@ -108,8 +108,10 @@ class Strips:
 
 def as_lists(rows: Array) -> dict[str, list[float | None]]:
     """Bins by their names, rounded to what a page shows; None stands for nan, which JSON has not."""
-    found: dict[str, list[float | None]] = {}
+    columns: dict[str, list[float | None]] = {}
     for (name, (_, _, digits)), column in zip(COLUMNS.items(), rows.T, strict=True):
         values = np.round(column, digits)
-        found[name] = values.tolist() if np.isfinite(values).all() else [v if v == v else None for v in values.tolist()]
-    return found
+        columns[name] = (
+            values.tolist() if np.isfinite(values).all() else [v if v == v else None for v in values.tolist()]
+        )
+    return columns

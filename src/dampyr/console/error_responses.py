@@ -20,7 +20,7 @@ FAULT = "something went wrong inside dampyr; the console's own output says what"
 def add_handlers(to: FastAPI, data: Path) -> None:
     """Make every error that leaves an endpoint of ``to`` one sentence."""
 
-    async def known(request: Request, problem: Exception) -> JSONResponse:
+    async def answer_dampyr_error(request: Request, problem: Exception) -> JSONResponse:
         code = 404 if isinstance(problem, MissingData) else 400
         return answer(code, without_places(str(problem), data))
 
@@ -36,7 +36,7 @@ def add_handlers(to: FastAPI, data: Path) -> None:
         LOG.error("%s %s", request.method, request.url.path, exc_info=problem)
         return answer(500, FAULT)
 
-    to.add_exception_handler(DampyrError, known)
+    to.add_exception_handler(DampyrError, answer_dampyr_error)
     to.add_exception_handler(HTTPException, refused)
     to.add_exception_handler(RequestValidationError, misread)
     to.add_exception_handler(Exception, fault)

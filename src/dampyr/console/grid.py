@@ -19,7 +19,7 @@ from dampyr.rig import RigSettings
 from dampyr.units import parse, round_trip
 
 FOLDER = "campaigns"
-MOST = 400  # tests that a page plans at once
+MAX_TESTS = 400  # tests that a page plans at once
 UNITS = {"amplitude": ("m", 1e3, "mm"), "frequency": ("Hz", 1.0, "Hz"), "voltage": ("V", 1.0, "V")}
 
 
@@ -57,14 +57,14 @@ def grid_text(grid: Grid) -> str:
 
 def grid_of(text: str) -> Grid | None:
     """The grid that a campaign's TOML says and nothing else; None where it says more."""
-    told = tomllib.loads(text)
-    steps = told.pop("step", None)
-    order = told.pop("order", "as written")
-    known = {"name", "operator", "note", "seed"}
+    document = tomllib.loads(text)
+    steps = document.pop("step", None)
+    order = document.pop("order", "as written")
+    allowed = {"name", "operator", "note", "seed"}
     if (
         not isinstance(steps, list)
         or len(steps) != 1
-        or not set(told) <= known
+        or not set(document) <= allowed
         or order not in ("as written", "random")
     ):
         return None
@@ -75,14 +75,14 @@ def grid_of(text: str) -> Grid | None:
         values: dict[str, Any] = {
             name: _values(step.pop(name, 0.0 if name == "voltage" else None), name) for name in UNITS
         }
-        return Grid(**told, **values, **step, random=order == "random")
+        return Grid(**document, **values, **step, random=order == "random")
     except InputError:
         return None
 
 
-def _values(told: Any, name: str) -> list[float]:
+def _values(given: Any, name: str) -> list[float]:
     unit, factor, _ = UNITS[name]
-    listed = told if isinstance(told, list) else [told]
+    listed = given if isinstance(given, list) else [given]
     return [round_trip(parse(each, unit) * factor) for each in listed]
 
 
@@ -95,21 +95,21 @@ def _quoted(text: str) -> str:
 def planned_text(text: str, data: Path, rig: RigSettings, rig_folder: Path | None) -> Plan:
     """The plan of a campaign's TOML; files that it names are those beside the campaigns of ``data``."""
     try:
-        told = tomllib.loads(text)
+        document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as problem:
         raise InputError(f"this is no TOML ({' '.join(str(problem).split())}); repair that place") from None
-    _check_files(told, data / FOLDER)
-    found = read(told, data / FOLDER)
-    if len(found.tests) > MOST:
+    _check_files(document, data / FOLDER)
+    campaign = read(document, data / FOLDER)
+    if len(campaign.tests) > MAX_TESTS:
         raise InputError(
-            f"the campaign has {len(found.tests)} tests, a page plans at most {MOST}; use dampyr run --dry-run"
+            f"the campaign has {len(campaign.tests)} tests, a page plans at most {MAX_TESTS}; use dampyr run --dry-run"
         )
-    return plan(found, rig, specimen(rig, rig_folder))
+    return plan(campaign, rig, specimen(rig, rig_folder))
 
 
-def _check_files(told: Mapping[str, Any], folder: Path) -> None:
+def _check_files(document: Mapping[str, Any], folder: Path) -> None:
     """Files that steps name lie below ``folder``."""
-    steps = told.get("step")
+    steps = document.get("step")
     for step in steps if isinstance(steps, list) else []:
         if not isinstance(step, Mapping):
             continue
@@ -127,12 +127,12 @@ class Envelope:
     limits: dict[str, list[float]]
 
 
-def envelope_of(found: Plan) -> Envelope:
+def envelope_of(campaign_plan: Plan) -> Envelope:
     """The envelope of a plan's rig, from below the slowest of its tests to above the fastest."""
-    moving = [place_of(each.peak_speed, each.peak_position)[0] for each in found.tests if each.peak_speed > 0]
+    moving = [place_of(each.peak_speed, each.peak_position)[0] for each in campaign_plan.tests if each.peak_speed > 0]
     low, high = (min(moving, default=0.1), max(moving, default=5.0))
     frequency = np.geomspace(0.5 * min(low, 0.2), 2.0 * max(high, 5.0), 120)
-    limits = {f"{force:g}": (1e3 * largest_amplitude(found.rig, frequency, force)).tolist() for force in FORCES}
+    limits = {f"{force:g}": (1e3 * largest_amplitude(campaign_plan.rig, frequency, force)).tolist() for force in FORCES}
     return Envelope(frequency.tolist(), limits)
 
 

@@ -24,8 +24,13 @@ class Guided:
 
     def after(self, step: Step, steps: Calibrating) -> Guided:
         """The same one step on."""
-        found, noise = steps.found, steps.noise
+        calibration, noise = steps.calibration, steps.noise
         scaled = step != "unloaded"
         return Guided(
-            True, scaled, found.zero, found.scale, None if math.isnan(noise) else noise, steps.doubt if scaled else ""
+            True,
+            scaled,
+            calibration.zero,
+            calibration.scale,
+            None if math.isnan(noise) else noise,
+            steps.doubt if scaled else "",
         )

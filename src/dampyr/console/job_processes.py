@@ -27,8 +27,8 @@ from dampyr.errors import InputError, MissingData
 WORK = "dampyr.console.jobs"
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 ENDED = ("done", "failed", "cancelled")
-MOST_KEPT = 60
-MOST_WAITING = 20
+MAX_ENDED = 60
+MAX_WAITING = 20
 GRACE = 3.0  # s that a cancelled job has to end by itself
 
 
@@ -65,8 +65,8 @@ class Jobs:
         """Put work in the queue; ``kind`` is a file of `dampyr.console.jobs`, ``request`` what its ``run`` takes."""
         registry.member(WORK, kind)
         with self._lock:
-            if sum(job.state == "waiting" for job in self._jobs.values()) >= MOST_WAITING:
-                raise InputError(f"{MOST_WAITING} jobs are waiting already; wait for them, or cancel some")
+            if sum(job.state == "waiting" for job in self._jobs.values()) >= MAX_WAITING:
+                raise InputError(f"{MAX_WAITING} jobs are waiting already; wait for them, or cancel some")
             job = Job(secrets.token_hex(8), kind, title, made=time.time())
             place = self.folder / job.id
             place.mkdir()
@@ -90,16 +90,16 @@ class Jobs:
 
     def request(self, id: str) -> dict[str, Any]:
         """What was asked for."""
-        found: dict[str, Any] = json.loads((self.place(id) / "request.json").read_text("utf-8"))["request"]
-        return found
+        request: dict[str, Any] = json.loads((self.place(id) / "request.json").read_text("utf-8"))["request"]
+        return request
 
     def result(self, id: str) -> dict[str, Any]:
         """What a job found; MissingData before it is done."""
         job = self.job(id)
         if job.state != "done":
             raise MissingData(f"the job is {job.state}{f': {job.reason}' if job.reason else ''}; it has no result")
-        found: dict[str, Any] = json.loads((self.place(id) / "result.json").read_text("utf-8"))
-        return found
+        result: dict[str, Any] = json.loads((self.place(id) / "result.json").read_text("utf-8"))
+        return result
 
     def place(self, id: str) -> Path:
         """The folder of a job."""
@@ -149,7 +149,7 @@ class Jobs:
 
     def _forget_oldest(self) -> None:
         ended = [job for job in self.all() if job.state in ENDED and job.id not in self._running]
-        for job in ended[MOST_KEPT:]:
+        for job in ended[MAX_ENDED:]:
             self.remove(job.id)
 
     def _serve(self) -> None:
@@ -170,11 +170,11 @@ class Jobs:
 
     def _run(self, job: Job) -> None:
         process = self._running[job.id]
-        told = _Told()
+        output = _JobOutput()
         assert process.stdout is not None
         for line in process.stdout:
-            told.hear(line)
-            self._update(job.id, stage=told.stage, progress=told.progress)
+            output.hear(line)
+            self._update(job.id, stage=output.stage, progress=output.progress)
         code = process.wait()
         if process.stdin is not None:
             process.stdin.close()
@@ -182,7 +182,7 @@ class Jobs:
         if code == 0 and (self.folder / job.id / "result.json").is_file():
             self._update(job.id, state="done", progress=1.0, ended=time.time())
         else:
-            reason = told.reason or "it ended without a result; the console's own output says why"
+            reason = output.reason or "it ended without a result; the console's own output says why"
             self._update(job.id, state="failed", reason=reason, ended=time.time())
         with self._lock:
             del self._running[job.id]
@@ -198,20 +198,20 @@ class Jobs:
                     self._keep(changed)
 
 
-class _Told:
+class _JobOutput:
     """What a job says on its standard output, a line of JSON each."""
 
     stage, progress, reason = "starting", 0.0, ""
 
     def hear(self, line: str) -> None:
         try:
-            told = json.loads(line)
+            message = json.loads(line)
         except ValueError:
             return
-        if isinstance(told, dict):
-            self.stage = str(told.get("stage", self.stage))[:80]
-            self.progress = min(1.0, max(0.0, float(told.get("progress", self.progress))))
-            self.reason = str(told.get("reason", self.reason))[:500]
+        if isinstance(message, dict):
+            self.stage = str(message.get("stage", self.stage))[:80]
+            self.progress = min(1.0, max(0.0, float(message.get("progress", self.progress))))
+            self.reason = str(message.get("reason", self.reason))[:500]
 
 
 def _start(place: Path) -> subprocess.Popen[str]:

@@ -37,7 +37,7 @@ class JobInFull(JobState):
     result: dict[str, Any] | None
 
 
-def told(job: Job) -> JobState:
+def as_job_state(job: Job) -> JobState:
     """A job as the API tells it."""
     return JobState(**vars(job))
 
@@ -45,7 +45,7 @@ def told(job: Job) -> JobState:
 @router.get("/jobs")
 def list_jobs(here: Here) -> list[JobState]:
     """Every job that is kept, the latest first."""
-    return [told(job) for job in here.jobs.all()]
+    return [as_job_state(job) for job in here.jobs.all()]
 
 
 @router.get("/jobs/{id}")
@@ -59,7 +59,7 @@ def read_job(id: Id, here: Here) -> JobInFull:
 @router.post("/jobs/{id}/cancel")
 def cancel_job(id: Id, here: Here) -> JobState:
     """End a job that waits or runs."""
-    return told(here.jobs.cancel(id))
+    return as_job_state(here.jobs.cancel(id))
 
 
 @router.delete("/jobs/{id}", status_code=204)

@@ -40,11 +40,11 @@ class Jogging:
 
     def ask(self, client: str, speed: float, table: Table) -> None:
         """Wish for a speed [m/s]; 0 ends the wish."""
-        most = self.fastest(table.homed)
-        if not abs(speed) <= most:
+        max_speed = self.fastest(table.homed)
+        if not abs(speed) <= max_speed:
             more = "" if table.homed else "; home the table to go faster"
             raise InputError(
-                f"speed = {speed * 1e3:g} mm/s is not allowed; it must be at most {most * 1e3:g} mm/s{more}"
+                f"speed = {speed * 1e3:g} mm/s is not allowed; it must be at most {max_speed * 1e3:g} mm/s{more}"
             )
         if speed and self._at_the_end(table, speed):
             raise InputError(f"the table is {MARGIN * 1e3:g} mm before the end of its stroke; jog the other way")
@@ -79,5 +79,5 @@ class Jogging:
 
     def _at_the_end(self, table: Table, speed: float) -> bool:
         """Where the next push could leave the stroke."""
-        most = 0.5 * table.rig.settings.limits.stroke - MARGIN
-        return table.homed and (table.position + speed * PUSH) * (1 if speed > 0 else -1) > most
+        max_position = 0.5 * table.rig.settings.limits.stroke - MARGIN
+        return table.homed and (table.position + speed * PUSH) * (1 if speed > 0 else -1) > max_position

@@ -26,10 +26,10 @@ def read_apart(path: Path, to: Path, said: dict[str, Any]) -> None:
 
     ``said`` is what :func:`dampyr.records.read` takes besides. Raises InputError with what was wrong.
     """
-    asked = json.dumps({"path": str(path), "to": str(to), "said": said})
+    request = json.dumps({"path": str(path), "to": str(to), "said": said})
     command = [sys.executable, "-m", "dampyr.console.limits"]
     try:
-        done = subprocess.run(command, input=asked, capture_output=True, text=True, timeout=SECONDS, check=False)
+        done = subprocess.run(command, input=request, capture_output=True, text=True, timeout=SECONDS, check=False)
     except subprocess.TimeoutExpired:
         raise InputError(TOO_MUCH) from None
     if done.returncode == 2:
@@ -44,29 +44,29 @@ def bound() -> None:
         import resource
     except ImportError:  # Windows: the time alone is bounded, by who waits
         return
-    for what, most in (
+    for what, limit in (
         (resource.RLIMIT_AS, MEMORY),
         (resource.RLIMIT_CPU, SECONDS),
         (resource.RLIMIT_FSIZE, WRITTEN),
         (resource.RLIMIT_CORE, 0),
     ):
-        resource.setrlimit(what, (most, most))
+        resource.setrlimit(what, (limit, limit))
 
 
 def main() -> int:
     """Read and write what standard input asks for; 2 where the file is wrong, with the reason on standard output."""
-    asked = json.load(sys.stdin)
+    request = json.load(sys.stdin)
     bound()
     from dampyr import records
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            found = records.read(asked["path"], **asked["said"])
-            records.describe(found)
-            records.write(found, asked["to"])
+            record = records.read(request["path"], **request["said"])
+            records.describe(record)
+            records.write(record, request["to"])
     except DampyrError as problem:
-        if isinstance(problem, FileError) and problem.path == Path(asked["to"]):
+        if isinstance(problem, FileError) and problem.path == Path(request["to"]):
             return 1  # it came to more than may be written
         print(json.dumps({"reason": str(problem)}))
         return 2

@@ -22,8 +22,8 @@ from dampyr.console.state import Here
 from dampyr.identification import Acceptance, Point, Tolerance, accept
 from dampyr.identification.acceptance import QUANTITIES, Quantity, band
 
-MOST_RECORDS = 6
-MOST_POINTS, MOST_OUTSIDE = 900, 200
+MAX_RECORDS = 6
+MAX_POINTS, MAX_OUTSIDE = 900, 200
 
 Key = Annotated[str, Field(min_length=3, max_length=340)]
 Slack = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
@@ -34,10 +34,10 @@ router = APIRouter()
 class AcceptanceAsked(BaseModel):
     """Which records, by what reference, in what band."""
 
-    key: list[Key] = Field(min_length=1, max_length=MOST_RECORDS, description="Records, such as data/uploads/test.h5.")
+    key: list[Key] = Field(min_length=1, max_length=MAX_RECORDS, description="Records, such as data/uploads/test.h5.")
     reference: list[Key] = Field(
         min_length=1,
-        max_length=MOST_RECORDS,
+        max_length=MAX_RECORDS,
         description="A card, cards/NAME.toml, a published damper, or records by their keys.",
     )
     tolerance: float = Field(default=0.15, ge=0, le=1, allow_inf_nan=False, description="Share of the expected value.")
@@ -90,7 +90,7 @@ class Judged(BaseModel):
     reason: str
     reasons: dict[str, int]
     worst: OnePoint | None
-    outside: list[OnePoint] = Field(description=f"The worst {MOST_OUTSIDE} of them.")
+    outside: list[OnePoint] = Field(description=f"The worst {MAX_OUTSIDE} of them.")
     points: list[Points]
 
 
@@ -118,37 +118,39 @@ def list_references(here: Here) -> list[DamperLink]:
 
 
 @router.get("/acceptance")
-def judge(here: Here, asked: Annotated[AcceptanceAsked, Query()]) -> Judgement:
+def judge(here: Here, query: Annotated[AcceptanceAsked, Query()]) -> Judgement:
     """Judge every whole cycle of records by a reference; see `dampyr.identification.accept`."""
-    found = _judged(here.data, asked)
-    return Judgement(records=[_told(key, one) for key, one in found.items()], bands=_bands(list(found.values())))
+    acceptances = _judged(here.data, query)
+    return Judgement(
+        records=[_summarise(key, one) for key, one in acceptances.items()], bands=_bands(list(acceptances.values()))
+    )
 
 
 @router.get("/acceptance/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
-def give_page(here: Here, asked: Annotated[AcceptanceAsked, Query()]) -> Response:
+def give_page(here: Here, query: Annotated[AcceptanceAsked, Query()]) -> Response:
     """The page as `dampyr accept --report` writes it, as a file to keep."""
     from dampyr.report.acceptance_page import write_acceptance_page
 
-    found = _judged(here.data, asked)
-    name = ", ".join(_shown(each) for each in asked.reference)
+    acceptances = _judged(here.data, query)
+    name = ", ".join(_shown(each) for each in query.reference)
     with tempfile.TemporaryDirectory(prefix="dampyr-") as folder:
-        html = write_acceptance_page(list(found.values()), Path(folder) / "page.html", name).read_bytes()
+        html = write_acceptance_page(list(acceptances.values()), Path(folder) / "page.html", name).read_bytes()
     said = {"content-disposition": 'attachment; filename="acceptance.html"'}
     return Response(html, media_type="text/html", headers=said)
 
 
-def _judged(data: Path, asked: AcceptanceAsked) -> dict[str, Acceptance]:
-    is_damper = len(asked.reference) == 1 and _is_damper(asked.reference[0])
-    damper = DamperAsked(name=asked.reference[0]).damper(data) if is_damper else None
-    keys = list(dict.fromkeys([*asked.key, *([] if is_damper else asked.reference)]))
+def _judged(data: Path, query: AcceptanceAsked) -> dict[str, Acceptance]:
+    is_damper = len(query.reference) == 1 and _is_damper(query.reference[0])
+    damper = DamperAsked(name=query.reference[0]).damper(data) if is_damper else None
+    keys = list(dict.fromkeys([*query.key, *([] if is_damper else query.reference)]))
     read = records.nominal_inputs([record_sources.read(data, key) for key in keys], damper.range if damper else ())
-    known = dict(zip(keys, read, strict=True))
-    against = damper or [known[key] for key in asked.reference]
-    tolerance = Tolerance(asked.tolerance, asked.force, asked.energy)
+    by_key = dict(zip(keys, read, strict=True))
+    against = damper or [by_key[key] for key in query.reference]
+    tolerance = Tolerance(query.tolerance, query.force, query.energy)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return {
-            key: accept(known[key], against, tolerance, asked.judge, asked.offset) for key in dict.fromkeys(asked.key)
+            key: accept(by_key[key], against, tolerance, query.judge, query.offset) for key in dict.fromkeys(query.key)
         }
 
 
@@ -161,7 +163,7 @@ def _shown(name: str) -> str:
     return Path(name).stem if "/" in name else name
 
 
-def _told(key: str, one: Acceptance) -> Judged:
+def _summarise(key: str, one: Acceptance) -> Judged:
     return Judged(
         key=key,
         name=one.record,
@@ -174,7 +176,7 @@ def _told(key: str, one: Acceptance) -> Judged:
         reason=one.reason,
         reasons=one.reasons,
         worst=_one(one.worst) if one.worst else None,
-        outside=[_one(p) for p in one.outside[:MOST_OUTSIDE]],
+        outside=[_one(p) for p in one.outside[:MAX_OUTSIDE]],
         points=[_points(q, [p for p in one.points if p.quantity == q]) for q in one.quantities],
     )
 
@@ -187,9 +189,9 @@ def _one(p: Point) -> OnePoint:
 
 
 def _points(quantity: Quantity, points: Sequence[Point]) -> Points:
-    stride = -(-len(points) // MOST_POINTS) or 1
-    kept = [p for k, p in enumerate(points) if k % stride == 0]
-    few = {id(p): p for p in [*kept, *[p for p in points if p.inside is False][:MOST_POINTS]]}.values()
+    stride = -(-len(points) // MAX_POINTS) or 1
+    selected = [p for k, p in enumerate(points) if k % stride == 0]
+    few = {id(p): p for p in [*selected, *[p for p in points if p.inside is False][:MAX_POINTS]]}.values()
     shown = sorted(few, key=lambda p: p.cycle)
     return Points(
         quantity=quantity,
@@ -201,9 +203,9 @@ def _points(quantity: Quantity, points: Sequence[Point]) -> Points:
     )
 
 
-def _bands(found: Sequence[Acceptance]) -> list[Band]:
+def _bands(acceptances: Sequence[Acceptance]) -> list[Band]:
     groups: dict[tuple[str | None, float | None], list[Acceptance]] = {}
-    for one in found:
+    for one in acceptances:
         groups.setdefault((one.input, one.input_value), []).append(one)
     made = []
     for some in groups.values():

@@ -9,26 +9,26 @@ from dampyr.atomic_write import write_whole
 from dampyr.console.safe_paths import OWN
 from dampyr.errors import InputError
 
-LONGEST = 2000
-MOST = 5000
+MAX_LENGTH = 2000
+MAX_NOTES = 5000
 
 
 def notes(data: Path) -> dict[str, str]:
     """Key of a record -> what was written."""
     path = _path(data)
-    found: dict[str, str] = json.loads(path.read_text("utf-8")) if path.is_file() else {}
-    return found
+    saved: dict[str, str] = json.loads(path.read_text("utf-8")) if path.is_file() else {}
+    return saved
 
 
 def write_note(data: Path, key: str, text: str) -> None:
     """Keep a note; an empty one takes it away."""
-    found = notes(data)
-    found[key] = text.strip()[:LONGEST]
-    if not found[key]:
-        del found[key]
-    if len(found) > MOST:
-        raise InputError(f"there are {MOST} notes already; take some away first")
-    write_whole(_path(data), json.dumps(found, ensure_ascii=False, indent=1))
+    saved = notes(data)
+    saved[key] = text.strip()[:MAX_LENGTH]
+    if not saved[key]:
+        del saved[key]
+    if len(saved) > MAX_NOTES:
+        raise InputError(f"there are {MAX_NOTES} notes already; take some away first")
+    write_whole(_path(data), json.dumps(saved, ensure_ascii=False, indent=1))
 
 
 def _path(data: Path) -> Path:

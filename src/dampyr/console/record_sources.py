@@ -21,7 +21,7 @@ from dampyr.records.text_columns import has_numbers
 SUFFIXES = (".mat", ".csv", ".txt", ".h5")
 OWN = "data"
 NOT_RECORDS = ("ensembles/",)
-MOST_RECORDS = 500
+MAX_RECORDS = 500
 
 
 @dataclass(frozen=True)
@@ -35,13 +35,13 @@ class Source:
 
 def sources(data: Path) -> list[Source]:
     """The data folder, and the data sets that are here."""
-    found = [Source(OWN, "The data folder", data)]
-    for known in DATA_SETS:
+    available = [Source(OWN, "The data folder", data)]
+    for dataset in DATA_SETS:
         try:
-            found.append(Source(known.name, f"Published: {known.name}", records.locate(known.name).resolve()))
+            available.append(Source(dataset.name, f"Published: {dataset.name}", records.locate(dataset.name).resolve()))
         except MissingData:
             continue
-    return found
+    return available
 
 
 def source(data: Path, name: str) -> Source:
@@ -56,13 +56,13 @@ def source(data: Path, name: str) -> Source:
 
 def keys(of: Source) -> list[str]:
     """The keys of the records of a source, such as ``data/lab/test 1.csv``; files that are no records are left out."""
-    found = []
+    record_keys = []
     for name in sorted(safe_paths.files(of.folder, SUFFIXES), key=_order):
         path = of.folder / name
         if path.name == TABLE or name.startswith(NOT_RECORDS) or not _is_record(path):
             continue
-        found.append(f"{of.name}/{name}")
-    return found[:MOST_RECORDS]
+        record_keys.append(f"{of.name}/{name}")
+    return record_keys[:MAX_RECORDS]
 
 
 def _order(name: str) -> tuple[Any, ...]:

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from dampyr.errors import InputError, MissingData
 
 NAME = re.compile(r"[^\W_][\w .()+@=-]{0,99}", re.UNICODE)
-LONGEST = 300
+MAX_NAME_LENGTH = 300
 OWN = ".console"
 """The console's own folder below the data folder: jobs, notes."""
 ALONE = threading.Lock()
@@ -22,7 +22,7 @@ def inside(root: Path, name: str) -> Path:
 
     Raises InputError for a name that leads out, is hidden, or passes a link.
     """
-    parts = PurePosixPath(name).parts if len(name) <= LONGEST else ()
+    parts = PurePosixPath(name).parts if len(name) <= MAX_NAME_LENGTH else ()
     if not parts or "\\" in name or name.startswith("/") or not all(map(is_name, parts)):
         raise InputError(
             f"{name[:60]!r} is no name of a file here; write letters, digits, space and .()+@=-_ , folders parted by /"
@@ -50,14 +50,14 @@ def existing(root: Path, name: str) -> Path:
 
 def files(root: Path, suffixes: tuple[str, ...]) -> list[str]:
     """The names of the files below ``root`` with one of the suffixes, sorted; links and hidden ones left out."""
-    found = []
+    paths = []
     for folder, inner, names in os.walk(root, followlinks=False):
         inner[:] = [name for name in inner if is_name(name)]
         for name in names:
             path = Path(folder, name)
             if path.suffix.lower() in suffixes and is_name(name) and not path.is_symlink():
-                found.append(path.relative_to(root).as_posix())
-    return sorted(found)
+                paths.append(path.relative_to(root).as_posix())
+    return sorted(paths)
 
 
 def used(root: Path) -> int:

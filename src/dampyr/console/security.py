@@ -25,8 +25,8 @@ Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 
 COOKIE = "dampyr_token"
-MOST_BODY = 2**20
-MOST_UPLOAD = 64 * 2**20
+MAX_BODY = 2**20
+MAX_UPLOAD = 64 * 2**20
 UPLOAD = "application/octet-stream"
 SAFE = ("GET", "HEAD", "OPTIONS")
 POLICY = "; ".join(
@@ -78,15 +78,15 @@ class Rules:
     def refusal(self, scope: Scope) -> tuple[int, str] | None:
         """Status and sentence for what is not allowed, or None."""
         headers = _headers(scope)
-        if not self._host_known(headers.get("host", "")):
+        if not self._allows_host(headers.get("host", "")):
             return 400, "this console is not known by that name; open it at the address that it printed"
         if _foreign(scope, headers):
             return 403, "asked from another site; open the console at the address that it printed"
-        if self.token is not None and not self._told(scope, headers):
+        if self.token is not None and not self._has_token(scope, headers):
             return 401, "this console asks for its token; open it at the address that it printed"
         return None
 
-    def _host_known(self, host: str) -> bool:
+    def _allows_host(self, host: str) -> bool:
         name = (urlsplit(f"//{host}").hostname or "") if _splits(host) else ""
         if is_loopback(name):
             return True
@@ -94,7 +94,7 @@ class Rules:
             return False
         return _is_address(name) or name in own_names()
 
-    def _told(self, scope: Scope, headers: dict[str, str]) -> bool:
+    def _has_token(self, scope: Scope, headers: dict[str, str]) -> bool:
         assert self.token is not None
         if scope["type"] == "http" and not scope["path"].startswith("/api"):
             return True  # the page itself holds nothing; it asks for the token
@@ -127,12 +127,12 @@ class Guard:
             await self.inner(scope, receive, send)
 
     def _answer(self, scope: Scope) -> Response | None:
-        """The answer to what does not reach the house: a refusal, or the address with a token in it."""
+        """The answer to what does not reach the application: a refusal, or the address with a token in it."""
         entered = self._entered(scope)
         if entered is not None:
             return entered
-        found = self.rules.refusal(scope)
-        return None if found is None else JSONResponse({"detail": found[1]}, found[0])
+        refusal = self.rules.refusal(scope)
+        return None if refusal is None else JSONResponse({"detail": refusal[1]}, refusal[0])
 
     def _entered(self, scope: Scope) -> Response | None:
         """``/?token=...`` with the right token: keep it in a cookie, and take it out of the address."""
@@ -148,12 +148,12 @@ class Guard:
         return answer
 
     async def _counted(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """The house behind a limit on the body, whether its length is announced or not."""
+        """The application behind a limit on the body, whether its length is announced or not."""
         headers = _headers(scope)
-        most = MOST_UPLOAD if headers.get("content-type") == UPLOAD else MOST_BODY
+        limit = MAX_UPLOAD if headers.get("content-type") == UPLOAD else MAX_BODY
         announced = headers.get("content-length", "0")
-        if not announced.isdigit() or int(announced) > most:
-            await _too_large(most)(scope, receive, _with_headers(send, scope))
+        if not announced.isdigit() or int(announced) > limit:
+            await _too_large(limit)(scope, receive, _with_headers(send, scope))
             return
         seen, answered = 0, False
 
@@ -161,7 +161,7 @@ class Guard:
             nonlocal seen
             message = await receive()
             seen += len(message.get("body", b""))
-            if seen > most:
+            if seen > limit:
                 raise _TooLarge
             return message
 
@@ -174,15 +174,15 @@ class Guard:
             await self.inner(scope, limited, noting)
         except _TooLarge:
             if not answered:
-                await _too_large(most)(scope, receive, _with_headers(send, scope))
+                await _too_large(limit)(scope, receive, _with_headers(send, scope))
 
 
 class _TooLarge(BaseException):
     """Past the limit; no endpoint may catch it."""
 
 
-def _too_large(most: int) -> Response:
-    return JSONResponse({"detail": f"too large; at most {most // 2**20} MiB are taken"}, 413)
+def _too_large(limit: int) -> Response:
+    return JSONResponse({"detail": f"too large; at most {limit // 2**20} MiB are taken"}, 413)
 
 
 async def _refuse(scope: Scope, receive: Receive, send: Send, answer: Response) -> None:
@@ -240,7 +240,7 @@ def _is_address(name: str) -> bool:
 
 def _cookie(text: str) -> str:
     try:
-        found = SimpleCookie(text).get(COOKIE)
+        cookie = SimpleCookie(text).get(COOKIE)
     except CookieError:
         return ""
-    return found.value if found else ""
+    return cookie.value if cookie else ""

@@ -42,7 +42,7 @@ def serve(
     if token is not None and len(token) < 8:
         raise InputError(f"a token of {len(token)} letters is too short; give at least 8")
     listening = _listening(host, port)
-    house = app(data, token, local, quota or QUOTA)
+    application = app(data, token, local, quota or QUOTA)
     address = f"http://{_shown(host)}:{listening.getsockname()[1]}/" + (f"?token={token}" if token else "")
     tell(address)
     if browser:
@@ -54,20 +54,20 @@ def serve(
         "server_header": False,
         "ws_max_size": 2**20,
     }
-    uvicorn.Server(uvicorn.Config(house, timeout_graceful_shutdown=3, **settings)).run(sockets=[listening])
+    uvicorn.Server(uvicorn.Config(application, timeout_graceful_shutdown=3, **settings)).run(sockets=[listening])
 
 
 def _listening(host: str, port: int) -> socket.socket:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    found = socket.socket(family, socket.SOCK_STREAM)
-    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        found.bind((host, port))
-        found.listen(128)  # before the address is told
+        listener.bind((host, port))
+        listener.listen(128)  # before the address is told
     except (OSError, OverflowError) as problem:
-        found.close()
+        listener.close()
         raise InputError(f"{host}, port {port} cannot be had ({problem}); choose another --port or --host") from None
-    return found
+    return listener
 
 
 def _shown(host: str) -> str:

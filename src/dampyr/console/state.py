@@ -14,7 +14,7 @@ from dampyr.console.job_processes import Jobs
 
 
 @dataclass
-class House:
+class AppState:
     """The state of one console. ``own`` is for pages: page name -> what it keeps while the console runs."""
 
     data: Path
@@ -23,13 +23,13 @@ class House:
     own: dict[str, Any] = field(default_factory=dict)
 
 
-def house(connection: HTTPConnection) -> House:
-    """The house of a request or a WebSocket."""
-    found: House = connection.app.state.house
-    return found
+def get_app_state(connection: HTTPConnection) -> AppState:
+    """The state of the application that serves a request or a WebSocket."""
+    app_state: AppState = connection.app.state.dampyr
+    return app_state
 
 
-Here = Annotated[House, Depends(house)]
+Here = Annotated[AppState, Depends(get_app_state)]
 """Such as ``def list_cards(here: Here)``; serves requests and WebSockets."""
 
 

@@ -59,21 +59,21 @@ class Stream:
             pass  # the page has gone: that is what this waits for
         finally:
             talking.cancel()
-            self.bench.clients.leave(self.client)
+            self.bench.clients.disconnect(self.client)
 
     async def _listen(self) -> None:
         while True:
-            asked = _object(await self.socket.receive())
+            message = _object(await self.socket.receive())
             if not self.bench.clients.knows(self.client):
                 await self.socket.close(4408, "silent for too long")
                 return
             self.bench.clients.hear(self.client)
-            if "abort" in asked:
-                await self._abort(asked["abort"])
-            elif type(asked.get("heard")) is int:
-                self.heard = min(asked["heard"], self.sent)
-            elif "jog" in asked:
-                await self._jog(_speed(asked["jog"]))
+            if "abort" in message:
+                await self._abort(message["abort"])
+            elif type(message.get("heard")) is int:
+                self.heard = min(message["heard"], self.sent)
+            elif "jog" in message:
+                await self._jog(_speed(message["jog"]))
 
     async def _abort(self, sign: Any) -> None:
         name = self.bench.clients.name(self.client)
@@ -98,9 +98,9 @@ class Stream:
         """What is new; nothing is sent where nothing is."""
         strips, state = self._new_strips(), None
         if ticks % STATE_EVERY == 0:
-            told = json.dumps(plain(self.bench.state()))
-            if told != self._state or ticks % ALIVE == 0:
-                self._state, state = told, json.loads(told)
+            text = json.dumps(plain(self.bench.state()))
+            if text != self._state or ticks % ALIVE == 0:
+                self._state, state = text, json.loads(text)
         if strips is None and state is None:
             return
         self.sent += 1
@@ -116,9 +116,9 @@ class Stream:
         self.bin, rows = strips.since(self.bin)
         return as_lists(rows) if len(rows) else None
 
-    async def _send(self, told: dict[str, Any]) -> None:
+    async def _send(self, message: dict[str, Any]) -> None:
         async with self._lock:
-            await self.socket.send_text(json.dumps(told, separators=(",", ":")))
+            await self.socket.send_text(json.dumps(message, separators=(",", ":")))
 
 
 def _object(message: Mapping[str, Any]) -> dict[str, Any]:
@@ -126,17 +126,17 @@ def _object(message: Mapping[str, Any]) -> dict[str, Any]:
     if message["type"] == "websocket.disconnect":
         raise WebSocketDisconnect(message.get("code", 1006))
     try:
-        found = json.loads(message.get("text") or "")
+        parsed = json.loads(message.get("text") or "")
     except (ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return parsed if isinstance(parsed, dict) else {}
 
 
-def _speed(told: Any) -> float:
+def _speed(value: Any) -> float:
     """m/s; what is no number is 0: the table stops."""
-    if isinstance(told, bool) or not isinstance(told, int | float):
+    if isinstance(value, bool) or not isinstance(value, int | float):
         return 0.0
     try:
-        return float(told)
+        return float(value)
     except OverflowError:
         return math.inf

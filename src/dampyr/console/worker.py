@@ -40,9 +40,9 @@ class Progress:
             say(stage=stage, progress=float(done))
 
 
-def say(**told: Any) -> None:
+def say(**fields: Any) -> None:
     """A line of JSON to the console."""
-    print(json.dumps(told), flush=True)
+    print(json.dumps(fields), flush=True)
 
 
 def end_with_the_console() -> None:
@@ -60,11 +60,11 @@ def end_with_the_console() -> None:
 
 def run(folder: Path) -> int:
     """Do the work that ``request.json`` in ``folder`` asks for; 0 when ``result.json`` is there."""
-    asked = json.loads((folder / "request.json").read_text("utf-8"))
+    request = json.loads((folder / "request.json").read_text("utf-8"))
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", DampyrWarning)
-            found = registry.member(WORK, asked["kind"]).run(asked["request"], folder, Progress())
+            result = registry.member(WORK, request["kind"]).run(request["request"], folder, Progress())
     except DampyrError as problem:
         say(reason=str(problem))
         return 2
@@ -74,8 +74,8 @@ def run(folder: Path) -> int:
     except Exception:
         traceback.print_exc()
         return 1
-    told = dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, DampyrWarning))
-    write_whole(folder / "result.json", json.dumps(plain(found | {"warnings": list(told)})))
+    messages = dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, DampyrWarning))
+    write_whole(folder / "result.json", json.dumps(plain(result | {"warnings": list(messages)})))
     return 0
 
 

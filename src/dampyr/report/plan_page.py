@@ -8,7 +8,7 @@ import numpy as np
 
 import dampyr
 from dampyr.campaigns import Plan, PlannedTest
-from dampyr.campaigns.check import ROOM
+from dampyr.campaigns.check import STROKE_MARGIN
 from dampyr.figures.envelope import envelope
 from dampyr.figures.planned_drive import planned_drive
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
@@ -86,7 +86,7 @@ def largest_amplitude(rig: RigSettings, frequency: np.ndarray, force: float) -> 
     speed = rig.actuator.free_speed - rig.actuator.droop * (force + rig.table.friction)
     lagging = np.hypot(1.0, omega * rig.actuator.lag)
     most = np.minimum(np.maximum(speed, 0.0) / lagging, rig.limits.speed) / omega
-    return np.asarray(np.minimum(most, 0.5 * rig.limits.stroke - ROOM))
+    return np.asarray(np.minimum(most, 0.5 * rig.limits.stroke - STROKE_MARGIN))
 
 
 def _columns(places: list[tuple[float, float]]) -> tuple[list[float], list[float]]:

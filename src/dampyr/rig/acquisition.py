@@ -106,10 +106,10 @@ class Acquisition:
             yield self._waited() if self._thread else self.cycle()
 
     def _waited(self) -> Samples:
-        found = self._blocks.get(timeout=30.0)
-        if isinstance(found, RigFault):
-            raise found
-        return found
+        block = self._blocks.get(timeout=30.0)
+        if isinstance(block, RigFault):
+            raise block
+        return block
 
     def _run(self) -> None:
         while not self._over.is_set():
@@ -151,13 +151,13 @@ class Acquisition:
         if status.homed and not self.aligned:
             self._align(counts, status)
         self.aligned = status.homed
-        known = self.calibration
+        calibration = self.calibration
         return Samples(
             first,
             np.arange(first, first + n) / self.rig.board.rate,
-            known.displacement(counts),
-            known.force(volts[0]),
-            known.temperature(volts[1]) if len(volts) > 1 else None,
+            calibration.displacement(counts),
+            calibration.force(volts[0]),
+            calibration.temperature(volts[1]) if len(volts) > 1 else None,
             volts,
             counts,
             voltage,

@@ -57,13 +57,13 @@ class Calibration:
 NAME = "calibration.toml"
 
 
-def save_calibration(found: Calibration, folder: str | Path, told: Mapping[str, str] | None = None) -> Path:
+def save_calibration(calibration: Calibration, folder: str | Path, metadata: Mapping[str, str] | None = None) -> Path:
     """Write ``calibration.toml`` into the folder of a ``rig.toml``, whole or not at all; ``told`` is kept beside it."""
     path = Path(folder) / NAME
     numbers = {
-        key: value for key, value in asdict(found).items() if key != "middle"
+        key: value for key, value in asdict(calibration).items() if key != "middle"
     }  # homing finds the middle each time
-    write_whole(path, tomli_w.dumps({"calibration": numbers, "told": dict(told or {})}))
+    write_whole(path, tomli_w.dumps({"calibration": numbers, "told": dict(metadata or {})}))
     return path
 
 

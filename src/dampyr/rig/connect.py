@@ -64,14 +64,14 @@ def simulated(
     not start.
     """
     rig, folder = _settings(settings)
-    told = tuple(FaultSpec.parse(each) if isinstance(each, str) else each for each in faults)
+    fault_specs = tuple(FaultSpec.parse(each) if isinstance(each, str) else each for each in faults)
     specimen = specimen_of(rig, folder)
     if in_process:
         if real_time or black_box is not None:
             raise InputError("a rig in this process has no clock and no black box of its own; leave in_process out")
-        simulator = Simulator(rig, seed, told, specimen)
+        simulator = Simulator(rig, seed, fault_specs, specimen)
         return Rig(rig, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False, folder=folder)
-    process = Process(rig, specimen, seed, told, real_time, black_box)
+    process = Process(rig, specimen, seed, fault_specs, real_time, black_box)
     try:
         wired = replace(rig, wires=replace(rig.wires, serial=process.serial, grpc=process.grpc))
         wire = open_wire(wired.wires.serial, wired.wires.baud)

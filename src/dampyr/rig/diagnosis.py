@@ -26,7 +26,7 @@ class Finding:
     """One thing that was looked at: what was found, and what would repair it (None: nothing to repair)."""
 
     what: str
-    found: str
+    observed: str
     repair: str | None = None
 
 
@@ -54,12 +54,16 @@ def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
     repair = "wire the supply through pin 8 of the Uno: without it a dead host leaves the coil live"
     yield Finding("coil", lines, None if rig.supply.enable_line else repair)
     if rig.wires.serial:
-        known = load_calibration(Path(path).parent) if path else None
+        calibration = load_calibration(Path(path).parent) if path else None
         words = (
-            "not calibrated: the settings' scale is used" if known is None else f"{known.scale:.5g} N/V, {known.how}"
+            "not calibrated: the settings' scale is used"
+            if calibration is None
+            else f"{calibration.scale:.5g} N/V, {calibration.how}"
         )
-        yield Finding("load cell", words, f"dampyr calibrate --rig {path} writes {NAME}" if known is None else None)
-        if known is not None and (far := doubt(known.scale, rig.load_cell.scale)):
+        yield Finding(
+            "load cell", words, f"dampyr calibrate --rig {path} writes {NAME}" if calibration is None else None
+        )
+        if calibration is not None and (far := doubt(calibration.scale, rig.load_cell.scale)):
             yield Finding("load cell's scale", far, "calibrate it again, or correct load_cell.scale")
 
 
@@ -92,12 +96,12 @@ def _uno(rig: Rig) -> Iterator[Finding]:
 def _board(rig: Rig) -> Iterator[Finding]:
     yield Finding("board", rig.board.identity())
     volts, _ = rig.listen(0.5)
-    known = rig.calibration
-    assert known is not None
-    force = known.force(volts[0])
+    calibration = rig.calibration
+    assert calibration is not None
+    force = calibration.force(volts[0])
     rail = np.abs(volts[0]).max() >= 0.995 * rig.settings.board.range
     loud = f"its noise is {force.std():.2g} N rms; look at its shield and ground" if force.std() > LOUD else None
     repair = "its signal is at the end of the range; look at its wire and its supply" if rail else loud
     yield Finding("load cell now", f"{force.mean():+.1f} N, {force.std():.2g} N rms", repair)
     if len(volts) > 1:
-        yield Finding("thermocouple", f"{known.temperature(volts[1]).mean():.1f} degC")
+        yield Finding("thermocouple", f"{calibration.temperature(volts[1]).mean():.1f} degC")

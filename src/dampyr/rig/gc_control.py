@@ -15,18 +15,18 @@ _lock = Lock()
 _holders: list[bool] = []  # of each rig: whether others had set things aside before the first
 
 
-def set_aside() -> None:
+def freeze_objects() -> None:
     """Collect once, and let later collections look at new objects only."""
     gc.collect()
     gc.freeze()
     gc.collect()  # of nothing: so that the next full one is due early, and short
 
 
-def hold() -> Callable[[], None]:
+def disable_gc() -> Callable[[], None]:
     """Set aside what exists, for all threads; what is given back undoes it, once, unless others hold it or began it."""
     with _lock:
         _holders.append(_holders[0] if _holders else gc.get_freeze_count() > 0)
-        set_aside()
+        freeze_objects()
     held = True
 
     def release() -> None:

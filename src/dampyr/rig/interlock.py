@@ -68,7 +68,7 @@ class Interlock:
     def judge(self, samples: Samples, waiting: float = 0.0) -> Trip | None:
         """The first limit that a block leaves, or None; ``waiting`` is how long [s] its last sample lay before it was read."""
         limits, time = self.rig.limits, float(samples.time[-1])
-        found = [
+        readings = [
             (np.abs(samples.volts[0]).max(), RAIL * self.rig.board.range, "load cell signal", "V", "look at its wire"),
             (np.abs(samples.force).max(), limits.force, "force", "N", "look at the specimen and the load cell"),
             (np.abs(samples.displacement).max(), limits.stroke / 2, "displacement", "m", "home the table"),
@@ -78,8 +78,8 @@ class Interlock:
         ]
         if samples.temperature is not None:
             hot = (samples.temperature.max(), limits.temperature, "temperature", "degC", "let the damper cool")
-            found.append(hot)
-        for value, limit, what, unit, look in found:
+            readings.append(hot)
+        for value, limit, what, unit, look in readings:
             if not value <= limit and self.trip is None:
                 self.trip = Trip(what, float(value), float(limit), unit, time, look)
         return self.trip

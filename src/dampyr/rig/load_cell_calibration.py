@@ -15,55 +15,55 @@ from dampyr.units import STANDARD_GRAVITY, parse
 
 
 class Calibrating:
-    """The steps; ``found`` is the calibration so far, ``doubt`` a sentence where its scale is far from the settings'."""
+    """The steps; ``calibration`` is the calibration so far, ``doubt`` a sentence where its scale is far from the settings'."""
 
     def __init__(self, rig: Rig, seconds: float = 2.0) -> None:
         assert rig.calibration is not None
-        self.rig, self.seconds, self.found = rig, seconds, rig.calibration
+        self.rig, self.seconds, self.calibration = rig, seconds, rig.calibration
         self.noise = float("nan")
         self._zeroed = False
 
     def zero(self) -> float:
         """Read the cell without load; the volts."""
         volts = self._volts()
-        self.found, self._zeroed = replace(self.found.zeroed(volts), how="zero read, scale as before"), True
+        self.calibration, self._zeroed = replace(self.calibration.zeroed(volts), how="zero read, scale as before"), True
         return volts
 
     def loaded(self, load: str) -> float:
         """Read the cell under a known load, a mass or a force; the scale in N/V."""
         force = force_of(load)
-        self._scaled(two_point(self._known_zero(), self._volts(), force), f"two points, {force:.5g} N")
-        return self.found.scale
+        self._scaled(two_point(self._require_zero(), self._volts(), force), f"two points, {force:.5g} N")
+        return self.calibration.scale
 
     def shunted(self, resistor: str) -> float:
         """Read the cell with a shunt switched in; the scale in N/V."""
         ohm = parse(resistor, "ohm")
         self._scaled(
-            shunt_point(self.rig.settings.load_cell, ohm, self._known_zero(), self._volts()), f"shunt, {ohm:g} ohm"
+            shunt_point(self.rig.settings.load_cell, ohm, self._require_zero(), self._volts()), f"shunt, {ohm:g} ohm"
         )
-        return self.found.scale
+        return self.calibration.scale
 
     @property
     def doubt(self) -> str:
         """A sentence where the scale is far from that of the settings; empty where it is not."""
-        return doubt(self.found.scale, self.rig.settings.load_cell.scale)
+        return doubt(self.calibration.scale, self.rig.settings.load_cell.scale)
 
-    def save(self, folder: str | Path, told: Mapping[str, str] | None = None) -> Path:
+    def save(self, folder: str | Path, metadata: Mapping[str, str] | None = None) -> Path:
         """Keep it beside the rig's settings, and use it from now on."""
-        self.rig.calibration = self.found
-        return save_calibration(self.found, folder, told)
+        self.rig.calibration = self.calibration
+        return save_calibration(self.calibration, folder, metadata)
 
-    def _known_zero(self) -> float:
+    def _require_zero(self) -> float:
         if not self._zeroed:
             raise InputError("the zero was not read yet; read it first, without load")
-        return self.found.zero
+        return self.calibration.zero
 
     def _scaled(self, scale: float, how: str) -> None:
-        self.found = replace(self.found, scale=scale, how=how)
+        self.calibration = replace(self.calibration, scale=scale, how=how)
 
     def _volts(self) -> float:
         volts, _ = self.rig.listen(self.seconds)
-        self.noise = float(np.std(volts[0])) * abs(self.found.scale)
+        self.noise = float(np.std(volts[0])) * abs(self.calibration.scale)
         return float(np.mean(volts[0]))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.rig.drive import Drive
-from dampyr.rig.firmware.protocol import MOST_POINTS, State, Status
+from dampyr.rig.firmware.protocol import MAX_POINTS, State, Status
 from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.settings import RigSettings
 
@@ -33,7 +33,7 @@ class Player:
         """The sample after the last."""
         return self.start + round(self.drive.duration * self.rig.board.rate) + 1
 
-    def kept(self, first: int, n: int) -> slice:
+    def recorded_slice(self, first: int, n: int) -> slice:
         """Which of n samples from ``first`` on are to be recorded."""
         rate, drive = self.rig.board.rate, self.drive
         begin = self.start + round(drive.record_from * drive.period * rate)
@@ -71,7 +71,7 @@ class Player:
         """Fill the queue up to `AHEAD`, or as far as there are places."""
         count = self.rig.encoder.count
         while self.sent < self.drive.n and free > 0:
-            n = min(MOST_POINTS, free, self.drive.n - self.sent)
+            n = min(MAX_POINTS, free, self.drive.n - self.sent)
             points = self.drive.displacement[self.sent : self.sent + n] / count
             self.uno.points(self.sent, [round(float(p)) for p in points])
             self.sent, free = self.sent + n, free - n

@@ -18,7 +18,7 @@ from dampyr.rig.acquisition import Acquisition
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import State
-from dampyr.rig.gc_control import hold, set_aside
+from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.ni_board import Board
 from dampyr.rig.instruments.uno import HERE, INDEX, Uno
 from dampyr.rig.interlock import Interlock, Samples
@@ -52,17 +52,17 @@ class Rig:
     warmth: Warmth = field(init=False)
 
     def __post_init__(self) -> None:
-        kept = load_calibration(self.folder) if self.folder else None
-        self.calibration = self.calibration or kept or calibration_of(self.settings)
+        saved = load_calibration(self.folder) if self.folder else None
+        self.calibration = self.calibration or saved or calibration_of(self.settings)
         self.warmth = Warmth(self.settings, self.settings.specimen.room)
         if self.threaded:
-            self.on_close.append(hold())
+            self.on_close.append(disable_gc())
 
     @contextmanager
     def armed(self) -> Iterator[Table]:
         """Let energy in; a `Table` that can be moved. On leaving: stop, coil to 0 V, rest, disarm, in this order."""
         if self.threaded:
-            set_aside()
+            freeze_objects()
         self.uno.hello()
         if self.uno.heartbeat().state is not State.IDLE:
             self.uno.disarm()
@@ -74,10 +74,10 @@ class Rig:
             table.begin()
             yield table
         except BaseException as problem:
-            table.leave(problem)
+            table.disarm(problem)
             raise
         else:
-            table.leave(None)
+            table.disarm(None)
 
     def listen(self, seconds: float = 1.0) -> tuple[Array, NDArray[np.int64]]:
         """What the board reads while nothing is armed: volts (channels, n) and counts (n,); the command is 0 V."""
@@ -118,7 +118,7 @@ class Table:
         self.loop = Acquisition(
             rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers
         )
-        self.check: Callable[[], None] = _go_on
+        self.check: Callable[[], None] = no_check
 
     def begin(self) -> None:
         """Start sampling and arm; the board and the Uno are aligned where the table rests."""
@@ -131,7 +131,7 @@ class Table:
                 break
         self._align()
 
-    def leave(self, problem: BaseException | None) -> None:
+    def disarm(self, problem: BaseException | None) -> None:
         """Stop, coil to 0 V, rest, disarm; each is tried, and what fails is told with ``problem`` or raised."""
         failed: list[Exception] = []
         loop, uno = self.loop, self.rig.uno
@@ -274,7 +274,7 @@ class Table:
 
     def _played(self, player: Player, drive: Drive) -> Iterator[tuple[Samples, slice]]:
         for samples in self.loop.blocks():
-            yield samples, player.kept(samples.first, samples.n)
+            yield samples, player.recorded_slice(samples.first, samples.n)
             self.check()
             if self._early(drive, samples):
                 self.stop()
@@ -298,7 +298,7 @@ class Table:
             if samples.status.state is State.ARMED:
                 return
 
-    def quiet(self) -> None:
+    def soft_stop(self) -> None:
         """Slow down and cut the coil, whatever fails; the way out follows."""
         with self.loop.lock:
             self.loop.player = None
@@ -323,5 +323,5 @@ class Table:
                 return
 
 
-def _go_on() -> None:
+def no_check() -> None:
     """No reason to stop."""

@@ -175,9 +175,9 @@ class RigSettings:
 
 def load_settings(path: str | Path) -> RigSettings:
     """The settings in a ``rig.toml``; what it leaves out keeps its default. :class:`FileError` says what is wrong."""
-    told = load_toml(path)
+    document = load_toml(path)
     try:
-        return fill(RigSettings, told)
+        return fill(RigSettings, document)
     except FileError:
         raise
     except InputError as problem:
@@ -186,9 +186,9 @@ def load_settings(path: str | Path) -> RigSettings:
 
 def check(rig: RigSettings) -> None:
     """Raise :class:`InputError` where parts and limits contradict each other."""
-    limits, most = rig.limits, rig.load_cell.capacity * rig.load_cell.safe
-    if limits.force > min(most, rig.actuator.max_load):
-        least = min(most, rig.actuator.max_load)
+    limits, maximum = rig.limits, rig.load_cell.capacity * rig.load_cell.safe
+    if limits.force > min(maximum, rig.actuator.max_load):
+        least = min(maximum, rig.actuator.max_load)
         raise InputError(f"limits.force = {limits.force:g} N is more than the parts bear; give at most {least:g} N")
     if limits.stroke > min(rig.encoder.range, rig.actuator.stroke):
         least = min(rig.encoder.range, rig.actuator.stroke)
@@ -204,10 +204,10 @@ def check(rig: RigSettings) -> None:
             f"limits.voltage = {limits.voltage:g} V is more than supply.max_voltage = {rig.supply.max_voltage:g} V; lower it"
         )
     if rig.board.velocity_bandwidth > rig.board.rate / 4:
-        most = rig.board.rate / 4
+        maximum = rig.board.rate / 4
         raise InputError(
             f"board.velocity_bandwidth = {rig.board.velocity_bandwidth:g} Hz is too much for "
-            f"board.rate = {rig.board.rate:g} Hz; give at most {most:g} Hz"
+            f"board.rate = {rig.board.rate:g} Hz; give at most {maximum:g} Hz"
         )
     if limits.heartbeat < 2 * rig.board.block:
         raise InputError(

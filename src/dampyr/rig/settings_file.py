@@ -19,15 +19,15 @@ HEAD = (
 
 def write_settings(settings: RigSettings, path: str | Path) -> Path:
     """Write a commented ``rig.toml``, whole or not at all; `load_settings` gives equal settings back."""
-    path, told = Path(path), []
+    path, lines = Path(path), []
     for name, cls in get_type_hints(RigSettings).items():
         value = getattr(settings, name)
         if isinstance(value, str):
-            told.append(f"{name} = {_toml(value)}\n")
+            lines.append(f"{name} = {_toml(value)}\n")
         else:
             words = (cls.__doc__ or "").strip().split("\n")[0]
-            told.append(f"\n[{name}] # {words}\n" + "".join(_lines(value)))
-    write_whole(path, HEAD + "".join(told))
+            lines.append(f"\n[{name}] # {words}\n" + "".join(_lines(value)))
+    write_whole(path, HEAD + "".join(lines))
     return path
 
 

@@ -96,7 +96,7 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         m = fitting * max(1, math.ceil(dt / step / fitting * (1 - 1e-9)))
         compositions = tuple(site.composition for site in sites)
         rows = tuple(map(tuple, connections(cases.buildings[b], sites).tolist()))
-        together = cases.device == "cpu" and bouc_wen_branchless.together(
+        together = cases.device == "cpu" and bouc_wen_branchless.is_vectorisable(
             (site.composition, site.values) for site in sites
         )
         key = (b, rows, compositions, dt, together, m if takes(compositions) and not laws_of(sites) else None)
@@ -154,7 +154,7 @@ def rest_slopes(site: Site) -> tuple[float, float]:
 def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done: Shard) -> None:
     m, scales = kind[-1], len(cases.scales)
     made = _made(cases, kind, members[0].sites, m)
-    lot = Lot.of(cases, sorted(members, key=lambda member: cases.motions[member.motion].n))
+    lot = Batch.of(cases, sorted(members, key=lambda member: cases.motions[member.motion].n))
     for first in range(0, len(members) * scales, made.most):
         who, scale = np.divmod(np.arange(first, min(first + made.most, len(members) * scales)), scales)
         found = lot.march(made, who, cases.scales[scale])
@@ -165,7 +165,7 @@ def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done:
 
 
 @dataclass(frozen=True, eq=False)
-class Lot:
+class Batch:
     """Members of one kind: what an engine asks of each, a row for a member."""
 
     rows: Integers
@@ -175,7 +175,7 @@ class Lot:
     delays: Array
 
     @classmethod
-    def of(cls, cases: Cases, members: list[Member]) -> Lot:
+    def of(cls, cases: Cases, members: list[Member]) -> Batch:
         """Members in their order."""
         count, known = len(members[0].sites), {id(member.sites): _rest(member.sites) for member in members}
         return cls(

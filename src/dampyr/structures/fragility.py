@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.structures.ensemble_coordinates import UNITS
 from dampyr.structures.ida_capacity import Capacities, capacities
-from dampyr.structures.lognormal import Lognormal, by_capacity, by_yes_and_no, none
+from dampyr.structures.lognormal import Lognormal, by_capacity, fit_binomial, none
 from dampyr.structures.peaks import INTENSITIES, Group, groups
 
 Array = NDArray[np.float64]
@@ -201,13 +201,13 @@ def _curve(group: Group, limit: float, weights: Array) -> Curve:
     exceeds = lost | (group.peaks > limit)
     count = _Counts(group.intensity, exceeds.sum(axis=0), exceeds.shape[0])
     levels, yes, of = count.of(np.ones(len(group.intensity)))
-    curve = by_yes_and_no(levels, yes, of)
+    curve = fit_binomial(levels, yes, of)
     reached = capacities(group, limit)
     direct = by_capacity(*reached.points()) if group.peaks.shape[-1] > 1 else none("one scale only; run several")
     drawn = np.full((len(weights), 2), np.nan)
     if curve.found and len(group.intensity) > 1:
         for k, weight in enumerate(weights):
-            one = by_yes_and_no(*count.of(weight))
+            one = fit_binomial(*count.of(weight))
             drawn[k] = one.theta, one.beta
     return Curve(
         group.name, curve.theta, curve.beta, curve.reason, direct, reached, levels, yes, of, int(lost.sum()), drawn,

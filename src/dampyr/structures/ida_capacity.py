@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dampyr.structures.peaks import Group
 
 Array = NDArray[np.float64]
-KNOWN, ABOVE, BELOW = 0, 1, -1
+REACHED, RIGHT_CENSORED, LEFT_CENSORED = 0, 1, -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,17 +24,17 @@ class Capacities:
     @property
     def known(self) -> int:
         """How many lie inside the scales."""
-        return int((self.kind == KNOWN).sum())
+        return int((self.kind == REACHED).sum())
 
     @property
     def above(self) -> int:
         """How many never exceeded the limit."""
-        return int((self.kind == ABOVE).sum())
+        return int((self.kind == RIGHT_CENSORED).sum())
 
     @property
     def below(self) -> int:
         """How many exceeded it at the weakest scale already."""
-        return int((self.kind == BELOW).sum())
+        return int((self.kind == LEFT_CENSORED).sum())
 
     def points(self) -> tuple[Array, Array, Array]:
         """Values, kinds and weights 1, as rows."""
@@ -51,11 +51,13 @@ def capacities(group: Group, limit: float) -> Capacities:
     exceeds = np.isnan(peaks) | (peaks > limit)
     first = np.argmax(exceeds, axis=2)
     ever = exceeds.any(axis=2)
-    kind = np.select([~ever, first == 0], [ABOVE, BELOW], KNOWN)
+    kind = np.select([~ever, first == 0], [RIGHT_CENSORED, LEFT_CENSORED], REACHED)
     before = np.maximum(first - 1, 0)
     x0, x1 = (np.take_along_axis(np.broadcast_to(x, peaks.shape), k[..., None], 2)[..., 0] for k in (before, first))
     p0, p1 = (np.take_along_axis(peaks, k[..., None], 2)[..., 0] for k in (before, first))
     with np.errstate(invalid="ignore", divide="ignore"):
         inside = np.where(np.isnan(p1), np.sqrt(x0 * x1), x0 + (x1 - x0) * (limit - p0) / (p1 - p0))
-    value = np.select([kind == ABOVE, kind == BELOW], [np.broadcast_to(x[..., -1], kind.shape), x1], inside)
+    value = np.select(
+        [kind == RIGHT_CENSORED, kind == LEFT_CENSORED], [np.broadcast_to(x[..., -1], kind.shape), x1], inside
+    )
     return Capacities(value, kind)

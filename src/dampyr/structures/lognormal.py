@@ -49,7 +49,7 @@ def none(reason: str) -> Lognormal:
     return Lognormal(math.nan, math.nan, reason)
 
 
-def by_yes_and_no(x: Array, yes: Array, cases: Array) -> Lognormal:
+def fit_binomial(x: Array, yes: Array, cases: Array) -> Lognormal:
     """The curve through ``yes`` of ``cases`` at each intensity ``x`` (points,), binomial likelihood [Baker2015]_, eq. 11."""
     no = cases - yes
     if not yes.sum() > 0:

@@ -17,7 +17,7 @@ from dampyr.errors import InputError
 from dampyr.records import Record, read_campaign
 from dampyr.rig.drive import Reversals
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.simulation.twin_validation import SETTLING, Character, character, open_loop
+from dampyr.rig.simulation.twin_validation import SETTLING, Characteristics, characteristics, open_loop
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,8 +36,8 @@ class Pair:
     top: int
     measured: Record
     simulated: Record
-    theirs: Character
-    ours: Character
+    theirs: Characteristics
+    ours: Characteristics
 
 
 def pairs(folder: str | Path, settings: RigSettings | None = None) -> list[Pair]:
@@ -49,12 +49,12 @@ def pairs(folder: str | Path, settings: RigSettings | None = None) -> list[Pair]
 def _pair(records: Sequence[Record], settings: RigSettings, voltage: float, top: int) -> Pair:
     drive = Reversals(duty=top / 255, half_period=top * SLOPES[voltage], pause=PAUSE)
     ours = open_loop(settings, drive, voltage)
-    found = [(r, character(r)) for r in records if abs(float(np.mean(r.voltage)) - voltage) < 0.01]  # type: ignore[arg-type]
+    found = [(r, characteristics(r)) for r in records if abs(float(np.mean(r.voltage)) - voltage) < 0.01]  # type: ignore[arg-type]
     if not found:
         raise InputError(f"the folder has no record at {voltage:g} V; give the folder of the original campaign")
     period = 2 * (drive.half_period + drive.pause)
     record, theirs = min(found, key=lambda each: abs(each[1].period - period))
-    return Pair(voltage, top, record, ours, theirs, character(ours))
+    return Pair(voltage, top, record, ours, theirs, characteristics(ours))
 
 
 def table(found: Sequence[Pair]) -> list[dict[str, float | str]]:

@@ -16,10 +16,10 @@ PROBE = """
 import sys, numpy as np
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
-from dampyr.models import march
+from dampyr.models import path_integration
 d = Damper("dahl", {"dahl.kx": 0.0, "dahl.kw": 1.0, "dahl.rho": 100.0})
 f = d.force(np.array([0.0, 1.0]), np.array([0.0, 0.01]), voltage=0.0, velocity=np.zeros(2))
-stats = bind(march.march, (d.composition,)).stats
+stats = bind(path_integration.march, (d.composition,)).stats
 print(repr(float(f[-1])), sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
 """
 

@@ -253,7 +253,7 @@ def test_a_specimen_over_current_and_a_range_that_is_left() -> None:
         input="A",
     )  # fmt: skip
     said: list[str] = []
-    made, host = rig(specimen=specimen, told=lambda time, words: said.append(words))
+    made, host = rig(specimen=specimen, on_event=lambda time, words: said.append(words))
     host.arm()
     made.write(4.4)
     follow(made, host, sine(0.005, 1.0, 3, 0.01))

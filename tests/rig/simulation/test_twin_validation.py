@@ -9,7 +9,7 @@ from dampyr.errors import InputError
 from dampyr.records import Record, read_campaign
 from dampyr.rig.drive import Reversals
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.simulation.twin_validation import Character, character, open_loop
+from dampyr.rig.simulation.twin_validation import Characteristics, characteristics, open_loop
 
 VOLTAGES = (0.0, 0.8712, 1.98, 3.212)
 TOPS = (248, 165)
@@ -22,11 +22,11 @@ def drive(voltage: float, top: int) -> Reversals:
 
 
 @pytest.fixture(scope="module")
-def simulated() -> dict[tuple[float, int], Character]:
-    return {(v, top): character(open_loop(RigSettings(), drive(v, top), v)) for v in VOLTAGES for top in TOPS}
+def simulated() -> dict[tuple[float, int], Characteristics]:
+    return {(v, top): characteristics(open_loop(RigSettings(), drive(v, top), v)) for v in VOLTAGES for top in TOPS}
 
 
-def within_bands(found: Character) -> None:
+def within_bands(found: Characteristics) -> None:
     """What holds for every record of the original rig, and for every simulated one."""
     assert 0.026 < found.peak_speed < 0.076
     assert 0.02 < found.third < 0.09
@@ -39,7 +39,9 @@ def within_bands(found: Character) -> None:
 
 
 @pytest.mark.parametrize("voltage", VOLTAGES)
-def test_simulated_records_lie_in_the_bands(simulated: dict[tuple[float, int], Character], voltage: float) -> None:
+def test_simulated_records_lie_in_the_bands(
+    simulated: dict[tuple[float, int], Characteristics], voltage: float
+) -> None:
     for top in TOPS:
         within_bands(simulated[voltage, top])
 
@@ -47,17 +49,17 @@ def test_simulated_records_lie_in_the_bands(simulated: dict[tuple[float, int], C
 def test_measured_records_lie_in_the_bands(campaign_folder: Path) -> None:
     for record in read_campaign(campaign_folder):
         if record.role == "fit":
-            within_bands(character(record))
+            within_bands(characteristics(record))
 
 
-def nearest(records: list[Record], voltage: float, period: float) -> Character:
+def nearest(records: list[Record], voltage: float, period: float) -> Characteristics:
     """The measured record at a voltage whose period is nearest."""
-    found = [character(r) for r in records if abs(float(np.mean(r.voltage)) - voltage) < 0.01]
+    found = [characteristics(r) for r in records if abs(float(np.mean(r.voltage)) - voltage) < 0.01]
     return min(found, key=lambda each: abs(each.period - period))
 
 
 def test_each_resembles_the_record_of_the_same_drive(
-    campaign_folder: Path, simulated: dict[tuple[float, int], Character]
+    campaign_folder: Path, simulated: dict[tuple[float, int], Characteristics]
 ) -> None:
     records = [r for r in read_campaign(campaign_folder) if r.role == "fit" and r.voltage is not None]
     for (voltage, _), ours in simulated.items():
@@ -68,7 +70,7 @@ def test_each_resembles_the_record_of_the_same_drive(
         assert ours.force_span == pytest.approx(theirs.force_span, rel=0.25)
 
 
-def test_amplitude_falls_with_voltage(simulated: dict[tuple[float, int], Character]) -> None:
+def test_amplitude_falls_with_voltage(simulated: dict[tuple[float, int], Characteristics]) -> None:
     for top in TOPS:
         strokes = [simulated[v, top].stroke for v in (0.0, 1.98, 3.212)]  # at 0.8712 V the ramp was slower
         assert strokes == sorted(strokes, reverse=True)
@@ -79,7 +81,7 @@ def test_what_is_measured_of_a_made_up_record_is_what_was_made() -> None:
     w = 2 * np.pi * 0.9
     x = np.where(t < 1, 0.0, 0.01 * np.sin(w * (t - 1)) + 0.0005 * np.sin(3 * w * (t - 1)) + 2e-4 * (t - 1))
     force = np.round((120 + 300 * np.cos(w * t)) / 0.5) * 0.5
-    found = character(Record(t, np.round(x / 1e-5) * 1e-5, force))
+    found = characteristics(Record(t, np.round(x / 1e-5) * 1e-5, force))
     assert found.period == pytest.approx(1 / 0.9, rel=2e-3)
     assert found.stroke == pytest.approx(0.02, rel=5e-3)
     assert found.third == pytest.approx(0.05, abs=1e-3)
@@ -92,7 +94,7 @@ def test_what_is_measured_of_a_made_up_record_is_what_was_made() -> None:
 def test_a_record_of_two_cycles_is_too_short() -> None:
     t = np.arange(0, 3.2, 0.01)
     with pytest.raises(InputError, match="at least 3"):
-        character(Record(t, 0.01 * np.sin(2 * np.pi * t), np.cos(t)))
+        characteristics(Record(t, 0.01 * np.sin(2 * np.pi * t), np.cos(t)))
 
 
 def test_a_drive_beyond_the_limits_is_refused() -> None:

@@ -114,11 +114,11 @@ def test_strict_is_respond():
 def test_which_states_walk_together(name, values, together):
     composition = compose(name)
     given = np.array([values.get(key.split(".")[1], 1.0) for key in composition.parameters])
-    assert bouc_wen_branchless.together([(composition, given)]) is together
+    assert bouc_wen_branchless.is_vectorisable([(composition, given)]) is together
 
 
 def test_one_that_cannot_keeps_all_apart():
     composition = compose("bouc_wen")
     usual, sharp = np.array([1, 1, 1, 1, 1, 1.5]), np.array([1, 1, 1, 1, 1, 9.0])
-    assert bouc_wen_branchless.together([(composition, usual), (composition, usual)])
-    assert not bouc_wen_branchless.together([(composition, usual), (composition, sharp)])
+    assert bouc_wen_branchless.is_vectorisable([(composition, usual), (composition, usual)])
+    assert not bouc_wen_branchless.is_vectorisable([(composition, usual), (composition, sharp)])

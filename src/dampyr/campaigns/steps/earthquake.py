@@ -50,7 +50,7 @@ class Earthquake:
         """What the motion is called in words and names."""
         return self.motion if self.motion == BUILT_IN else Path(self.motion).stem
 
-    def beside(self, folder: Path) -> Self:
+    def located_in(self, folder: Path) -> Self:
         """The same step with its file looked for in ``folder``."""
         return self if self.motion == BUILT_IN else replace(self, motion=str(folder / self.motion))
 

@@ -47,5 +47,5 @@ class GasForce:
 
     def peaks(self, rig: RigSettings) -> Peaks:
         """A and the speed, or what the longest move reaches: from the middle to the first place, or between two."""
-        longest = self.amplitude * max(1.0, 2 / (self.places - 1))
-        return Peaks(self.amplitude, top_speed(longest, self.speed))
+        max_travel = self.amplitude * max(1.0, 2 / (self.places - 1))
+        return Peaks(self.amplitude, top_speed(max_travel, self.speed))

@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from dampyr.campaigns.paths import AFTER, LONGEST
+from dampyr.campaigns.paths import AFTER, MAX_DURATION
 from dampyr.campaigns.step import Peaks, Period, Rest, Volts, at_least, check_ranges
 from dampyr.errors import InputError
 from dampyr.rig import Drive, RigSettings
@@ -45,9 +45,9 @@ class Reversals:
     def drive(self, rig: RigSettings) -> Drive:
         """How long it takes, the voltage, and the reversals; its set points of the table are all 0."""
         length = self.rest_before + self.count * (self.half_period + self.pause) + AFTER
-        if length > LONGEST:
+        if length > MAX_DURATION:
             raise InputError(
-                f"the reversals take {length / 60:.4g} min, at most {LONGEST / 60:g} min are drawn; shorten them"
+                f"the reversals take {length / 60:.4g} min, at most {MAX_DURATION / 60:g} min are drawn; shorten them"
             )
         n = round(length / self.period) + 1
         timed = Timed(self.duty, self.half_period, self.pause, self.count)

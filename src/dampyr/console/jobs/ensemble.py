@@ -24,38 +24,38 @@ BAND = 0.9
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
     """``request`` is an `EnsembleAsked`."""
-    asked = EnsembleAsked(**request)
-    found = _dataset(asked, data_of(folder), progress)
+    parsed = EnsembleAsked(**request)
+    dataset = _dataset(parsed, data_of(folder), progress)
     progress("fragility", 0.97)
-    curves = fragility(found, quantity=asked.quantity, limit=asked.limit, seed=asked.seed)
-    write_ensemble_page(found, folder / PAGE, [curves])
-    columns, units, rows = summary_rows(found)
-    told = {
-        "cases": found.attrs["cases"],
+    curves = fragility(dataset, quantity=parsed.quantity, limit=parsed.limit, seed=parsed.seed)
+    write_ensemble_page(dataset, folder / PAGE, [curves])
+    columns, units, rows = summary_rows(dataset)
+    summary = {
+        "cases": dataset.attrs["cases"],
         "limit": limit_in_words(curves),
         "motions": curves.motions,
         "peaks": {"columns": columns, "units": units, "rows": rows},
         "table": {"columns": list(COLUMNS), "units": fragility_units(curves), "rows": fragility_rows(curves)},
         "remarks": remarks(curves),
-        "trust": list(trust(found)),
+        "trust": list(trust(dataset)),
         "curves": [_curve(one) for one in curves.curves],
     }
-    return dict(plain(told))
+    return dict(plain(summary))
 
 
-def _dataset(asked: EnsembleAsked, data: Path, progress: Callable[[str, float], None]) -> Any:
-    damper = asked.damper.damper(data)
-    inputs, word = asked.damper.all_inputs(damper), asked.damper.word(damper)
-    count = asked.motions if asked.motion.kind == "kanai_tajimi" else 1
-    motions = [asked.motion.motion(data, seed=(asked.seed, k)) for k in range(1, count + 1)]
+def _dataset(request: EnsembleAsked, data: Path, progress: Callable[[str, float], None]) -> Any:
+    damper = request.damper.damper(data)
+    inputs, word = request.damper.all_inputs(damper), request.damper.word(damper)
+    count = request.motions if request.motion.kind == "kanai_tajimi" else 1
+    motions = [request.motion.motion(data, seed=(request.seed, k)) for k in range(1, count + 1)]
     cases = ensemble_cases(
-        asked.building.building(),
+        request.building.building(),
         motions,
-        [None, {asked.damper.storey: damper}],
+        [None, {request.damper.storey: damper}],
         inputs if word == "voltage" else None,
-        asked.scales,
+        request.scales,
         currents=inputs if word == "current" else None,
-        allow_extrapolation=asked.damper.allow_extrapolation,
+        allow_extrapolation=request.damper.allow_extrapolation,
     )
     workers = max(1, (os.cpu_count() or 2) - 1)
     with ThreadPoolExecutor(workers) as pool:

@@ -38,7 +38,7 @@ from dampyr.report.fit_sections import parameter_table, score_table
 from dampyr.report.leaderboard_section import leaderboard_section
 from dampyr.to_json import plain
 
-MOST_WORKERS = 8
+MAX_WORKERS = 8
 Tell = Callable[[str, float], None]
 
 
@@ -53,19 +53,19 @@ def run(request: dict[str, Any], folder: Path, progress: Tell) -> dict[str, Any]
         )
     options = {"loss": request["loss"], "bandwidth": request["bandwidth"]}
     board = None if request["model"] else _ranked(fitted, request["tried"], options, progress)
-    found, checks = _joint(request["model"], fitted, options, request["predict"], board, progress)
+    fit_result, checks = _joint(request["model"], fitted, options, request["predict"], board, progress)
     progress("writing the page", 0.9)
     sections = [leaderboard_section(board)] if board else []
-    write_fit_page(found, folder / PAGE, sections, checks)
-    if found.damper is not None:
-        _card(found, board).save(folder / CARD)
+    write_fit_page(fit_result, folder / PAGE, sections, checks)
+    if fit_result.damper is not None:
+        _card(fit_result, board).save(folder / CARD)
     held = [record for record in chosen if record.role == "validation"]
-    write_whole(folder / CURVES, json.dumps(_curves(found, held)))
-    return _told(found, checks, board, held)
+    write_whole(folder / CURVES, json.dumps(_curves(fit_result, held)))
+    return _summarise(fit_result, checks, board, held)
 
 
 def _ranked(records: list[Record], tried: list[str], options: dict[str, Any], progress: Tell) -> Leaderboard:
-    cores = max(1, min((os.cpu_count() or 2) - 1, MOST_WORKERS))  # one is left to the console and the rig
+    cores = max(1, min((os.cpu_count() or 2) - 1, MAX_WORKERS))  # one is left to the console and the rig
     with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as executor:
         return leaderboard(records, tried or None, executor=executor, progress=progress, **options)
 
@@ -84,36 +84,40 @@ def _joint(
         return board.winner.fit, list(board.winner.validations)
     assert model is not None
     fixed = held_in(model)
-    found = fit(model, records, fixed=fixed, progress=lambda k, _: progress("identifying", k / (k + 20.0)), **options)
+    fit_result = fit(
+        model, records, fixed=fixed, progress=lambda k, _: progress("identifying", k / (k + 20.0)), **options
+    )
     if not split:
-        return found, []
+        return fit_result, []
 
     def tell(done: float) -> None:
         progress(f"predicting by {split}", done)
 
-    return found, [cross_validate(model, records, split, progress=tell, fixed=fixed, **options)]
+    return fit_result, [cross_validate(model, records, split, progress=tell, fixed=fixed, **options)]
 
 
-def _card(found: Fit, board: Leaderboard | None) -> Any:
-    assert found.damper is not None
+def _card(fit_result: Fit, board: Leaderboard | None) -> Any:
+    assert fit_result.damper is not None
     if board is None:
-        return found.damper
+        return fit_result.damper
     chosen = f"the lowest validation error, {100 * board.winner.error:.3g} %, of {len(board.screened)} models"
-    return replace(found.damper, provenance=dict(found.damper.provenance) | {"chosen": chosen})
+    return replace(fit_result.damper, provenance=dict(fit_result.damper.provenance) | {"chosen": chosen})
 
 
-def _told(found: Fit, checks: list[Validation], board: Leaderboard | None, held: list[Record]) -> dict[str, Any]:
-    parameters, scores = parameter_table(found), score_table(found.scores, "")
-    l1 = [one.l1 for one in found.scores.values()]
+def _summarise(
+    fit_result: Fit, checks: list[Validation], board: Leaderboard | None, held: list[Record]
+) -> dict[str, Any]:
+    parameters, scores = parameter_table(fit_result), score_table(fit_result.scores, "")
+    l1 = [one.l1 for one in fit_result.scores.values()]
     return {
-        "model": str(found.problem.composition),
-        "input": found.damper.input if found.damper else found.records[0].input,
-        "range": found.damper.range if found.damper else None,
-        "card": found.damper is not None,
-        "converged": found.converged,
-        "reason": found.reason,
-        "doubts": [*warnings_of(found.residuals), *found.notes],
-        "findings": list(findings(found.residuals)),
+        "model": str(fit_result.problem.composition),
+        "input": fit_result.damper.input if fit_result.damper else fit_result.records[0].input,
+        "range": fit_result.damper.range if fit_result.damper else None,
+        "card": fit_result.damper is not None,
+        "converged": fit_result.converged,
+        "reason": fit_result.reason,
+        "doubts": [*warnings_of(fit_result.residuals), *fit_result.notes],
+        "findings": list(findings(fit_result.residuals)),
         "mean_l1": float(np.mean(l1)),
         "parameters": {
             "columns": list(parameters.columns),
@@ -125,8 +129,8 @@ def _told(found: Fit, checks: list[Validation], board: Leaderboard | None, held:
             "units": list(scores.units),
             "rows": [list(r) for r in scores.rows],
         },
-        "records": [record.name for record in (*found.records, *held)],
-        "held": _predicted(found, held),
+        "records": [record.name for record in (*fit_result.records, *held)],
+        "held": _predicted(fit_result, held),
         "predictions": [
             {
                 "split": one.split,
@@ -140,17 +144,17 @@ def _told(found: Fit, checks: list[Validation], board: Leaderboard | None, held:
     }
 
 
-def _predicted(found: Fit, held: list[Record]) -> list[dict[str, Any]]:
+def _predicted(fit_result: Fit, held: list[Record]) -> list[dict[str, Any]]:
     """How well it predicts the validation records that were chosen."""
-    if found.damper is None:
+    if fit_result.damper is None:
         return []
-    told = []
+    scores = []
     for record in held:
         try:
-            told.append({"record": record.name, "l1": score(found.damper, record).l1, "problem": ""})
+            scores.append({"record": record.name, "l1": score(fit_result.damper, record).l1, "problem": ""})
         except InputError as problem:
-            told.append({"record": record.name, "l1": math.nan, "problem": str(problem)})
-    return told
+            scores.append({"record": record.name, "l1": math.nan, "problem": str(problem)})
+    return scores
 
 
 def _board(board: Leaderboard) -> list[dict[str, Any]]:
@@ -158,16 +162,16 @@ def _board(board: Leaderboard) -> list[dict[str, Any]]:
     return [{key: getattr(one, key) for key in keys} for one in board.entries]
 
 
-def _curves(found: Fit, held: list[Record]) -> dict[str, Any]:
+def _curves(fit_result: Fit, held: list[Record]) -> dict[str, Any]:
     """Lines by record: measured and modelled force over time, displacement and velocity, and what is left."""
     made = {
         piece.name: _lines(piece.t, piece.x, piece.v, piece.force, force)
-        for piece, force in zip(found.problem.pieces, found.forces, strict=True)
+        for piece, force in zip(fit_result.problem.pieces, fit_result.forces, strict=True)
     }
-    for record in held if found.damper is not None else ():
+    for record in held if fit_result.damper is not None else ():
         try:
-            assert found.damper is not None
-            at, force = score(found.damper, record), prediction(found.damper, record)
+            assert fit_result.damper is not None
+            at, force = score(fit_result.damper, record), prediction(fit_result.damper, record)
         except InputError:
             continue
         v = record.velocity if record.velocity is not None else np.gradient(record.displacement, record.time)

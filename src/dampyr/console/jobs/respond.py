@@ -25,17 +25,20 @@ POINTS = 1200
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
     """``request`` is a `ResponseAsked`."""
-    asked = ResponseAsked(**request)
+    parsed = ResponseAsked(**request)
     data = data_of(folder)
-    building, motion, damper = asked.building.building(), asked.motion.motion(data), asked.damper.damper(data)
-    inputs = asked.damper.all_inputs(damper)
+    building, motion, damper = parsed.building.building(), parsed.motion.motion(data), parsed.damper.damper(data)
+    inputs = parsed.damper.all_inputs(damper)
     progress("without damper", 0.0)
     cases = {BARE: respond(building, motion)}
     for k, u in enumerate(inputs, start=1):
         progress(f"case {k + 1} of {len(inputs) + 1}", k / (len(inputs) + 1))
-        given: dict[str, Any] = {asked.damper.word(damper): u, "allow_extrapolation": asked.damper.allow_extrapolation}
-        found = respond(building, motion, {asked.damper.storey: damper}, **given)
-        cases[found.laws[0] or f"{u:g} {damper.input}"] = found
+        given: dict[str, Any] = {
+            parsed.damper.word(damper): u,
+            "allow_extrapolation": parsed.damper.allow_extrapolation,
+        }
+        response = respond(building, motion, {parsed.damper.storey: damper}, **given)
+        cases[response.laws[0] or f"{u:g} {damper.input}"] = response
     progress("writing the page", 0.95)
     write_response_page(cases, folder / PAGE)
     write_whole(folder / CURVES, json.dumps(_curves(cases)))
@@ -43,11 +46,11 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "title": f"{building.name}, {motion.name}",
         "floors": list(cases[BARE].floors),
         "unit": damper.input,
-        "cases": [_told(name, each) for name, each in cases.items()],
+        "cases": [_summarise(name, each) for name, each in cases.items()],
     }
 
 
-def _told(name: str, r: Response) -> dict[str, Any]:
+def _summarise(name: str, r: Response) -> dict[str, Any]:
     """Peaks and energies of a case, SI."""
     e = r.energy
     ends = {
@@ -57,7 +60,7 @@ def _told(name: str, r: Response) -> dict[str, Any]:
         "moving": e.kinetic + e.strain,
         "residual": e.residual,
     }
-    told = {
+    summary = {
         "name": name,
         "peak_displacement": r.peak_displacement,
         "peak_drift": r.peak_drift,
@@ -72,7 +75,7 @@ def _told(name: str, r: Response) -> dict[str, Any]:
         "reason": r.reason,
         "outside": list(r.outside),
     }
-    return dict(plain(told))
+    return dict(plain(summary))
 
 
 def _curves(cases: dict[str, Response]) -> dict[str, Any]:

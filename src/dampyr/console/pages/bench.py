@@ -19,7 +19,7 @@ from dampyr.console.decimation import COLUMNS, as_lists
 from dampyr.console.grid import FOLDER
 from dampyr.console.guided import Step
 from dampyr.console.rigs import rig_names, rig_settings
-from dampyr.console.state import Here, House
+from dampyr.console.state import AppState, Here
 from dampyr.console.stream import ABORTING, Stream
 from dampyr.errors import InputError
 
@@ -33,62 +33,62 @@ router = APIRouter()
 
 def bench(here: Here) -> Bench:
     """The bench of this console."""
-    found: Bench = here.own["bench"]
-    return found
+    session: Bench = here.own["bench"]
+    return session
 
 
-Known = Annotated[Bench, Depends(bench)]
+CurrentBench = Annotated[Bench, Depends(bench)]
 
 
 @asynccontextmanager
-async def lifespan(house: House) -> AsyncIterator[None]:
+async def lifespan(app_state: AppState) -> AsyncIterator[None]:
     """A bench for as long as the console runs; at its end the rig is disarmed."""
-    made = house.own["bench"] = Bench(house.data)
+    made = app_state.own["bench"] = Bench(app_state.data)
     try:
         yield
     finally:
         await asyncio.to_thread(made.close)
 
 
-class Asked(BaseModel):
+class ClientRequest(BaseModel):
     """Who asks: the id with which a page opened its stream."""
 
     client: str = Field(pattern=ID)
 
 
-class Connect(Asked):
+class Connect(ClientRequest):
     """Which rig: a name of the list, empty for the original one; simulated, or at the end of its wires."""
 
     rig: str = Field("", max_length=100)
     simulate: bool = True
 
 
-class Home(Asked):
+class Home(ClientRequest):
     """Look for the index mark, or take the place where the table stands (``here``) for the middle."""
 
     here: bool = False
 
 
-class Jog(Asked):
+class Jog(ClientRequest):
     """m/s, extension positive; 0 stops."""
 
     speed: float = Field(ge=-1.0, le=1.0)
 
 
-class Calibration(Asked):
+class Calibration(ClientRequest):
     """A step; ``load`` is a force or a mass such as "20 kg", or the shunt's resistance such as "100 kohm"."""
 
     step: Step
     load: str = Field("", max_length=40)
 
 
-class Keep(Asked):
+class Keep(ClientRequest):
     """Whether what was found is kept."""
 
     keep: bool
 
 
-class Start(Asked):
+class Start(ClientRequest):
     """Which campaign of the list, and into which folder below ``runs``; one that holds a part of it is gone on with."""
 
     campaign: str = Field(max_length=100)
@@ -126,31 +126,33 @@ class Done(BaseModel):
 
 
 @router.get("")
-def read(bench: Known) -> BenchState:
+def read(bench: CurrentBench) -> BenchState:
     """How the bench is."""
     return bench.state()
 
 
 @router.get("/strips")
-def strips(bench: Known, seconds: Annotated[float, Query(gt=0.0, le=30.0)] = 12.0) -> dict[str, list[float | None]]:
+def strips(
+    bench: CurrentBench, seconds: Annotated[float, Query(gt=0.0, le=30.0)] = 12.0
+) -> dict[str, list[float | None]]:
     """The last bins of the rig, least and greatest values of 10 ms each; empty lists where nothing was sampled yet."""
-    known = bench.strips
-    if known is None:
+    history = bench.strips
+    if history is None:
         return {name: [] for name in COLUMNS}
-    return as_lists(known.since(known.count - round(seconds / known.width))[1])
+    return as_lists(history.since(history.count - round(seconds / history.width))[1])
 
 
 @router.get("/rigs")
 def rigs(here: Here) -> list[RigFile]:
     """The rigs that can be connected; the original one first."""
-    found = []
+    rig_files = []
     for name in ("", *rig_names(here.data)):
         try:
             settings = rig_settings(here.data, name)
         except InputError:
             continue  # a file that is wrong is told of by `dampyr run --rig`
-        found.append(RigFile(name=name, title=settings.name, wired=bool(settings.wires.serial)))
-    return found
+        rig_files.append(RigFile(name=name, title=settings.name, wired=bool(settings.wires.serial)))
+    return rig_files
 
 
 @router.get("/runs")
@@ -165,128 +167,128 @@ def tests(here: Here, folder: Annotated[str, Query(max_length=100)]) -> list[Tes
     place = safe_paths.inside(here.data, f"{RUNS}/{folder}")
     if not (place / JOURNAL).is_file():
         return []
-    found, _ = read_journal(place)
-    return [TestState(name=each.name, state=each.state, attempt=each.attempt, reason=each.reason) for each in found]
+    entries, _ = read_journal(place)
+    return [TestState(name=each.name, state=each.state, attempt=each.attempt, reason=each.reason) for each in entries]
 
 
 @router.post("/control")
-def control(asked: Asked, bench: Known) -> Done:
+def control(request: ClientRequest, bench: CurrentBench) -> Done:
     """Take control, from whoever has it; what they moved stops."""
-    bench.clients.take(asked.client)
+    bench.clients.take(request.client)
     return Done()
 
 
 @router.post("/connect")
-def connect(asked: Connect, here: Here, bench: Known) -> Done:
+def connect(request: Connect, here: Here, bench: CurrentBench) -> Done:
     """Connect a rig."""
-    rig_settings(here.data, asked.rig)
-    bench.connect(asked.client, asked.rig, asked.simulate)
+    rig_settings(here.data, request.rig)
+    bench.connect(request.client, request.rig, request.simulate)
     return Done()
 
 
 @router.post("/disconnect")
-def disconnect(asked: Asked, bench: Known) -> Done:
+def disconnect(request: ClientRequest, bench: CurrentBench) -> Done:
     """Let go of the rig; an armed one is disarmed first."""
-    bench.disconnect(asked.client)
+    bench.disconnect(request.client)
     return Done()
 
 
 @router.post("/arm")
-def arm(asked: Asked, bench: Known) -> Done:
+def arm(request: ClientRequest, bench: CurrentBench) -> Done:
     """Let energy in."""
-    bench.arm(asked.client)
+    bench.arm(request.client)
     return Done()
 
 
 @router.post("/disarm")
-def disarm(asked: Asked, bench: Known) -> Done:
+def disarm(request: ClientRequest, bench: CurrentBench) -> Done:
     """Bring the table to rest, and let no energy in."""
-    bench.disarm(asked.client)
+    bench.disarm(request.client)
     return Done()
 
 
 @router.post("/home")
-def home(asked: Home, bench: Known) -> Done:
+def home(request: Home, bench: CurrentBench) -> Done:
     """Find the middle of the stroke."""
-    bench.home(asked.client, asked.here)
+    bench.home(request.client, request.here)
     return Done()
 
 
 @router.post("/jog")
-def jog(asked: Jog, bench: Known) -> Done:
+def jog(request: Jog, bench: CurrentBench) -> Done:
     """Move for a third of a second; ask again to move on."""
-    bench.jog(asked.client, asked.speed)
+    bench.jog(request.client, request.speed)
     return Done()
 
 
 @router.post("/zero")
-def zero(asked: Asked, bench: Known) -> Done:
+def zero(request: ClientRequest, bench: CurrentBench) -> Done:
     """Take the load cell's signal of a second for no force."""
-    bench.zero(asked.client)
+    bench.zero(request.client)
     return Done()
 
 
 @router.post("/calibration")
-def calibration(asked: Asked, bench: Known) -> Done:
+def calibration(request: ClientRequest, bench: CurrentBench) -> Done:
     """Begin the guided steps of calibrating the load cell."""
-    bench.calibrate(asked.client)
+    bench.calibrate(request.client)
     return Done()
 
 
 @router.post("/calibration/step")
-def calibration_step(asked: Calibration, bench: Known) -> Done:
+def calibration_step(request: Calibration, bench: CurrentBench) -> Done:
     """Read the load cell."""
-    bench.calibrate_step(asked.client, asked.step, asked.load)
+    bench.calibrate_step(request.client, request.step, request.load)
     return Done()
 
 
 @router.post("/calibration/end")
-def calibration_end(asked: Keep, bench: Known) -> Done:
+def calibration_end(request: Keep, bench: CurrentBench) -> Done:
     """Keep what was found, or forget it."""
-    bench.calibrate_end(asked.client, asked.keep)
+    bench.calibrate_end(request.client, request.keep)
     return Done()
 
 
 @router.post("/start")
-def start(asked: Start, here: Here, bench: Known) -> Done:
+def start(request: Start, here: Here, bench: CurrentBench) -> Done:
     """Check a campaign and run it, or what is left of it."""
-    path = safe_paths.existing(here.data, f"{FOLDER}/{asked.campaign}.toml")
-    folder = safe_paths.inside(here.data, f"{RUNS}/{asked.folder}")
+    path = safe_paths.existing(here.data, f"{FOLDER}/{request.campaign}.toml")
+    folder = safe_paths.inside(here.data, f"{RUNS}/{request.folder}")
     if folder.parent != here.data / RUNS:
-        raise InputError(f"folder = {asked.folder!r} is not allowed; give a name without /")
-    bench.start(asked.client, asked.campaign, path, folder)
+        raise InputError(f"folder = {request.folder!r} is not allowed; give a name without /")
+    bench.start(request.client, request.campaign, path, folder)
     return Done()
 
 
 @router.post("/pause")
-def pause(asked: Asked, bench: Known) -> Done:
+def pause(request: ClientRequest, bench: CurrentBench) -> Done:
     """Wait, armed and at rest, after the test under way."""
-    bench.pause(asked.client, True)
+    bench.pause(request.client, True)
     return Done()
 
 
 @router.post("/resume")
-def resume(asked: Asked, bench: Known) -> Done:
+def resume(request: ClientRequest, bench: CurrentBench) -> Done:
     """Go on."""
-    bench.pause(asked.client, False)
+    bench.pause(request.client, False)
     return Done()
 
 
 @router.post("/stop")
-def stop(asked: Asked, bench: Known) -> Done:
+def stop(request: ClientRequest, bench: CurrentBench) -> Done:
     """End the test under way in order, and the campaign with it."""
-    bench.stop(asked.client)
+    bench.stop(request.client)
     return Done()
 
 
 @router.post("/abort")
-async def abort(asked: Abort, bench: Known) -> Done:
+async def abort(request: Abort, bench: CurrentBench) -> Done:
     """Brake and cut the coil, now. Needs no control, and on this machine no token; answers when it is done."""
-    await asyncio.get_running_loop().run_in_executor(ABORTING, bench.abort, asked.who)
+    await asyncio.get_running_loop().run_in_executor(ABORTING, bench.abort, request.who)
     return Done()
 
 
 @router.websocket("/stream")
-async def stream(socket: WebSocket, bench: Known, client: Annotated[str, Query(pattern=ID)]) -> None:
+async def stream(socket: WebSocket, bench: CurrentBench, client: Annotated[str, Query(pattern=ID)]) -> None:
     """What a page shows, live (:mod:`dampyr.console.stream`)."""
     await Stream(bench, client, socket).run()

@@ -14,7 +14,7 @@ from dampyr.console import safe_paths
 from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS, EnsembleAsked, ResponseAsked
 from dampyr.console.cards import CARDS
 from dampyr.console.dampers import DamperLink, dampers
-from dampyr.console.job_routes import Id, JobState, told
+from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
 from dampyr.console.state import Here
 from dampyr.errors import MissingData
@@ -41,21 +41,19 @@ def list_choices(here: Here) -> Choices:
 
 
 @router.post("/responses", status_code=202)
-def respond(here: Here, asked: ResponseAsked) -> JobState:
+def respond(here: Here, request: ResponseAsked) -> JobState:
     """Start to compute a response; bare, and with the damper at each input."""
-    _check(here.data, asked)
-    title = (
-        f"{asked.building.kind.replace('_', '-')}, {asked.motion.kind.replace('_', ' ')}, {_shown(asked.damper.name)}"
-    )
-    return told(here.jobs.submit(RESPONSE, asked.model_dump(), title))
+    _check(here.data, request)
+    title = f"{request.building.kind.replace('_', '-')}, {request.motion.kind.replace('_', ' ')}, {_shown(request.damper.name)}"
+    return as_job_state(here.jobs.submit(RESPONSE, request.model_dump(), title))
 
 
 @router.post("/ensembles", status_code=202)
-def run_ensemble(here: Here, asked: EnsembleAsked) -> JobState:
+def run_ensemble(here: Here, request: EnsembleAsked) -> JobState:
     """Start an ensemble; its result holds fragility curves."""
-    _check(here.data, asked)
-    title = f"ensemble, {asked.motions} motions, {len(asked.scales)} scales, {_shown(asked.damper.name)}"
-    return told(here.jobs.submit(ENSEMBLE, asked.model_dump(), title))
+    _check(here.data, request)
+    title = f"ensemble, {request.motions} motions, {len(request.scales)} scales, {_shown(request.damper.name)}"
+    return as_job_state(here.jobs.submit(ENSEMBLE, request.model_dump(), title))
 
 
 @router.get("/responses/{id}/curves")
@@ -76,12 +74,12 @@ def give_page(here: Here, id: Id) -> FileResponse:
     return FileResponse(here.jobs.place(id) / PAGE, media_type="text/html", filename=f"{here.jobs.job(id).kind}.html")
 
 
-def _check(data: Any, asked: ResponseAsked | EnsembleAsked) -> None:
+def _check(data: Any, request: ResponseAsked | EnsembleAsked) -> None:
     """Say at once what is wrong with the question, rather than in the job."""
-    asked.building.building()
-    if asked.motion.kind == "file":
-        asked.motion.motion(data)
-    asked.damper.all_inputs(asked.damper.damper(data))
+    request.building.building()
+    if request.motion.kind == "file":
+        request.motion.motion(data)
+    request.damper.all_inputs(request.damper.damper(data))
 
 
 def _shown(name: str) -> str:

@@ -26,7 +26,7 @@ from dampyr.errors import InputError
 from dampyr.report.plan_page import plan_notes
 
 TITLE, ORDER = "Campaigns", 20
-LONGEST = 65536
+MAX_TEXT_LENGTH = 65536
 
 router = APIRouter()
 Name = Annotated[str, InPath(max_length=100)]
@@ -37,19 +37,19 @@ Values = Annotated[list[Number], Field(max_length=100)]
 class Text(BaseModel):
     """A campaign's TOML."""
 
-    text: str = Field(max_length=LONGEST)
+    text: str = Field(max_length=MAX_TEXT_LENGTH)
 
 
-class Asked(Text):
+class PlanRequest(Text):
     """A campaign's TOML on a rig; the original one without a name."""
 
     rig: str = Field("", max_length=100)
 
 
-class Saved(Asked):
+class Saved(PlanRequest):
     """A campaign to keep. ``replaces`` is the text that its file may hold; another text there is left alone."""
 
-    replaces: str | None = Field(None, max_length=LONGEST)
+    replaces: str | None = Field(None, max_length=MAX_TEXT_LENGTH)
 
 
 class GridForm(BaseModel):
@@ -119,21 +119,21 @@ def load(name: Name, here: Here) -> File:
 
 
 @router.put("/files/{name}")
-def save(name: Name, asked: Saved, here: Here) -> File:
+def save(name: Name, request: Saved, here: Here) -> File:
     """Save a campaign that can be read; what the rig cannot do may be saved."""
     path = safe_paths.inside(here.data, f"{FOLDER}/{name}.toml")
     if path.parent != here.data / FOLDER:
         raise InputError(f"{name!r} is no name of a campaign; leave / out")
-    _plan(asked, here)
-    safe_paths.check_quota(here.data, len(asked.text), here.quota)
+    _plan(request, here)
+    safe_paths.check_quota(here.data, len(request.text), here.quota)
     path.parent.mkdir(exist_ok=True)
     with safe_paths.ALONE:
-        if asked.replaces is not None and path.exists() and path.read_bytes() != asked.replaces.encode():
+        if request.replaces is not None and path.exists() and path.read_bytes() != request.replaces.encode():
             raise HTTPException(
                 409, f"{name!r} holds another campaign by now; open it anew, or save under another name"
             )
-        write_whole(path, asked.text)
-    return File(name=name, text=asked.text, grid=_grid(asked.text))
+        write_whole(path, request.text)
+    return File(name=name, text=request.text, grid=_grid(request.text))
 
 
 @router.post("/text")
@@ -143,31 +143,31 @@ def text(grid: GridForm) -> Text:
 
 
 @router.post("/plan")
-def dry_run(asked: Asked, here: Here) -> PlanAnswer:
+def dry_run(request: PlanRequest, here: Here) -> PlanAnswer:
     """What a campaign would ask of a rig, and all that it cannot do; nothing moves."""
-    return _plan(asked, here)
+    return _plan(request, here)
 
 
 def _grid(text: str) -> GridForm | None:
     try:
-        found = grid_of(text)
-        return None if found is None else GridForm(**vars(found))
+        grid = grid_of(text)
+        return None if grid is None else GridForm(**vars(grid))
     except (ValueError, TypeError):
         return None  # no grid: the page shows the text alone
 
 
-def _plan(asked: Asked, here: Here) -> PlanAnswer:
-    settings, path = rig_settings(here.data, asked.rig), rig_file(here.data, asked.rig)
-    found = planned_text(asked.text, here.data, settings, None if path is None else path.parent)
+def _plan(request: PlanRequest, here: Here) -> PlanAnswer:
+    settings, path = rig_settings(here.data, request.rig), rig_file(here.data, request.rig)
+    campaign_plan = planned_text(request.text, here.data, settings, None if path is None else path.parent)
     tests = [
         TestPlan(
             name=each.name, words=each.words, duration_s=each.duration, speed_mm_s=1e3 * each.peak_speed,
             position_mm=1e3 * each.peak_position, force_N=each.peak_force, voltage_V=each.peak_voltage,
             frequency_Hz=place_of(each.peak_speed, each.peak_position)[0], refusal=each.refusal,
         )
-        for each in found.tests
+        for each in campaign_plan.tests
     ]  # fmt: skip
     return PlanAnswer(
-        name=found.campaign.header.name, rig=found.rig.name, duration_s=found.duration, tests=tests,
-        notes=plan_notes(found), refusals=list(found.refusals), envelope=envelope_of(found),
+        name=campaign_plan.campaign.header.name, rig=campaign_plan.rig.name, duration_s=campaign_plan.duration, tests=tests,
+        notes=plan_notes(campaign_plan), refusals=list(campaign_plan.refusals), envelope=envelope_of(campaign_plan),
     )  # fmt: skip

@@ -11,9 +11,9 @@ from pydantic import BaseModel, Field
 
 from dampyr.console import record_sources, safe_paths
 from dampyr.console.cards import CARDS
-from dampyr.console.job_routes import Id, JobState, told
+from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CARD, CURVES, PAGE
-from dampyr.console.state import Here, House
+from dampyr.console.state import AppState, Here
 from dampyr.errors import InputError, MissingData
 from dampyr.identification.leaderboard import ADD_ONS, check_count
 from dampyr.models import Damper, compose, names
@@ -50,7 +50,7 @@ class Card(BaseModel):
     name: str = Field(min_length=1, max_length=80)
 
 
-class Kept(BaseModel):
+class SavedCard(BaseModel):
     """A card in the data folder."""
 
     name: str
@@ -74,20 +74,20 @@ def identify(here: Here, wanted: Wanted) -> JobState:
             compose(model)
     count = len(wanted.records)
     title = f"{wanted.model or 'the best model'}, {count} record{'s' if count > 1 else ''}"
-    return told(here.jobs.submit(KIND, wanted.model_dump(), title))
+    return as_job_state(here.jobs.submit(KIND, wanted.model_dump(), title))
 
 
 @router.get("/jobs/{id}/curves")
 def read_curves(here: Here, id: Id, record: Annotated[str, Query(max_length=200)]) -> dict[str, Any]:
     """Measured and modelled force of one record: over time, displacement and velocity; and the residual over time."""
-    found = json.loads((_done(here, id) / CURVES).read_text("utf-8"))
-    if record not in found:
+    curves = json.loads((_done(here, id) / CURVES).read_text("utf-8"))
+    if record not in curves:
         raise MissingData(f"{record!r} is not among the records of this fit")
-    return dict(found[record])
+    return dict(curves[record])
 
 
 @router.post("/jobs/{id}/card", status_code=201)
-def keep_card(here: Here, id: Id, card: Card) -> Kept:
+def keep_card(here: Here, id: Id, card: Card) -> SavedCard:
     """Keep the damper's card in the folder ``cards`` of the data folder; one that is there is not replaced."""
     source = _done(here, id) / CARD
     if not source.is_file():
@@ -102,7 +102,7 @@ def keep_card(here: Here, id: Id, card: Card) -> Kept:
         if target.exists():
             raise HTTPException(409, f"there is a card {card.name!r} already; choose another name")
         damper.save(target)
-    return Kept(name=target.name)
+    return SavedCard(name=target.name)
 
 
 @router.get("/jobs/{id}/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
@@ -111,7 +111,7 @@ def give_page(here: Here, id: Id) -> FileResponse:
     return FileResponse(_done(here, id) / PAGE, media_type="text/html", filename="identified.html")
 
 
-def _done(here: House, id: str) -> Any:
+def _done(here: AppState, id: str) -> Any:
     if here.jobs.job(id).kind != KIND:
         raise MissingData("that job identified nothing")
     here.jobs.result(id)

@@ -21,7 +21,7 @@ from dampyr.console import curves, limits, record_acceptance, record_sources, sa
 from dampyr.console import record_notes as written
 from dampyr.console.curves import Line
 from dampyr.console.error_responses import without_places
-from dampyr.console.security import MOST_UPLOAD
+from dampyr.console.security import MAX_UPLOAD
 from dampyr.console.state import Here
 from dampyr.errors import DampyrError, InputError
 from dampyr.records import Record
@@ -43,7 +43,7 @@ class SourceLink(BaseModel):
     title: str
 
 
-class Known(BaseModel):
+class RecordEntry(BaseModel):
     """A record in a list: ``about`` is what `dampyr records --json` tells of it, ``problem`` why it cannot be read."""
 
     key: str
@@ -68,7 +68,7 @@ class Note(BaseModel):
     """What a person wrote about a record."""
 
     key: str = Field(min_length=3, max_length=340)
-    text: str = Field(max_length=written.LONGEST)
+    text: str = Field(max_length=written.MAX_LENGTH)
 
 
 class Taken(BaseModel):
@@ -84,19 +84,19 @@ def list_sources(here: Here) -> list[SourceLink]:
 
 
 @router.get("/list")
-def list_records(here: Here, source: Annotated[str, Query(max_length=40)] = record_sources.OWN) -> list[Known]:
+def list_records(here: Here, source: Annotated[str, Query(max_length=40)] = record_sources.OWN) -> list[RecordEntry]:
     """The records of a source, measured and checked."""
     said = written.notes(here.data)
     return [
-        _known(here.data, key, said.get(key, ""))
+        _describe_record(here.data, key, said.get(key, ""))
         for key in record_sources.keys(record_sources.source(here.data, source))
     ]
 
 
 @router.get("/one")
-def read_one(here: Here, key: Key) -> Known:
+def read_one(here: Here, key: Key) -> RecordEntry:
     """What is known of one record."""
-    return Known(
+    return RecordEntry(
         key=key, about=plain(record_sources.described(here.data, key)), note=written.notes(here.data).get(key, "")
     )
 
@@ -211,11 +211,11 @@ def _with_velocity(record: Record) -> Record:
     return record if record.velocity is not None else records.with_velocity(record)
 
 
-def _known(data: Path, key: str, note: str) -> Known:
+def _describe_record(data: Path, key: str, note: str) -> RecordEntry:
     try:
-        return Known(key=key, about=plain(record_sources.described(data, key)), note=note)
+        return RecordEntry(key=key, about=plain(record_sources.described(data, key)), note=note)
     except DampyrError as problem:
-        return Known(key=key, problem=without_places(str(problem), data), note=note)
+        return RecordEntry(key=key, problem=without_places(str(problem), data), note=note)
 
 
 def _pairs(given: list[str]) -> dict[str, str]:
@@ -237,14 +237,14 @@ async def _incoming(data: Path) -> AsyncIterator[Path]:
 
 async def _receive(request: Request, path: Path, data: Path, quota: int) -> None:
     """Write the body to ``path`` as it comes, within the limits."""
-    room = quota - await to_thread.run_sync(safe_paths.used, data)
+    free_bytes = quota - await to_thread.run_sync(safe_paths.used, data)
     size = 0
     with path.open("wb") as file:
         async for piece in request.stream():
             size += len(piece)
-            if size > MOST_UPLOAD:
-                raise HTTPException(413, f"too large; at most {MOST_UPLOAD // 2**20} MiB are taken")
-            if 2 * size > room:
+            if size > MAX_UPLOAD:
+                raise HTTPException(413, f"too large; at most {MAX_UPLOAD // 2**20} MiB are taken")
+            if 2 * size > free_bytes:
                 raise HTTPException(
                     413, "the data folder is full; delete what is not needed, or start with a larger --quota"
                 )

@@ -69,22 +69,22 @@ def observe(r, counts):
 
 def watched(r, glitch):
     """The faults of this moment."""
-    found = 0
+    faults = 0
     if r[R_SINCE] > r[R_HEARTBEAT]:
-        found |= HEARTBEAT
+        faults |= HEARTBEAT
     if r[R_HOMED] and r[R_POSITION] < r[R_LOW]:
-        found |= LOW
+        faults |= LOW
     if r[R_HOMED] and r[R_POSITION] > r[R_HIGH]:
-        found |= HIGH
+        faults |= HIGH
     if abs(r[R_SPEED]) > r[R_MAX_SPEED]:
-        found |= SPEED
+        faults |= SPEED
     if stalled(r):
-        found |= STALL
+        faults |= STALL
     if r[R_STATE] == FOLLOWING and abs(r[R_TARGET] - r[R_POSITION]) > AWAY:
-        found |= LOST
+        faults |= LOST
     if glitch:
-        found |= ENCODER
-    return found
+        faults |= ENCODER
+    return faults
 
 
 def stalled(r):

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
 VERSION = 1
-MOST_BODY = 70
-MOST_POINTS = 16
+MAX_BODY = 70
+MAX_POINTS = 16
 QUEUE = 64  # set points that the Uno holds
 
 
@@ -133,8 +133,8 @@ class Status:
 def status_of(frame: Frame) -> Status:
     """The status in a STATUS reply."""
     time, state, faults, position, speed, duty, flags, free, nxt, bad = frame.values
-    known = (bool(flags & ENABLED), bool(flags & HOMED), bool(flags & LIMITED))
-    return Status(time, State(state), Fault(faults), position, speed, duty, *known, free, nxt, bad)
+    flag_values = (bool(flags & ENABLED), bool(flags & HOMED), bool(flags & LIMITED))
+    return Status(time, State(state), Fault(faults), position, speed, duty, *flag_values, free, nxt, bad)
 
 
 def encode(frame: Frame) -> bytes:
@@ -151,7 +151,7 @@ def encode(frame: Frame) -> bytes:
 def decode(block: bytes) -> Frame | None:
     """The frame in the bytes before a 0; None where they are none."""
     raw = unstuffed(block)
-    if raw is None or not 4 <= len(raw) <= MOST_BODY + 4 or crc(raw[:-2]) != int.from_bytes(raw[-2:], "little"):
+    if raw is None or not 4 <= len(raw) <= MAX_BODY + 4 or crc(raw[:-2]) != int.from_bytes(raw[-2:], "little"):
         return None
     return _frame(raw[0], raw[1], raw[2:-2])
 
@@ -159,15 +159,15 @@ def decode(block: bytes) -> Frame | None:
 def _frame(kind: int, number: int, body: bytes) -> Frame | None:
     if kind == Request.SETPOINTS:
         count = body[4] if len(body) > 4 else 0
-        if not 1 <= count <= MOST_POINTS or len(body) != 5 + 4 * count:
+        if not 1 <= count <= MAX_POINTS or len(body) != 5 + 4 * count:
             return None
         return Frame(
             Request.SETPOINTS, number, (int.from_bytes(body[:4], "little"), *struct.unpack(f"<{count}i", body[5:]))
         )
-    known = next((each for each in BODIES if each == kind), None)
-    if known is None or len(body) != BODIES[known].size:
+    frame_kind = next((each for each in BODIES if each == kind), None)
+    if frame_kind is None or len(body) != BODIES[frame_kind].size:
         return None
-    return Frame(known, number, BODIES[known].unpack(body))
+    return Frame(frame_kind, number, BODIES[frame_kind].unpack(body))
 
 
 class Reader:
@@ -180,10 +180,10 @@ class Reader:
     def feed(self, data: bytes) -> list[Frame]:
         """The frames that are whole with these bytes."""
         *blocks, rest = (bytes(self._waiting) + data).split(b"\0")
-        self._waiting = bytearray(rest[-2 * MOST_BODY :])
-        found = [decode(block) for block in blocks if block]
-        self.bad += found.count(None)
-        return [frame for frame in found if frame is not None]
+        self._waiting = bytearray(rest[-2 * MAX_BODY :])
+        frames = [decode(block) for block in blocks if block]
+        self.bad += frames.count(None)
+        return [frame for frame in frames if frame is not None]
 
 
 def crc(data: bytes) -> int:

@@ -14,7 +14,7 @@ from dampyr.rig.settings import RigSettings
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 T = TypeVar("T")
-ROOM = 10.0  # s of samples that the board holds for a host that is late
+BUFFER = 10.0  # s of samples that the board holds for a host that is late
 PATIENCE = 2.0  # s beyond a block's own time
 
 
@@ -61,27 +61,27 @@ class NiBoard:
         from nidaqmx.stream_readers import AnalogMultiChannelReader, CounterReader
 
         self.stop()
-        clock = {"sample_mode": AcquisitionType.CONTINUOUS, "samps_per_chan": int(ROOM * rate)}
+        clock = {"sample_mode": AcquisitionType.CONTINUOUS, "samps_per_chan": int(BUFFER * rate)}
         shared = clock | {"source": f"/{self.rig.wires.board}/ai/SampleClock"}
         inputs, counter, output = (self._task(name) for name in ("inputs", "counter", "output"))
-        self._asked(self._wire_up, inputs, counter, output)
-        self._asked(inputs.timing.cfg_samp_clk_timing, rate, **clock)
-        self._asked(counter.timing.cfg_samp_clk_timing, rate, **shared)
+        self._call(self._wire_up, inputs, counter, output)
+        self._call(inputs.timing.cfg_samp_clk_timing, rate, **clock)
+        self._call(counter.timing.cfg_samp_clk_timing, rate, **shared)
         self._time_output(output, rate, shared, ahead)
         self._analog, self._counter = AnalogMultiChannelReader(inputs.in_stream), CounterReader(counter.in_stream)
         self._analog.verify_array_shape = self._counter.verify_array_shape = False
         for task in (counter, output, inputs):  # whose clock it is comes last
-            self._asked(task.start)
+            self._call(task.start)
 
     def _time_output(self, output: Any, rate: float, shared: dict[str, Any], ahead: Array) -> None:
         from nidaqmx.constants import RegenerationMode
         from nidaqmx.stream_writers import AnalogSingleChannelWriter
 
-        self._asked(output.timing.cfg_samp_clk_timing, rate, **shared)
+        self._call(output.timing.cfg_samp_clk_timing, rate, **shared)
         output.out_stream.regen_mode = RegenerationMode.DONT_ALLOW_REGENERATION
         self._writer = AnalogSingleChannelWriter(output.out_stream, auto_start=False)
         self._writer.verify_array_shape = False  # a question to the server per call
-        self._asked(self._writer.write_many_sample, np.ascontiguousarray(ahead))
+        self._call(self._writer.write_many_sample, np.ascontiguousarray(ahead))
 
     def _wire_up(self, inputs: Any, counter: Any, output: Any) -> None:
         from nidaqmx.constants import EncoderType, LengthUnits, TerminalConfiguration
@@ -104,21 +104,21 @@ class NiBoard:
         channels = 2 if self.rig.wires.temperature else 1
         volts, ticks = np.empty((channels, n)), np.empty(n, np.uint32)
         wait = PATIENCE + n / self.rig.board.rate
-        self._asked(self._analog.read_many_sample, volts, n, wait)
-        self._asked(self._counter.read_many_sample_uint32, ticks, n, wait)
+        self._call(self._analog.read_many_sample, volts, n, wait)
+        self._call(self._counter.read_many_sample_uint32, ticks, n, wait)
         return volts, ticks.astype(np.int32).astype(np.int64)  # the counter wraps below 0
 
     def queue(self, volts: Array) -> None:
         """Append to the command's buffer."""
-        self._asked(self._writer.write_many_sample, np.ascontiguousarray(volts))
+        self._call(self._writer.write_many_sample, np.ascontiguousarray(volts))
 
     def write(self, volts: float) -> None:
         """End the timed command and set a static one."""
         self._close("output")
         with_one = self._task("output")
         span, wires = self.rig.board.range, self.rig.wires
-        self._asked(with_one.ao_channels.add_ao_voltage_chan, f"{wires.board}/{wires.command}", "", -span, span)
-        self._asked(with_one.write, float(volts), auto_start=True)
+        self._call(with_one.ao_channels.add_ao_voltage_chan, f"{wires.board}/{wires.command}", "", -span, span)
+        self._call(with_one.write, float(volts), auto_start=True)
         self._close("output")  # the board holds the last value
 
     def stop(self) -> None:
@@ -137,7 +137,7 @@ class NiBoard:
         from nidaqmx.system import Device
 
         device = Device(self.rig.wires.board, grpc_options=self._options())
-        return f"{self._asked(lambda: device.product_type)} {self._asked(lambda: device.serial_num):08X}"
+        return f"{self._call(lambda: device.product_type)} {self._call(lambda: device.serial_num):08X}"
 
     def _options(self) -> Any:
         if self._channel is None:
@@ -147,21 +147,21 @@ class NiBoard:
         return GrpcSessionOptions(self._channel, "")
 
     def _task(self, name: str) -> Any:
-        self._tasks[name] = self._asked(self._nidaqmx.Task, name, grpc_options=self._options())
+        self._tasks[name] = self._call(self._nidaqmx.Task, name, grpc_options=self._options())
         return self._tasks[name]
 
     def _close(self, name: str) -> None:
         task = self._tasks.pop(name, None)
         if task is not None:
-            self._asked(task.close)
+            self._call(task.close)
 
-    def _asked(self, call: Callable[..., T], *args: Any, **named: Any) -> T:
+    def _call(self, call: Callable[..., T], *args: Any, **named: Any) -> T:
         """What ``call`` gives; the driver's complaints as a :class:`RigFault` in one sentence."""
         try:
             return call(*args, **named)
         except self._nidaqmx.errors.Error as problem:
-            told = " ".join(str(problem).split())
-            raise RigFault(f"the board {self.rig.wires.board} says: {told}") from problem
+            message = " ".join(str(problem).split())
+            raise RigFault(f"the board {self.rig.wires.board} says: {message}") from problem
 
 
 def _imported() -> Any:

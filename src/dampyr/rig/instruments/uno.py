@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.firmware.protocol import (
-    MOST_POINTS,
+    MAX_POINTS,
     VERSION,
     Frame,
     Reader,
@@ -99,8 +99,8 @@ class Uno:
 
     def points(self, first: int, positions: list[int]) -> int:
         """Send up to 16 set points [counts], numbered from ``first``; how many places are free then."""
-        if not 1 <= len(positions) <= MOST_POINTS:
-            raise InputError(f"{len(positions)} set points in one frame are not allowed; send 1 to {MOST_POINTS}")
+        if not 1 <= len(positions) <= MAX_POINTS:
+            raise InputError(f"{len(positions)} set points in one frame are not allowed; send 1 to {MAX_POINTS}")
         return self._ask(Request.SETPOINTS, first, *positions).values[1]
 
     def follow(self, period_ms: int, n: int) -> None:
@@ -129,9 +129,9 @@ class Uno:
 
     def _ask(self, kind: Request, *values: int) -> Frame:
         with self._lock:  # one question at a time: an abort comes from any thread
-            return self._asked(kind, *values)
+            return self._exchange(kind, *values)
 
-    def _asked(self, kind: Request, *values: int) -> Frame:
+    def _exchange(self, kind: Request, *values: int) -> Frame:
         self._number = (self._number + 1) % 256
         request = encode(Frame(kind, self._number, values))
         for _ in range(self.tries):

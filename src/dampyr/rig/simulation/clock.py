@@ -24,7 +24,7 @@ STRIDE = 0.01  # s simulated at once when alone
 PATIENCE = 60.0  # s of the wall's clock until a client must have come
 
 
-class BlackBox:
+class EventLog:
     """A line of JSON for each thing that happened, on disk as it happens."""
 
     def __init__(self, path: str | Path | None) -> None:
@@ -43,7 +43,7 @@ class Keeper:
     rested for a second, simulated.
     """
 
-    def __init__(self, rig: Simulator, box: BlackBox, real_time: bool = False, once: bool = False) -> None:
+    def __init__(self, rig: Simulator, box: EventLog, real_time: bool = False, once: bool = False) -> None:
         self.rig, self.box, self.real_time, self.once = rig, box, real_time, once
         rig.wait = self._owe
         if real_time:

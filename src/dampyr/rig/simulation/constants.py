@@ -42,7 +42,7 @@ def constants_of(settings: RigSettings, specimen: Damper, dt: float) -> Constant
         heat_capacity=body.heat_capacity,
         cooling=body.cooling,
         softening=body.softening,
-        room=body.room,
+        ambient_temperature=body.room,
         pulse=settings.encoder.count,
         mark=floor(settings.encoder.index / settings.encoder.count),
         bandwidth=2.0 * pi * settings.load_cell.bandwidth,

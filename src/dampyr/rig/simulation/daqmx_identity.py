@@ -41,7 +41,7 @@ class TaskHere:
     running: bool = False
     pulse: float = 1.0
     initial: float = 0.0
-    most: float = 10.0
+    max_voltage: float = 10.0
     rows: list[NDArray[Any]] = field(default_factory=list)
 
     def take(self, n: int) -> NDArray[Any]:
@@ -65,7 +65,7 @@ class Identity(service.NiDAQmxServicer):
         self.made = 0
 
     @contextmanager
-    def told(
+    def reporting_errors(
         self, context: grpc.ServicerContext, name: str = "", counted: Sequence[tuple[str, str]] = ()
     ) -> Iterator[TaskHere]:
         """Hold the rig for one call; an error of the board becomes the status that the client knows."""
@@ -92,21 +92,21 @@ class Identity(service.NiDAQmxServicer):
     # what it is
 
     def GetDeviceAttributeString(self, request: Any, context: Any) -> Any:
-        with self.told(context):
+        with self.reporting_errors(context):
             self._check_device(request.device_name)
             if request.attribute_raw != pb.DEVICE_ATTRIBUTE_PRODUCT_TYPE:
                 raise NotImplementedError("the simulated board says its product type and serial number only")
         return pb.GetDeviceAttributeStringResponse(value=PRODUCT)
 
     def GetDeviceAttributeUInt32(self, request: Any, context: Any) -> Any:
-        with self.told(context):
+        with self.reporting_errors(context):
             self._check_device(request.device_name)
             if request.attribute_raw != pb.DEVICE_ATTRIBUTE_SERIAL_NUM:
                 raise NotImplementedError("the simulated board says its product type and serial number only")
         return pb.GetDeviceAttributeUInt32Response(value=SERIAL)
 
     def GetDeviceAttributeBool(self, request: Any, context: Any) -> Any:
-        with self.told(context):
+        with self.reporting_errors(context):
             self._check_device(request.device_name)
             if request.attribute_raw != pb.DEVICE_ATTRIBUTE_IS_SIMULATED:
                 raise NotImplementedError("the simulated board says only that it is simulated")
@@ -117,7 +117,7 @@ class Identity(service.NiDAQmxServicer):
             raise KeyError(NO_DEVICE)
 
     def GetSystemInfoAttributeString(self, request: Any, context: Any) -> Any:
-        with self.told(context):
+        with self.reporting_errors(context):
             if request.attribute_raw != pb.SYSTEM_ATTRIBUTE_DEV_NAMES:
                 raise NotImplementedError("the simulated system says its devices' names and its version only")
         return pb.GetSystemInfoAttributeStringResponse(value=self.settings.wires.board)
@@ -128,13 +128,13 @@ class Identity(service.NiDAQmxServicer):
             pb.SYSTEM_ATTRIBUTE_NIDAQ_MINOR_VERSION: 0,
             pb.SYSTEM_ATTRIBUTE_NIDAQ_UPDATE_VERSION: 0,
         }
-        with self.told(context):
+        with self.reporting_errors(context):
             if request.attribute_raw not in versions:
                 raise NotImplementedError("the simulated system says its devices' names and its version only")
         return pb.GetSystemInfoAttributeUInt32Response(value=versions[request.attribute_raw])
 
     def GetTaskAttributeString(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             said = {
                 pb.TASK_ATTRIBUTE_NAME: request.task.name,
                 pb.TASK_ATTRIBUTE_CHANNELS: ", ".join(task.channels),
@@ -145,26 +145,26 @@ class Identity(service.NiDAQmxServicer):
         return pb.GetTaskAttributeStringResponse(value=said[request.attribute_raw])
 
     def GetTaskAttributeUInt32(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             if request.attribute_raw != pb.TASK_ATTRIBUTE_NUM_CHANS:
                 raise NotImplementedError("the simulated board says the number of its tasks' channels only")
         return pb.GetTaskAttributeUInt32Response(value=len(task.channels))
 
     def GetChanAttributeInt32(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             if request.attribute_raw not in CHANNEL_SAYS:
                 raise NotImplementedError("the simulated board says only what kind of channel one is")
             value = CHANNEL_SAYS[request.attribute_raw][task.kind]
         return pb.GetChanAttributeInt32Response(value_raw=value)
 
     def GetReadAttributeString(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             if request.attribute_raw != pb.READ_ATTRIBUTE_CHANNELS_TO_READ:
                 raise NotImplementedError("of a read the simulated board says its channels and their number only")
         return pb.GetReadAttributeStringResponse(value=", ".join(task.channels))
 
     def GetReadAttributeUInt32(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             said = {
                 pb.READ_ATTRIBUTE_NUM_CHANS: len(task.channels),
                 pb.READ_ATTRIBUTE_AVAIL_SAMP_PER_CHAN: task.waiting + self.keeper.rig.waiting,

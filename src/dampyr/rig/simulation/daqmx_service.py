@@ -32,25 +32,25 @@ class Board(Identity):
     # tasks
 
     def CreateTask(self, request: Any, context: Any) -> Any:
-        with self.told(context):
+        with self.reporting_errors(context):
             self.made += 1
             name = request.session_name or f"_unnamedTask<{self.made}>"
             self.tasks[name] = TaskHere()
         return pb.CreateTaskResponse(task=_session(name), new_session_initialized=True)
 
     def CreateAIVoltageChan(self, request: Any, context: Any) -> Any:
-        known = [self.settings.wires.force, self.settings.wires.temperature]
-        self._add(request.task, "ai", request.physical_channel, known, context)
+        allowed = [self.settings.wires.force, self.settings.wires.temperature]
+        self._add(request.task, "ai", request.physical_channel, allowed, context)
         return pb.CreateAIVoltageChanResponse()
 
     def CreateAOVoltageChan(self, request: Any, context: Any) -> Any:
         self._add(request.task, "ao", request.physical_channel, [self.settings.wires.command], context)
-        self.tasks[request.task.name].most = min(request.max_val, self.settings.board.range)
+        self.tasks[request.task.name].max_voltage = min(request.max_val, self.settings.board.range)
         return pb.CreateAOVoltageChanResponse()
 
     def CreateCILinEncoderChan(self, request: Any, context: Any) -> Any:
         self._add(request.task, "ci", request.counter, [self.settings.wires.position], context)
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             if request.decoding_type_raw != X4 or request.units_raw not in (METERS, TICKS) or request.zidx_enable:
                 raise NotImplementedError(
                     "the simulated counter decodes X4, in metres or ticks, without the index; ask for these"
@@ -59,11 +59,11 @@ class Board(Identity):
             task.initial = request.initial_pos
         return pb.CreateCILinEncoderChanResponse()
 
-    def _add(self, session: Any, kind: str, channel: str, known: list[str], context: Any) -> None:
-        with self.told(context, session.name) as task:
+    def _add(self, session: Any, kind: str, channel: str, allowed: list[str], context: Any) -> None:
+        with self.reporting_errors(context, session.name) as task:
             board = self.settings.wires.board
             for name in channel.replace(" ", "").split(","):
-                if name.lower() not in [f"{board}/{each}".lower() for each in known if each]:
+                if name.lower() not in [f"{board}/{each}".lower() for each in allowed if each]:
                     raise KeyError(NO_CHANNEL)
                 if task.kind not in ("", kind):
                     raise NotImplementedError(f"a task of {task.kind} channels takes no {kind} channel; make another")
@@ -71,12 +71,12 @@ class Board(Identity):
                 task.channels.append(name)
 
     def CfgSampClkTiming(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             task.rate = request.rate
         return pb.CfgSampClkTimingResponse()
 
     def StartTask(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             self._start(task)
         return pb.StartTaskResponse()
 
@@ -89,7 +89,7 @@ class Board(Identity):
             self.keeper.rig.timed = TimedCommand(self.keeper.rig.time, task.rate, np.concatenate([[], *task.rows]))
 
     def StopTask(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             self._stop(task)
         return pb.StopTaskResponse()
 
@@ -103,20 +103,20 @@ class Board(Identity):
             self.keeper.rig.timed = None
 
     def ClearTask(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             if task.running:
                 self._stop(task)
             del self.tasks[request.task.name]
         return pb.ClearTaskResponse()
 
     def TaskControl(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             if request.action_raw == pb.TASK_CONTROL_ACTION_TASK_ABORT and task.running:
                 self._stop(task)
         return pb.TaskControlResponse()
 
     def IsTaskDone(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             done = not task.running
         return pb.IsTaskDoneResponse(is_task_done=done)
 
@@ -152,15 +152,15 @@ class Board(Identity):
         return pb.ReadCounterU32ExResponse(samps_per_chan_read=rows.shape[1], read_array=rows.ravel().tolist())
 
     def _read(self, request: Any, context: Any, kind: str) -> NDArray[Any]:
-        found = np.empty((0, 0))
-        with self.told(context, request.task.name, [("ni-samps-per-chan-read", "0")]) as task:
+        samples = np.empty((0, 0))
+        with self.reporting_errors(context, request.task.name, [("ni-samps-per-chan-read", "0")]) as task:
             if task.kind != kind:
                 raise NotImplementedError(f"a task of {task.kind or 'no'} channels is not read so")
-            found = self._clocked(task, request) if task.rate else self._looked(task, request.num_samps_per_chan)
+            samples = self._clocked(task, request) if task.rate else self._looked(task, request.num_samps_per_chan)
             if kind == "ci":
-                found = task.initial + task.pulse * found
+                samples = task.initial + task.pulse * samples
         self.keeper.pay()
-        return found
+        return samples
 
     def _clocked(self, task: TaskHere, request: Any) -> NDArray[Any]:
         """Samples of the clock."""
@@ -205,20 +205,20 @@ class Board(Identity):
         return pb.WriteAnalogF64Response(samps_per_chan_written=request.num_samps_per_chan)
 
     def SetWriteAttributeInt32(self, request: Any, context: Any) -> Any:
-        with self.told(context, request.task.name):
-            asked = (request.attribute_raw, request.value_raw)
-            if asked != (pb.WRITE_ATTRIBUTE_REGEN_MODE, DO_NOT_REGENERATE):
+        with self.reporting_errors(context, request.task.name):
+            requested = (request.attribute_raw, request.value_raw)
+            if requested != (pb.WRITE_ATTRIBUTE_REGEN_MODE, DO_NOT_REGENERATE):
                 raise NotImplementedError("the simulated output does not regenerate its samples; ask for that")
         return pb.SetWriteAttributeInt32Response()
 
     def _queue(self, request: Any, context: Any) -> None:
         """Samples for a clocked output: kept until it starts, then appended to what it puts out."""
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             volts = self._checked(task, request.write_array)
             self.keeper.rig.queue(volts) if task.running else task.rows.append(volts)
 
     def _write(self, request: Any, context: Any, values: Any = None) -> None:
-        with self.told(context, request.task.name) as task:
+        with self.reporting_errors(context, request.task.name) as task:
             self.keeper.rig.write(float(self._checked(task, request.write_array if values is None else values)[-1]))
 
     @staticmethod
@@ -226,7 +226,7 @@ class Board(Identity):
         if task.kind != "ao":
             raise NotImplementedError(f"a task of {task.kind or 'no'} channels is not written")
         volts = np.array(list(values), float)
-        if np.abs(volts).max(initial=0.0) > task.most:
+        if np.abs(volts).max(initial=0.0) > task.max_voltage:
             raise BoardError(UNSUPPORTED)
         return volts
 

@@ -53,7 +53,7 @@ class FaultSpec:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise InputError(unknown(f"fault {self.kind!r}", self.kind, sorted(KINDS)))
-        known = KINDS[self.kind]
+        fault_kind = KINDS[self.kind]
         if not 0.0 <= self.at < math.inf:
             raise InputError(f"fault {self.kind}: begins at {self.at:g} s; give a time of 0 s or later")
         if not self.duration > 0.0:
@@ -61,11 +61,13 @@ class FaultSpec:
                 f"fault {self.kind}: lasts {self.duration:g} s; give more than 0 s, or leave it out for ever"
             )
         if self.amount is None:
-            object.__setattr__(self, "amount", known.amount)
-        elif known.amount is None:
+            object.__setattr__(self, "amount", fault_kind.amount)
+        elif fault_kind.amount is None:
             raise InputError(f"fault {self.kind} takes no number, but {self.amount:g} was given; leave it out")
-        elif not abs(self.amount) <= known.high:
-            raise InputError(f"fault {self.kind} = {self.amount:g} {known.unit} is too much; at most {known.high:g}")
+        elif not abs(self.amount) <= fault_kind.high:
+            raise InputError(
+                f"fault {self.kind} = {self.amount:g} {fault_kind.unit} is too much; at most {fault_kind.high:g}"
+            )
         if self.kind in ("lost-bytes", "late-samples") and self.size < 0.0:
             raise InputError(f"fault {self.kind} = {self.size:g} must be 0 or more")
 
@@ -82,16 +84,16 @@ class FaultSpec:
     @classmethod
     def parse(cls, text: str) -> FaultSpec:
         """A fault as typed, ``kind[=number]@time [for time]``; InputError says what is wrong with it."""
-        found = _FORM.fullmatch(text)
-        if found is None:
+        match = _FORM.fullmatch(text)
+        if match is None:
             raise InputError(f"fault {text!r} cannot be read; {EXAMPLE}")
-        kind = found["kind"]
+        kind = match["kind"]
         if kind not in KINDS:
             raise InputError(unknown(f"fault {kind!r}", kind, sorted(KINDS)))
         try:
-            at = parse(found["at"], "s")
-            duration = parse(found["time"], "s") if found["time"] else math.inf
-            amount = parse(found["amount"], KINDS[kind].unit) if found["amount"] else None
+            at = parse(match["at"], "s")
+            duration = parse(match["time"], "s") if match["time"] else math.inf
+            amount = parse(match["amount"], KINDS[kind].unit) if match["amount"] else None
         except InputError as problem:
             raise InputError(f"fault {text!r}: {problem}; {EXAMPLE}") from None
         return cls(kind, at, duration, amount)

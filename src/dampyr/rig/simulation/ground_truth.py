@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from dampyr.rig.simulation.simulator import Simulator
 
 Array = NDArray[np.float64]
-KEPT = 1_800_000  # rows: half an hour
+MAX_ROWS = 1_800_000  # rows: half an hour
 RESTING = 1e-4  # m/s below which the table stands
 LASTING = 0.05  # s before rest is told: a turning point is none
 DEAD = 0.01  # A below which the coil is dead, with no voltage at it
@@ -48,11 +48,11 @@ class Truth:
     coil_dead_since: float
 
 
-class Tracks:
+class TruthLog:
     """Gathers the rows of the truth; ``told`` hears what they say."""
 
-    def __init__(self, told: Callable[[float, str], None] | None = None) -> None:
-        self.told = told
+    def __init__(self, on_event: Callable[[float, str], None] | None = None) -> None:
+        self.on_event = on_event
         self.chunks: list[Array] = []
         self.count = 0
         self.at_rest_since = self.coil_dead_since = 0.0
@@ -61,8 +61,8 @@ class Tracks:
 
     def tell(self, time: float, words: str) -> None:
         """Something happened."""
-        if self.told is not None:
-            self.told(time, words)
+        if self.on_event is not None:
+            self.on_event(time, words)
 
     def add(self, rows: Array) -> None:
         """Keep rows, oldest first, and tell what changed in them."""
@@ -70,12 +70,12 @@ class Tracks:
             return
         self.chunks.append(rows)
         self.count += len(rows)
-        while self.count - len(self.chunks[0]) >= KEPT:
+        while self.count - len(self.chunks[0]) >= MAX_ROWS:
             self.count -= len(self.chunks.pop(0))
         self.at_rest_since = _since(rows, np.abs(rows[:, V]) < RESTING, self.at_rest_since)
         alive = (rows[:, U] != 0.0) | (np.abs(rows[:, AMPERE]) >= DEAD)
         self.coil_dead_since = _since(rows, ~alive, self.coil_dead_since)
-        if self.told is not None:
+        if self.on_event is not None:
             self._changes(rows)
             self._says["rest"] = self._ended("rest", ("at rest", "moving"), self.at_rest_since, float(rows[-1, T]))
             self._says["dead"] = self._ended(

@@ -31,16 +31,16 @@ class InProcessBoard:
 
     def read(self, n: int) -> tuple[Array, NDArray[np.int64]]:
         """The next n samples."""
-        return _told(lambda: self.simulator.read(n))
+        return _call(lambda: self.simulator.read(n))
 
     def queue(self, volts: Array) -> None:
         """Append to the command."""
-        _told(lambda: self.simulator.queue(volts))
+        _call(lambda: self.simulator.queue(volts))
 
     def write(self, volts: float) -> None:
         """Set the command now."""
         self.simulator.timed = None
-        _told(lambda: self.simulator.write(volts))
+        _call(lambda: self.simulator.write(volts))
 
     def stop(self) -> None:
         """Stop sampling."""
@@ -56,7 +56,7 @@ class InProcessBoard:
         return "simulated PCI-6221"
 
 
-def _told(call: Callable[[], T]) -> T:
+def _call(call: Callable[[], T]) -> T:
     try:
         return call()
     except BoardError as problem:

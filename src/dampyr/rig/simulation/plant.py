@@ -67,7 +67,7 @@ class Constants(NamedTuple):
     heat_capacity: float
     cooling: float
     softening: float
-    room: float
+    ambient_temperature: float
     pulse: float
     mark: int
     bandwidth: float
@@ -159,7 +159,7 @@ def move(m, y, n, s, p, table, static, past, before):
     rest = look_up(min(max(y[Y_INPUT], m.low), m.high), m.low, m.high, p, table, static)
     advance(0, s, x0, x1, v0, v1, m.dt, p)
     f1 = force(0, s, x1, v1, (v1 - v0) / m.dt, p)
-    f1 = rest + (f1 - rest) * max(0.0, 1.0 - m.softening * (y[Y_TEMPERATURE] - m.room))
+    f1 = rest + (f1 - rest) * max(0.0, 1.0 - m.softening * (y[Y_TEMPERATURE] - m.ambient_temperature))
     y[Y_X], y[Y_V], y[Y_FORCE] = x1, v1, held_back(m, n, p, past, f1)
     y[Y_REST] = rest
     settle(m, y, x1 - x0, f0, rest)
@@ -192,7 +192,7 @@ def held_back(m, n, p, past, f):
 def settle(m, y, dx, f0, rest):
     """Works, warmth, and the load cell's filter after a step."""
     work = 0.5 * (f0 + y[Y_FORCE]) * dx
-    cooled = m.cooling * (y[Y_TEMPERATURE] - m.room) * m.dt
+    cooled = m.cooling * (y[Y_TEMPERATURE] - m.ambient_temperature) * m.dt
     y[Y_RUBBED] += m.friction * abs(dx)
     y[Y_TAKEN] += work
     y[Y_WORK] += work + m.friction * abs(dx)

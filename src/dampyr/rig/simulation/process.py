@@ -34,9 +34,9 @@ class Process:
     ) -> None:
         with tempfile.TemporaryDirectory(prefix="dampyr-rig-") as folder:
             specimen.save(Path(folder) / "card.toml")
-            known = replace(rig, specimen=replace(rig.specimen, card="card.toml"))
+            settings = replace(rig, specimen=replace(rig.specimen, card="card.toml"))
             path = Path(folder) / "rig.toml"
-            path.write_text(tomli_w.dumps(asdict(known)), "utf-8")
+            path.write_text(tomli_w.dumps(asdict(settings)), "utf-8")
             command = [sys.executable, "-m", "dampyr.rig.simulation.server", "--once", "--seed", str(seed)]
             command += ["--rig", str(path), *(word for fault in faults for word in ("--fault", str(fault)))]
             command += ["--real-time"] if real_time else []
@@ -48,8 +48,8 @@ class Process:
             said = self._process.stdout.readline()
         if not said:
             assert self._process.stderr is not None
-            told = self._process.stderr.read().strip().splitlines()
-            raise RigFault(f"the simulated rig did not start: {told[-1] if told else 'it said nothing'}")
+            output = self._process.stderr.read().strip().splitlines()
+            raise RigFault(f"the simulated rig did not start: {output[-1] if output else 'it said nothing'}")
         wires = json.loads(said)
         self.serial, self.grpc = str(wires["serial"]), str(wires["grpc"])
 

@@ -17,9 +17,9 @@ from threading import Thread
 
 from dampyr.errors import DampyrError
 from dampyr.models import Damper
-from dampyr.rig.gc_control import set_aside
+from dampyr.rig.gc_control import freeze_objects
 from dampyr.rig.settings import RigSettings, load_settings
-from dampyr.rig.simulation.clock import BlackBox, Keeper
+from dampyr.rig.simulation.clock import EventLog, Keeper
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.simulation.specimen import specimen_of
@@ -73,15 +73,15 @@ def options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def built(told: argparse.Namespace) -> Keeper:
+def built(parsed: argparse.Namespace) -> Keeper:
     """The rig that the command line asks for."""
-    settings = load_settings(told.rig) if told.rig else RigSettings()
-    faults = [FaultSpec.parse(text) for text in told.fault]
-    specimen = specimen_of(settings, Path(told.rig).parent if told.rig else None)
-    box = BlackBox(told.black_box)
+    settings = load_settings(parsed.rig) if parsed.rig else RigSettings()
+    faults = [FaultSpec.parse(text) for text in parsed.fault]
+    specimen = specimen_of(settings, Path(parsed.rig).parent if parsed.rig else None)
+    box = EventLog(parsed.black_box)
     _warm_up(settings, specimen)
-    rig = Simulator(settings, told.seed, faults, specimen, told=box)
-    return Keeper(rig, box, told.real_time, told.once)
+    rig = Simulator(settings, parsed.seed, faults, specimen, on_event=box)
+    return Keeper(rig, box, parsed.real_time, parsed.once)
 
 
 def _warm_up(settings: RigSettings, specimen: Damper) -> None:
@@ -93,9 +93,9 @@ def _warm_up(settings: RigSettings, specimen: Damper) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Serve until interrupted, or as ``--once`` says; 2 with a sentence where the command line is wrong."""
-    told = options(arguments)
+    parsed = options(arguments)
     try:
-        keeper = built(told)
+        keeper = built(parsed)
     except DampyrError as problem:
         print(problem, file=sys.stderr)
         return 2
@@ -103,7 +103,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     server, port = serve(keeper)
     serial = Serial(keeper)
-    set_aside()
+    freeze_objects()
     keeper.begin()
     print(json.dumps({"serial": f"socket://127.0.0.1:{serial.port}", "grpc": f"127.0.0.1:{port}"}), flush=True)
     try:

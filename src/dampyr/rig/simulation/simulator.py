@@ -27,12 +27,12 @@ from dampyr.rig.simulation.board_signals import (
 )
 from dampyr.rig.simulation.constants import DELAYED, constants_of
 from dampyr.rig.simulation.faults import FaultSpec
-from dampyr.rig.simulation.ground_truth import Tracks, Truth
+from dampyr.rig.simulation.ground_truth import Truth, TruthLog
 from dampyr.rig.simulation.specimen import force_at_rest, specimen_of, table_of, with_play
 from dampyr.rig.simulation.timed_command import TimedCommand
 
 Array = NDArray[np.float64]
-Told = Callable[[float, str], None]
+EventListener = Callable[[float, str], None]
 STEP = 1e-4  # s of the plant
 BEAT = 0.02  # s that a heartbeat moves the clock by while no task samples
 WANDERS = 0.5  # s of memory of the load cell's slow errors
@@ -77,17 +77,17 @@ class Simulator:
         specimen: Damper | None = None,
         position: float = 0.0,
         step: float = STEP,
-        told: Told | None = None,
+        on_event: EventListener | None = None,
     ) -> None:
         self.settings, self.faults = settings, tuple(faults)
         self.specimen = with_play(specimen_of(settings) if specimen is None else specimen, settings.specimen.free_play)
         self.constants = constants_of(settings, self.specimen, step)
         self.noise, self.luck, self.slow = (np.random.default_rng([seed, k]) for k in range(3))
         self.twin = Twin(self._beaten)
-        self.tracks = Tracks(told)
+        self.tracks = TruthLog(on_event)
         self._task: Task | None = None
         self.timed: TimedCommand | None = None
-        self._asked = 0.0
+        self._commanded = 0.0
         self._wander = settings.load_cell.wander * float(self.slow.standard_normal())
         self._begun: set[FaultSpec] = set()
         self.beat = BEAT
@@ -102,7 +102,7 @@ class Simulator:
             raise InputError(f"position = {position:g} m must be within the stroke of +-{m.stroke:g} m")
         self.plant, self.numbers, self.wrong = np.zeros(plant.PLANT), np.zeros(plant.NUMBERS, np.int64), np.zeros(4)
         self.plant[[plant.Y_SCREW, plant.Y_X]] = position
-        self.plant[plant.Y_TEMPERATURE] = m.room
+        self.plant[plant.Y_TEMPERATURE] = m.ambient_temperature
         self.numbers[plant.N_SHOWN] = np.floor(position / m.pulse)
         self.numbers[plant.N_NI] = -self.numbers[plant.N_SHOWN]
         self.numbers[plant.N_UNO] = -self.numbers[plant.N_SHOWN]
@@ -199,7 +199,7 @@ class Simulator:
 
     def write(self, volts: float) -> None:
         """The command voltage, now; BoardError beyond the board's range."""
-        self._asked = volts
+        self._commanded = volts
         self.plant[plant.Y_COMMAND] = command_of(self.settings, volts)
 
     @property
@@ -242,7 +242,7 @@ class Simulator:
     def _put_out(self) -> None:
         """The value of the timed command that is due."""
         value = None if self.timed is None else self.timed.due(self.time)
-        if value is not None and value != self._asked:
+        if value is not None and value != self._commanded:
             self.write(value)
 
     def _advance(self, until: int) -> None:
@@ -293,9 +293,9 @@ class Simulator:
         """Slow errors of the load cell: an Ornstein-Uhlenbeck process, stationary from the start."""
         from scipy.signal import lfilter
 
-        kept = np.exp(-period / WANDERS)
-        pushes = self.settings.load_cell.wander * np.sqrt(1.0 - kept**2) * self.slow.standard_normal(n)
-        rows, _ = lfilter([1.0], [1.0, -kept], pushes, zi=[kept * self._wander])
+        decay = np.exp(-period / WANDERS)
+        pushes = self.settings.load_cell.wander * np.sqrt(1.0 - decay**2) * self.slow.standard_normal(n)
+        rows, _ = lfilter([1.0], [1.0, -decay], pushes, zi=[decay * self._wander])
         self._wander = float(rows[-1]) if n else self._wander
         return np.asarray(rows)
 
@@ -313,7 +313,7 @@ class Simulator:
 
     def _next_change(self) -> int:
         """The step at which the next fault begins or ends."""
-        command = np.inf if self.timed is None else self.timed.next_change(self.time, self._asked)
+        command = np.inf if self.timed is None else self.timed.next_change(self.time, self._commanded)
         changes = [command] + [
             time for fault in self.faults for time in (fault.at, fault.until) if time > self.time + 1e-9
         ]

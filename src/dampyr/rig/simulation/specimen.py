@@ -53,15 +53,15 @@ def table_of(damper: Damper) -> Array:
     return np.ascontiguousarray(damper.values(np.linspace(*damper.range, ROWS)))
 
 
-def delay_place(damper: Damper, dt: float, room: int) -> int:
+def delay_place(damper: Damper, dt: float, capacity: int) -> int:
     """Where the delay stands among the parameters, -1 without one; InputError where it is longer than the plant remembers."""
     k = damper.composition.delay
     if k is None:
         return -1
-    longest = list(damper.all_laws.values())[k].extremes()[1]
-    if longest / dt > room - 2:
+    max_delay = list(damper.all_laws.values())[k].extremes()[1]
+    if max_delay / dt > capacity - 2:
         raise InputError(
-            f"delay.tau = {longest:g} s is longer than the simulated rig remembers; at most {(room - 2) * dt:g} s"
+            f"delay.tau = {max_delay:g} s is longer than the simulated rig remembers; at most {(capacity - 2) * dt:g} s"
         )
     return k
 

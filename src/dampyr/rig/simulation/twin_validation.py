@@ -29,7 +29,7 @@ BLOCK = 0.04  # s
 
 
 @dataclass(frozen=True)
-class Character:
+class Characteristics:
     """What a record of the open-loop drive shows, SI; harmonics are of the displacement, over its fundamental.
 
     ``period`` s, ``stroke`` m from turn to turn (of the fundamental), ``peak_speed`` m/s a cycle's mean of them, ``third`` and
@@ -49,20 +49,20 @@ class Character:
     drift: float
 
 
-def character(record: Record) -> Character:
+def characteristics(record: Record) -> Characteristics:
     """The `Character` of a record, measured or simulated; InputError where it has fewer than three whole cycles."""
     t, x, force = record.time, record.displacement, record.force
     start = int(np.argmax(np.abs(x - x[0]) > MOVED))
-    kept = t >= t[start] + SETTLING
-    rises = _rises(t[kept], x[kept])
+    settled = t >= t[start] + SETTLING
+    rises = _rises(t[settled], x[settled])
     if rises.size < 4:
         raise InputError(f"{record.name}: {max(0, rises.size - 1)} whole cycles after the start; at least 3 are needed")
-    cycles = kept & (t >= rises[0]) & (t < rises[-1])
+    cycles = settled & (t >= rises[0]) & (t < rises[-1])
     period = float(np.diff(rises).mean())
     drift = _drift(t, x, rises)
     sizes = _harmonics(t[cycles], x[cycles] - drift * t[cycles], period)
     relative = sizes / sizes[0]
-    return Character(
+    return Characteristics(
         period=period,
         stroke=float(2 * sizes[0]),
         peak_speed=_peak_speed(t, x, rises),

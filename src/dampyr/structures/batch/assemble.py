@@ -85,7 +85,7 @@ class Text:
         self.frame.after()
         self.source = self._source()
 
-    def say(self, *lines: str) -> None:
+    def emit(self, *lines: str) -> None:
         self.lines += lines
 
     def cut(self) -> None:
@@ -115,13 +115,13 @@ class Text:
         self.middles = [self._numbers(row) for row in np.vstack([0.5 * x - h / 8.0 * v, 1.5 / h * x - 0.25 * v])]
         self.ends = [self._numbers(row) for row in moved]
         for d in range(N):
-            self.say(*(self._past(d) if self.late(d) else self._guess(d)))
+            self.emit(*(self._past(d) if self.late(d) else self._guess(d)))
         self.cut()
         done = self._laws()
         self.cut()
         self._correct(done)
         for r in range(2 * N):
-            self.say(f"n_e{r} = {self._moved(r)}")
+            self.emit(f"n_e{r} = {self._moved(r)}")
         self._keep(done)
 
     def late(self, d: int) -> bool:
@@ -163,9 +163,9 @@ class Text:
     def _laws(self) -> list[tuple[Half, Half]]:
         """The dampers' laws along the path of the guess."""
         N, done = self.sites, []
-        self.say(*(f"e{r} = {self._moved(r)}" for r in range(2 * N)))
+        self.emit(*(f"e{r} = {self._moved(r)}" for r in range(2 * N)))
         for d, composition in enumerate(self.compositions):
-            self.say(*self._middle(d, f"e{d}", f"e{N + d}"))
+            self.emit(*self._middle(d, f"e{d}", f"e{N + d}"))
             values = [self._value(d, k) for k in range(len(composition.parameters))]
             states = [f"s{d}_{k}" for k in range(composition.n_states - composition.in_series)]
             before = f"u{d}" if self.late(d) else f"f{d}"
@@ -176,7 +176,7 @@ class Text:
             first = half_step(composition, f"_h{d}", states, values, early)
             late |= {"g0": first.force, "g1": first.force if self.late(d) else f"g{N + d}"}
             second = half_step(composition, f"_e{d}", [*first.ends, *states[len(first.ends) :]], values, late)
-            self.say(*first.lines, *second.lines)
+            self.emit(*first.lines, *second.lines)
             done.append((first, second))
         return done
 
@@ -190,16 +190,16 @@ class Text:
         for r in range(2 * N):
             d = r % N
             half, slopes = (done[d][0], self.middles) if r < N else (done[d][1], self.ends)
-            self.say(f"r{r} = zero" if self.late(d) else f"r{r} = {half.force} - g{r}")
+            self.emit(f"r{r} = zero" if self.late(d) else f"r{r} = {half.force} - g{r}")
             right.append(f"r{r}")
             for c in range(2 * N):
                 one = "one - " if r == c else "-"
                 if self.late(d):
-                    self.say(f"j{r}_{c} = {'one' if r == c else 'zero'}")
+                    self.emit(f"j{r}_{c} = {'one' if r == c else 'zero'}")
                     continue
-                self.say(f"j{r}_{c} = {one}({half.slopes[0]}*{slopes[d][c]} + {half.slopes[1]}*{slopes[N + d][c]})")
+                self.emit(f"j{r}_{c} = {one}({half.slopes[0]}*{slopes[d][c]} + {half.slopes[1]}*{slopes[N + d][c]})")
             matrix.append([f"j{r}_{c}" for c in range(2 * N)])
-        self.say(*solved(matrix, right), *(f"g{r} = g{r} + r{r}" for r in range(2 * N)))
+        self.emit(*solved(matrix, right), *(f"g{r} = g{r} + r{r}" for r in range(2 * N)))
 
     def _keep(self, done: list[tuple[Half, Half]]) -> None:
         """States, corrected by their tangents and held to their bounds, forces and energy at the end."""
@@ -212,20 +212,20 @@ class Text:
                     value += f" + {name}*(n_e{row} - e{row})" if name else ""
                 if np.isfinite([low, high]).all():
                     value = f"min(max({value}, {self.number(low)}), {self.number(high)})"
-                self.say(f"t{d}_{k} = {value}")
+                self.emit(f"t{d}_{k} = {value}")
                 self.keep(f"s{d}_{k}", f"t{d}_{k}")
             if self.late(d):
-                self.say(*(f"w[{d}, slot_{k}*{self.wide} + l] = {done[d][k].force}" for k in range(2)))
+                self.emit(*(f"w[{d}, slot_{k}*{self.wide} + l] = {done[d][k].force}" for k in range(2)))
                 self.keep(f"u{d}", second.force)
             if "energy" in self.quantities:
-                self.say(*self._middle(d, f"n_e{d}", f"n_e{N + d}"))
+                self.emit(*self._middle(d, f"n_e{d}", f"n_e{N + d}"))
                 power = f"f{d}*{self.starts[N + d]} + four*g{d}*h{N + d} + g{N + d}*n_e{N + d}"
-                self.say(f"w{d} = E{d} + sixth*({power})")
+                self.emit(f"w{d} = E{d} + sixth*({power})")
                 self.keep(f"E{d}", f"w{d}")
             self.keep(f"f{d}", f"g{N + d}")
             self.keep(f"m{d}", f"g{d}")
 
-    def looks(self) -> list[tuple[str, int, Array]]:
+    def outputs(self) -> list[tuple[str, int, Array]]:
         """What peaks are kept of: (quantity, which, its row over the state and the forces at the end)."""
         none = np.zeros((0, self.sites))
         forces = np.eye(self.size + self.sites)[self.size :]

@@ -58,7 +58,7 @@ def way_back(z: float, n: float, c: float) -> float:
     return first + second + pair(U5, 1.0 + z * exp(n * A5), U6, 1.0 + z * exp(n * A6))
 
 
-def back(u: float, way: float, walked: float, n: float, speed: float, c: float) -> float:
+def unloading_step(u: float, way: float, walked: float, n: float, speed: float, c: float) -> float:
     """u after a path shorter than the ``way`` to 0, which begins at ``speed``."""
     t = walked / max(way, NOTHING)
     more = 1.0 - t
@@ -70,7 +70,7 @@ def back(u: float, way: float, walked: float, n: float, speed: float, c: float) 
     return min(max(near + moved * (1.0 + 0.5 * n * z * missed / max(near, NOTHING)), 0.0), u)
 
 
-def left_over(v: float, m: float, tau: float, n: float) -> float:
+def complement(v: float, m: float, tau: float, n: float) -> float:
     """1 - y after tau from 1 - y = v, with m = 1 + (n - 1) y."""
     e = v * exp(-n * tau)
     return n * e / (m + (n - 1.0) * e)
@@ -81,56 +81,56 @@ def steady(v: float, n: float) -> float:
     return v * (n - (n - 1.0) * v)
 
 
-def true(v: float, n: float) -> float:
+def exact_rate(v: float, n: float) -> float:
     """1 - u**n where v = 1 - u."""
     return 1.0 - power(1.0 - v, n)
 
 
-def both(r: float, s: float, n: float) -> float:
+def rate_ratio_pair(r: float, s: float, n: float) -> float:
     """u H/sqrt(u) at two square roots of u, together."""
     v = max(1.0 - r * r, NEAR)
-    a, b = true(v, n), steady(v, n)
+    a, b = exact_rate(v, n), steady(v, n)
     w = max(1.0 - s * s, NEAR)
-    d, e = true(w, n), steady(w, n)
+    d, e = exact_rate(w, n), steady(w, n)
     return pair(r * (b - a), a * b, s * (e - d), d * e)
 
 
-def alone(r: float, n: float) -> float:
+def rate_ratio(r: float, n: float) -> float:
     v = max(1.0 - r * r, NEAR)
-    a, b = true(v, n), steady(v, n)
+    a, b = exact_rate(v, n), steady(v, n)
     return r * (b - a) / (a * b)
 
 
 def by_five(r: float, s: float, n: float) -> float:
     """The integral of H between two square roots of u, with five nodes."""
     m, h = 0.5 * (r + s), 0.5 * (s - r)
-    outer = both(m - B1 * h, m + B1 * h, n)
-    inner = both(m - B2 * h, m + B2 * h, n)
-    return (s - r) * (V0 * alone(m, n) + V1 * inner + V2 * outer)
+    outer = rate_ratio_pair(m - B1 * h, m + B1 * h, n)
+    inner = rate_ratio_pair(m - B2 * h, m + B2 * h, n)
+    return (s - r) * (V0 * rate_ratio(m, n) + V1 * inner + V2 * outer)
 
 
 def by_two(r: float, s: float, n: float) -> float:
     """The same with two."""
     m, h = 0.5 * (r + s), 0.5 * (s - r)
-    return (s - r) * both(m - D1 * h, m + D1 * h, n)
+    return (s - r) * rate_ratio_pair(m - D1 * h, m + D1 * h, n)
 
 
-def slowness(v: float, n: float) -> float:
+def dtau_dxi(v: float, n: float) -> float:
     """d tau / d xi where v = 1 - u."""
     w = max(v, NEAR)
-    return true(w, n) / steady(w, n)
+    return exact_rate(w, n) / steady(w, n)
 
 
-def forth(y: float, xi: float, n: float) -> float:
+def loading_step(y: float, xi: float, n: float) -> float:
     """y after a path of xi on the side y >= 0."""
     v, m = 1.0 - y, 1.0 + (n - 1.0) * y
-    near = left_over(v, m, xi, n)
+    near = complement(v, m, xi, n)
     r, s = sqrt(y), sqrt(max(1.0 - near, 0.0))
     missed = by_five(r, s, n)
-    tau = max(xi - missed * slowness(near, n), 0.0)
-    nearer = left_over(v, m, tau, n)
+    tau = max(xi - missed * dtau_dxi(near, n), 0.0)
+    nearer = complement(v, m, tau, n)
     missed = (xi - tau) - missed - by_two(s, sqrt(max(1.0 - nearer, 0.0)), n)
-    return 1.0 - left_over(v, m, max(tau + missed * slowness(nearer, n), 0.0), n)
+    return 1.0 - complement(v, m, max(tau + missed * dtau_dxi(nearer, n), 0.0), n)
 
 
 def flow(y: float, xi: float, n: float, c: float) -> float:
@@ -138,7 +138,7 @@ def flow(y: float, xi: float, n: float, c: float) -> float:
     z = c * power(u, n)
     way = u * way_back(z, n, c)
     walked = min(xi, way)
-    return forth(max(y, 0.0), xi - walked, n) - back(u, way, walked, n, 1.0 + z, c)
+    return loading_step(max(y, 0.0), xi - walked, n) - unloading_step(u, way, walked, n, 1.0 + z, c)
 
 
 def rate(y: float, n: float, c: float) -> float:
@@ -154,16 +154,16 @@ WRITTEN: tuple[Callable[..., float], ...] = (
     power,
     pair,
     way_back,
-    back,
-    left_over,
+    unloading_step,
+    complement,
     steady,
-    true,
-    both,
-    alone,
+    exact_rate,
+    rate_ratio_pair,
+    rate_ratio,
     by_five,
     by_two,
-    slowness,
-    forth,
+    dtau_dxi,
+    loading_step,
     flow,
     rate,
     flow_by_y,
@@ -175,7 +175,7 @@ def source() -> str:
     return "\n\n".join(read(function, function.__name__).source for function in WRITTEN)
 
 
-def together(dampers: Iterable[tuple[Composition, Array]]) -> bool:
+def is_vectorisable(dampers: Iterable[tuple[Composition, Array]]) -> bool:
     """Whether the lanes can walk the Bouc-Wen states of these dampers together, and there are any."""
     spans = [span for composition, values in dampers for span in _spans(composition, values)]
     return bool(spans) and all(low <= value <= high for value, (low, high) in spans)

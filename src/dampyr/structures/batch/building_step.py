@@ -38,18 +38,18 @@ class Small:
     def before(self) -> None:
         """The motion that the unknown forces do not touch."""
         text, known = self.text, [*self.state, "a0", "a1", *(f"f{d}" for d in range(self.text.sites))]
-        text.say(*GROUND)
+        text.emit(*GROUND)
         for i in range(text.size):
-            text.say(f"k{i} = {text.sum(text.step.end[i, : len(known)], known)}")
+            text.emit(f"k{i} = {text.sum(text.step.end[i, : len(known)], known)}")
         for r in range(2 * text.sites):
-            text.say(f"be{r} = {text.sum(text.step.sites[r], [f'k{i}' for i in range(text.size)])}")
+            text.emit(f"be{r} = {text.sum(text.step.sites[r], [f'k{i}' for i in range(text.size)])}")
 
     def after(self) -> None:
         """The state at the end and its peaks."""
         text, width = self.text, self.text.size + 2 + self.text.sites
         for i in range(text.size):
             moved = text.sum(text.step.end[i, width:], text.unknown) if text.sites else "zero"
-            text.say(f"n{i} = k{i} + {moved}")
+            text.emit(f"n{i} = k{i} + {moved}")
             text.keep(f"z{i}", f"n{i}")
         for r, start in enumerate(self.starts):
             if not start.startswith("z"):
@@ -62,11 +62,11 @@ class Small:
         text = self.text
         names = [*(f"n{i}" for i in range(text.size)), *(f"g{text.sites + d}" for d in range(text.sites))]
         seen: dict[tuple[float, ...], str] = {}
-        for quantity, i, row in text.looks():
+        for quantity, i, row in text.outputs():
             key = tuple(row)
             if key not in seen:
                 name = seen[key] = f"P{len(seen)}"
-                text.say(f"{name}a = {text.sum(row, names)}", *text.peak(name, f"{name}a", f"{name}b", f"{name}c"))
+                text.emit(f"{name}a = {text.sum(row, names)}", *text.peak(name, f"{name}a", f"{name}b", f"{name}c"))
                 for row_name, value in ((name, f"{name}n"), (f"{name}b", f"{name}a"), (f"{name}c", f"{name}b")):
                     text.keep(row_name, value)
             text.peaks[quantity, i] = seen[key]
@@ -103,12 +103,12 @@ class Large:
         for r, start in enumerate(self.starts):
             text.keep(start, f"n_e{r}")
         self.named_ = len(text.coefficients)
-        looks = text.looks()
+        looks = text.outputs()
         self.values = text.rows.run("~q", len(looks))
         self.top, self.mid, self.old = (text.rows.run(letter, len(looks)) for letter in ("P", "Pb", "Pc"))
         for r, (quantity, i, _) in enumerate(looks):
             text.peaks[quantity, i] = f"P{r}"
-        self.looks = np.array([row for _, _, row in looks]).reshape(len(looks), text.size + text.sites)
+        self.outputs = np.array([row for _, _, row in looks]).reshape(len(looks), text.size + text.sites)
 
     def latest(self, peak: str) -> str:
         """The row with the value at the last node of what a peak is kept of."""
@@ -143,19 +143,19 @@ class Large:
         lines += dampers
         lines += self._product(unknown, range(self.g, self.g + 2 * N), self.z, start=self.k)
         lines += self._values([*range(self.z, self.z + size), *(self.f + d for d in range(N))])
-        return [*lines, *self._peaks(len(self.looks))]
+        return [*lines, *self._peaks(len(self.outputs))]
 
     def _values(self, columns: list[int]) -> list[str]:
         """What peaks are kept of; drifts are differences of displacements where both are wanted."""
         wanted, n = self.text.quantities, self.text.size // 2
         if not {"displacement", "drift"} <= set(wanted):
-            return self._product(self.looks, columns, self.values)
-        lines = self._product(self.looks[:n], columns, self.values)
+            return self._product(self.outputs, columns, self.values)
+        lines = self._product(self.outputs[:n], columns, self.values)
         first = {"x": self._row(self.values + n), "y": self._row(self.values)}
         lines += self._loop(1, first, [], ["x[l] = y[l]"])
         rows = {"x": self._row(self.values + n + 1), "y": self._row(self.values + 1), "z": self._row(self.values)}
         lines += self._loop(n - 1, rows, [], ["x[l] = y[l] - z[l]"])
-        rest = self.looks[2 * n :]
+        rest = self.outputs[2 * n :]
         return lines + (self._product(rest, columns, self.values + 2 * n) if len(rest) else [])
 
     def _stored(self, values: Array) -> int:
