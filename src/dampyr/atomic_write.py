@@ -25,40 +25,40 @@ def whole_file(path: Path, new: bool = False) -> Iterator[Path]:
         raise FileError(
             path, f"cannot be written ({problem.strerror}); choose a folder that exists and can be written to"
         ) from problem
-    beside = Path(name)
+    temporary = Path(name)
     try:
-        yield beside
-        with beside.open("rb+") as written:
+        yield temporary
+        with temporary.open("rb+") as written:
             os.fsync(written.fileno())
-        beside.chmod(0o644)
+        temporary.chmod(0o644)
         if new:
-            _place_new(beside, path)
+            _place_new(temporary, path)
         else:
-            beside.replace(path)
+            temporary.replace(path)
     except BaseException:
-        beside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise
     _sync_folder(path.parent)
 
 
 def write_whole(path: Path, text: str) -> None:
     """Write ``text`` in UTF-8, with line feeds, as a `whole_file`."""
-    with whole_file(path) as beside:
-        beside.write_text(text, encoding="utf-8", newline="\n")
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _place_new(beside: Path, path: Path) -> None:
+def _place_new(temporary: Path, path: Path) -> None:
     """Give the file its name, unless another has it."""
     try:
         try:
-            os.link(beside, path)
+            os.link(temporary, path)
         except FileExistsError:
             raise
         except OSError:  # a file system without links
             if path.exists():
                 raise FileExistsError from None
-            beside.rename(path)
-        beside.unlink(missing_ok=True)
+            temporary.rename(path)
+        temporary.unlink(missing_ok=True)
     except FileExistsError:
         raise FileError(
             path, "is there already, and nothing is written over it; move it away, or choose another name"

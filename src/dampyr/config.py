@@ -35,28 +35,28 @@ def load_toml(path: str | Path) -> dict[str, Any]:
         raise FileError(path, f"cannot be read ({problem.strerror})") from None
 
 
-def fill(cls: type[T], told: Any, where: str = "") -> T:
+def fill(cls: type[T], table: Any, where: str = "") -> T:
     """The dataclass ``cls`` from the table ``told``; ``where`` is the table's name in messages.
 
     Raises :class:`InputError` for what is not known, is missing, has the wrong type or unit, or leaves its range.
     """
-    if not isinstance(told, Mapping):
-        raise InputError(f"{where or 'the file'} = {told!r} must be a table")
-    hints, known = get_type_hints(cls, include_extras=True), {f.name: f for f in fields(cls)}  # type: ignore[arg-type]
-    for name in told:
-        if name not in known:
-            raise InputError(unknown(_joined(where, name), name, list(known)))
-    missing = [name for name, field in known.items() if name not in told and _is_required(field)]
+    if not isinstance(table, Mapping):
+        raise InputError(f"{where or 'the file'} = {table!r} must be a table")
+    hints, fields_by_name = get_type_hints(cls, include_extras=True), {f.name: f for f in fields(cls)}  # type: ignore[arg-type]
+    for name in table:
+        if name not in fields_by_name:
+            raise InputError(unknown(_joined(where, name), name, list(fields_by_name)))
+    missing = [name for name, field in fields_by_name.items() if name not in table and _is_required(field)]
     if missing:
         raise InputError(f"{_joined(where, missing[0])} is missing; give it{_example(hints[missing[0]])}")
-    return cls(**{name: value_of(hints[name], value, _joined(where, name)) for name, value in told.items()})
+    return cls(**{name: value_of(hints[name], value, _joined(where, name)) for name, value in table.items()})
 
 
-def unknown(where: str, name: str, known: list[str]) -> str:
+def unknown(where: str, name: str, available: list[str]) -> str:
     """A sentence about a name that is not known."""
-    close = get_close_matches(name, known, n=1)
+    close = get_close_matches(name, available, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
-    return f"{where} is not known; {hint}choose from {', '.join(known)}"
+    return f"{where} is not known; {hint}choose from {', '.join(available)}"
 
 
 def value_of(hint: Any, value: Any, where: str) -> Any:
@@ -91,11 +91,11 @@ def _measured(quantity: Quantity, value: Any, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f'{where} = {value!r} must be a quantity such as "1 {quantity.unit}"')
     try:
-        found = parse(value, quantity.unit)
+        parsed = parse(value, quantity.unit)
     except InputError as problem:
         raise InputError(f"{where} = {value!r}: {problem}") from None
-    quantity.check(where, found)
-    return found
+    quantity.check(where, parsed)
+    return parsed
 
 
 def _plain(kind: Any, value: Any, where: str) -> Any:

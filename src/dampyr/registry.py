@@ -20,12 +20,12 @@ def names(package: str) -> list[str]:
 
 def member(package: str, name: str) -> ModuleType:
     """The module called ``name`` on a shelf, or an :class:`InputError` that lists what is there."""
-    known = names(package)
-    if name not in known:
-        close = get_close_matches(name, known, n=1)
+    available = names(package)
+    if name not in available:
+        close = get_close_matches(name, available, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
-        shelf = getattr(import_module(package), "MEMBERS", package.rpartition(".")[2].replace("_", " "))
-        raise InputError(f"{name!r} is not among the {shelf}; {hint}choose from {', '.join(known)}")
+        label = getattr(import_module(package), "MEMBERS", package.rpartition(".")[2].replace("_", " "))
+        raise InputError(f"{name!r} is not among the {label}; {hint}choose from {', '.join(available)}")
     return import_module(f"{package}.{name}")
 
 

@@ -170,10 +170,10 @@ def parse(text: str | float, si: str) -> float:
     """
     if isinstance(text, int | float):
         return float(text)
-    found = _NUMBER.match(text.strip())
-    if found is None:
+    match = _NUMBER.match(text.strip())
+    if match is None:
         raise InputError(f"{text!r} is not a quantity; write a number and a unit, such as '12.4 mm'")
-    return round_trip(to_si(float(found[0]), text.strip()[found.end() :].strip() or si, si))
+    return round_trip(to_si(float(match[0]), text.strip()[match.end() :].strip() or si, si))
 
 
 def round_trip(value: float) -> float:

@@ -185,7 +185,7 @@ def test_a_full_disk_ends_the_test_cleanly(two: Path, tmp_path: Path, monkeypatc
         nonlocal count
         count += 1
         if count == 20:
-            with self._told("cannot be written"):
+            with self._translate_errors("cannot be written"):
                 raise OSError(28, "No space left on device")
         return append(self, values)
 

@@ -14,7 +14,7 @@ from dampyr.identification.normal_equations import Normal, Step, least, moved, n
 from dampyr.identification.problem import Problem
 from dampyr.identification.variable_projection import Outcome, descend, search
 from dampyr.models import Damper
-from dampyr.models.codegen.kernels import kept
+from dampyr.models.codegen.kernels import compile_cached
 
 DAHL = Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": 55.0, "dahl.rho": 2500.0})
 FREE = np.ones(6, dtype=bool)
@@ -30,7 +30,7 @@ def normal_equations(seed: int, twins: float = 1.0) -> np.ndarray:
 
 def factors(S: np.ndarray) -> tuple[bool, np.ndarray]:
     x = np.empty(6)
-    done = kept(algebra.solved)(S[:, :6].copy(), S[:, 6].copy(), FREE, np.empty(6), np.empty((6, 6)), x)
+    done = compile_cached(algebra.solved)(S[:, :6].copy(), S[:, 6].copy(), FREE, np.empty(6), np.empty((6, 6)), x)
     return done, x
 
 
@@ -120,7 +120,7 @@ def test_the_first_part_holds_the_motion_or_it_is_the_whole() -> None:
 def test_few_steps_are_few_with_an_opening_too() -> None:
     problem = prepared("dahl", [sine(DAHL, 0.0, noise=2.0, seconds=60.0)])
     told: list[int] = []
-    found = search(problem, begin(problem), lambda k, cost: told.append(k), most=3)
+    found = search(problem, begin(problem), lambda k, cost: told.append(k), max_iterations=3)
     assert found.iterations <= 3
     assert told == sorted(told)
     assert all(k <= 3 for k in told)

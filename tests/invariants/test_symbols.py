@@ -21,7 +21,7 @@ from dampyr.ground_motions import oscillator
 from dampyr.identification import algebra
 from dampyr.models import names, part, path_integration
 from dampyr.models.codegen.composition import compose
-from dampyr.models.codegen.kernels import bind, kept
+from dampyr.models.codegen.kernels import bind, compile_cached
 from dampyr.rig.simulation import plant
 from dampyr.structures import two_storey
 from dampyr.structures.batch.engine import engine
@@ -83,8 +83,8 @@ def kernels() -> Iterator[Any]:
         yield from (bind(driver, (one,)) for driver in (*drivers, plant.run, coupled))
         yield bind(coupled, (one, compose("dahl")))
         yield bind(coupled, (one,), "def decide(v): return v")
-    yield from (kept(f) for _, f in inspect.getmembers(algebra, inspect.isfunction))
-    yield kept(oscillator.march)
+    yield from (compile_cached(f) for _, f in inspect.getmembers(algebra, inspect.isfunction))
+    yield compile_cached(oscillator.march)
     site = two_storey().connection(1)[None]
     for name in ("dahl", "dahl + spring", "bouc_wen", "hyperbolic_tangent"):
         for precision in (64, 32):

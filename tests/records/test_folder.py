@@ -193,7 +193,7 @@ def test_what_was_stated_stays_and_draws_what_was_measured() -> None:
     found = nominal_inputs([*stated, measured(0.997)])
     assert [r.current for r in found] == [0.0, 1.00, 1.01, 1.00]
     assert found[1] is stated[1]
-    assert nominal_inputs([measured(1.497)], known=(0.0, 1.5))[0].current == 1.5
+    assert nominal_inputs([measured(1.497)], nominal_values=(0.0, 1.5))[0].current == 1.5
 
 
 def test_volts_and_amperes_are_not_mixed() -> None:

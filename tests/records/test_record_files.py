@@ -6,12 +6,12 @@ import pytest
 from dampyr import registry
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.records import read, with_velocity, write
-from dampyr.records.record_files import SHELF
+from dampyr.records.record_files import REGISTRY
 
 
 def test_the_shelf_is_found_by_file_name():
-    assert {"csv", "h5", "mat", "txt"} <= set(registry.names(SHELF))
-    assert all(callable(module.read) for _, module in registry.members(SHELF))
+    assert {"csv", "h5", "mat", "txt"} <= set(registry.names(REGISTRY))
+    assert all(callable(module.read) for _, module in registry.members(REGISTRY))
 
 
 @pytest.mark.parametrize("name", ["test.tdms", "test.xlsx", "test"])

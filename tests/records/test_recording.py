@@ -153,7 +153,7 @@ def test_the_room_of_the_finished_file_is_reserved_before_the_first_sample(tmp_p
     assert before - shutil.disk_usage(tmp_path).free > 0.9 * 2_000_000 * (5 + 6) * 8
     recording.append(block(0))
     recording.finish({}, refine=lambda values: values | {"velocity": values["force"]})
-    assert (tmp_path / "t.h5").stat().st_size < header.room(40)[1]
+    assert (tmp_path / "t.h5").stat().st_size < header.file_sizes(40)[1]
 
 
 def test_a_copy_that_is_refused_leaves_the_samples_where_they_are(

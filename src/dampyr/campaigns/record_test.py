@@ -22,7 +22,7 @@ from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
 from dampyr.records.record import Array, Label
-from dampyr.records.recording import Header, RawChannel, Recording, check_room
+from dampyr.records.recording import Header, RawChannel, Recording, check_disk_space
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.interlock import Samples
@@ -130,7 +130,7 @@ def check_disk(folder: Path, rig: Rig, tests: list[PlannedTest], campaign: Campa
     assert rig.calibration is not None
     largest = max(tests, key=lambda test: capacity(test.drive, rig))
     record_header = header(rig, rig.calibration, largest, campaign, 1)
-    check_room(folder, largest.name, record_header, capacity(largest.drive, rig))
+    check_disk_space(folder, largest.name, record_header, capacity(largest.drive, rig))
 
 
 def header(rig: Rig, calibration: Calibration, planned: PlannedTest, campaign: Campaign, attempt: int) -> Header:

@@ -45,7 +45,11 @@ def command(rig: Path, load: str | None, shunt: str | None, seconds: float, yes:
     if as_json:
         print_json({"file": str(found), "calibration": steps.calibration, "doubt": steps.doubt})
         return
-    rows = [["zero", steps.calibration.zero, "V"], ["scale", steps.calibration.scale, "N/V"], ["noise", steps.noise, "N rms"]]
+    rows = [
+        ["zero", steps.calibration.zero, "V"],
+        ["scale", steps.calibration.scale, "N/V"],
+        ["noise", steps.noise, "N rms"],
+    ]
     notes = [steps.calibration.how, *([steps.doubt] if steps.doubt else []), f"written: {found}"]
     print_table("Load cell", ["what", "value", "unit"], rows, notes=notes)
 

@@ -11,14 +11,14 @@ from dampyr.models import Damper
 from dampyr.registry import member
 from dampyr.registry import names as _names
 
-SHELF = "dampyr.export.kinds"
+REGISTRY = "dampyr.export.kinds"
 
 __all__ = ["export", "names"]
 
 
 def names() -> list[str]:
     """The kinds of export."""
-    return _names(SHELF)
+    return _names(REGISTRY)
 
 
 def export(
@@ -30,7 +30,7 @@ def export(
     ``allow_extrapolation``. Raises :class:`~dampyr.errors.InputError` for an unknown kind or a name that the target
     cannot use.
     """
-    kind = member(SHELF, to)
+    kind = member(REGISTRY, to)
     folder = Path(out)
     written: list[Path] = kind.write(damper, folder, name, allow_extrapolation)
     return written

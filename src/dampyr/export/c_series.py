@@ -44,10 +44,10 @@ def _phi(composition: Composition, prefix: str, call: Call) -> str:
             terms.append(call(slot.part.force, places | {n: f"e[{k}]" for n, k in slot.states.items()}))
     motion = "double x0, double x1, double v0, double v1, double dt"
     place = rate(composition)
-    before, kept = "", []
+    before, rate_lines = "", []
     if place is not None:
         before = f"u0 = v0 - (s[{place}] >= {UNKNOWN} ? r : s[{place}]), "
-        kept = [f"    e[{place}] = r;"]
+        rate_lines = [f"    e[{place}] = r;"]
     return "\n".join(
         [
             f"static double {prefix}phi(const double *s, double f, {motion}, const double *p, double *e)",
@@ -55,7 +55,7 @@ def _phi(composition: Composition, prefix: str, call: Call) -> str:
             f"    double z0 = {prefix}stretch(s[{composition.n_states - 1}], p), z1 = {prefix}stretch(f, p);",
             f"    double a0 = x0 - z0, a1 = x1 - z1, r = (z1 - z0)/dt, {before}u1 = v1 - r;",
             "    (void)e; (void)a0; (void)v0; (void)u1;",
-            *kept,
+            *rate_lines,
             *lines,
             f"    return {' + '.join(terms)};",
             "}",

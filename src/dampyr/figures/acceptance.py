@@ -48,7 +48,7 @@ def peak_velocity_band(
         panel.axhline(0.0, color=style.MUTED, lw=0.7)
         panel.margins(x=0.04)
         style.name_axes(panel, SPEED, FORCE)
-        style.legend(fig, panel, columns=5, fewest=1)
+        style.legend(fig, panel, columns=5, min_entries=1)
     return fig
 
 
@@ -72,7 +72,7 @@ def band_used(records: Mapping[str, Mapping[str, ArrayLike]], title: str = "") -
         panel.set_xlim(min(low, -1.25), max(high, 1.25))
         panel.grid(visible=False, axis="y")
         panel.set_xlabel(USED.label)
-        style.legend(fig, panel, columns=3, fewest=1)
+        style.legend(fig, panel, columns=3, min_entries=1)
     return fig
 
 
@@ -86,8 +86,8 @@ def _used(panel: Any, row: int, quantity: str, values: Any) -> None:
     ):
         shown = values[which]
         if shown.size:
-            known = panel.get_legend_handles_labels()[1]
-            label = None if words in known else words
+            labels = panel.get_legend_handles_labels()[1]
+            label = None if words in labels else words
             panel.plot(shown, np.full(shown.size, row + shift), mark, label=label, **look)
 
 

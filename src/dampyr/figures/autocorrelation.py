@@ -42,6 +42,6 @@ def memory(records: Sequence[tuple[ArrayLike, ArrayLike]], correlation_time: flo
 
 def _mean(records: Sequence[tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
     """The mean over the records at each lag that some record has."""
-    longest = max((np.asarray(lags, dtype=float) for lags, _ in records), key=lambda lags: lags[-1])
-    rows = [np.interp(longest, np.asarray(lags), np.asarray(rho), right=np.nan) for lags, rho in records]
-    return longest, np.nanmean(rows, axis=0)
+    lag_grid = max((np.asarray(lags, dtype=float) for lags, _ in records), key=lambda lags: lags[-1])
+    rows = [np.interp(lag_grid, np.asarray(lags), np.asarray(rho), right=np.nan) for lags, rho in records]
+    return lag_grid, np.nanmean(rows, axis=0)

@@ -39,5 +39,5 @@ def building_response(
             panel.plot(t[peak], y[peak], "o", ms=4, color=colour)
         panel.set_xlim(t[0], t[-1])
         style.name_axes(panel, TIME, axis)
-        style.legend(fig, panel, columns=2, fewest=1)
+        style.legend(fig, panel, columns=2, min_entries=1)
     return fig

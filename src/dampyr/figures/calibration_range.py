@@ -44,7 +44,7 @@ def calibrated(
         if ranges and "velocity" in ranges:
             _speed(panel, ranges["velocity"][1], top)
         style.name_axes(panel, FREQUENCY, AMPLITUDE)
-        style.legend(fig, panel, columns=3, fewest=1)
+        style.legend(fig, panel, columns=3, min_entries=1)
     return fig
 
 
@@ -89,5 +89,5 @@ def _top(groups: Mapping[str, tuple[ArrayLike, ArrayLike]], ranges: Mapping[str,
     """The greatest amplitude that is drawn, mm."""
     values = [np.ravel(AMPLITUDE.of(amplitudes)) for _, amplitudes in groups.values()]
     values.append(np.ravel(AMPLITUDE.of(ranges.get("displacement", (0.0, 0.0))[1])))
-    known = np.concatenate(values)
-    return max(float(np.max(known[np.isfinite(known)], initial=0.0)), 1e-3)
+    amplitude_values = np.concatenate(values)
+    return max(float(np.max(amplitude_values[np.isfinite(amplitude_values)], initial=0.0)), 1e-3)

@@ -45,5 +45,5 @@ def controlled(
             panel.set_ylabel(input_axis.label)
         axes[-1, 0].set_xlabel(TIME.label)
         axes[-1, 0].set_xlim(t[0], t[-1])
-        style.legend(fig, top, columns=2, fewest=1)
+        style.legend(fig, top, columns=2, min_entries=1)
     return fig

@@ -80,8 +80,10 @@ def _dress(panel: Any, names: Sequence[str], size: float, cell: float) -> None:
     m = len(names)
     panel.set_xlim(-0.6, m - 0.4)
     panel.set_ylim(m - 0.4, -0.6)
-    beside = 0.6 * size / 72 * (max(len(name) for name in names) + 5)
-    anchor = "C" if beside < 0.5 * (style.WIDTH - cell * m) - 0.2 else "E"  # long names need all the room on the left
+    label_width = 0.6 * size / 72 * (max(len(name) for name in names) + 5)
+    anchor = (
+        "C" if label_width < 0.5 * (style.WIDTH - cell * m) - 0.2 else "E"
+    )  # long names need all the room on the left
     panel.set_aspect("equal", anchor=anchor)
     panel.grid(visible=False)
     for spine in panel.spines.values():

@@ -55,5 +55,5 @@ def envelope(
             axis.set_major_formatter("{x:g}")
             axis.set_minor_formatter(NullFormatter())
         style.name_axes(panel, FREQUENCY, AMPLITUDE)
-        style.legend(fig, panel, columns=4, fewest=1)
+        style.legend(fig, panel, columns=4, min_entries=1)
     return fig

@@ -44,7 +44,7 @@ def fragility_curves(curves: Mapping[str, Fragile], axis: Axis = PGA, title: str
         panel.set_ylim(-2, 102)
         panel.set_xlim(left=0.0)
         style.name_axes(panel, axis, PROBABILITY)
-        style.legend(fig, panel, columns=4, fewest=1)
+        style.legend(fig, panel, columns=4, min_entries=1)
     return fig
 
 

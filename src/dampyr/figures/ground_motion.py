@@ -28,5 +28,5 @@ def ground_motion(time: ArrayLike, acceleration: ArrayLike, title: str = "") -> 
         panel.plot(t[peak], a[peak], "o", ms=4, color=style.VERMILLION, ls="none", label=words)
         panel.set_xlim(t[0], t[-1])
         style.name_axes(panel, TIME, ACCELERATION)
-        style.legend(fig, panel, fewest=1)
+        style.legend(fig, panel, min_entries=1)
     return fig

@@ -16,7 +16,7 @@ from dampyr.figures.style import Axis
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST = 120
+MAX_CURVES = 120
 DRIFT = Axis("largest drift", "mm", 1e3)
 DASHES = ("--", "-", "-.")
 
@@ -40,7 +40,7 @@ def incremental_curves(
     panel = axes[0, 0]
     x, y = np.atleast_2d(peaks), np.atleast_2d(intensity)
     with style.style():
-        for row in range(0, len(x), max(1, -(-len(x) // MOST))):
+        for row in range(0, len(x), max(1, -(-len(x) // MAX_CURVES))):
             panel.plot(peak.of(x[row]), axis.of(y[row]), color=style.MUTED, lw=0.5, alpha=0.55)
         for dash, (name, values) in zip(cycle(DASHES), fractiles.items(), strict=False):
             shown = np.where(np.isfinite(values), values, np.nan)
@@ -50,5 +50,5 @@ def incremental_curves(
         panel.set_xlim(0.0, None if furthest is None else float(peak.of(furthest)))
         panel.set_ylim(bottom=0.0)
         style.name_axes(panel, peak, axis)
-        style.legend(fig, panel, columns=5, fewest=1)
+        style.legend(fig, panel, columns=5, min_entries=1)
     return fig

@@ -40,5 +40,5 @@ def response_spectrum(
         panel.set_xticks(shown, [f"{tick:g}" for tick in shown])
         panel.set_xticks([], minor=True)
         style.name_axes(panel, PERIOD, axis)
-        style.legend(fig, panel, columns=2, fewest=1)
+        style.legend(fig, panel, columns=2, min_entries=1)
     return fig

@@ -34,10 +34,10 @@ def scores(
             spread = row + np.linspace(-0.16, 0.16, len(dots)) if len(dots) > 1 else [row]
             panel.plot(dots, spread, "o", ms=3.5, color=style.BLUE, label=_once("record", row))
         rows = {name: row for row, name in enumerate(groups)}
-        for colour, (name, known) in zip(
+        for colour, (name, by_group) in zip(
             cycle((style.VERMILLION, style.GREEN, style.PURPLE)), (references or {}).items(), strict=False
         ):
-            at = [(float(axis.of(value)), rows[group]) for group, value in known.items()]
+            at = [(float(axis.of(value)), rows[group]) for group, value in by_group.items()]
             panel.plot(*zip(*at, strict=True), "D", ms=6, mfc="none", mew=1.4, color=colour, label=name)
         panel.set_yticks(range(len(groups)), list(groups))
         panel.invert_yaxis()

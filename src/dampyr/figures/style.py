@@ -135,15 +135,15 @@ def name_axes(axes: Axes, x: Axis, y: Axis) -> None:
     axes.set_ylabel(y.label)
 
 
-def legend(fig: Figure, *axes: Axes, columns: int = 3, fewest: int = 2) -> None:
+def legend(fig: Figure, *axes: Axes, columns: int = 3, min_entries: int = 2) -> None:
     """The names on the axes, each once, above the figure; none when there are fewer than ``fewest``."""
-    known: dict[str, Any] = {}
+    handles: dict[str, Any] = {}
     for each in axes:
         for handle, name in zip(*each.get_legend_handles_labels(), strict=True):
-            known.setdefault(name, handle)
-    if len(known) >= fewest:
+            handles.setdefault(name, handle)
+    if len(handles) >= min_entries:
         loc = "outside upper left"
-        fig.legend(list(known.values()), list(known), loc=loc, ncols=min(len(known), columns))
+        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(len(handles), columns))
 
 
 def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -50,9 +50,9 @@ def filtered(
         raise InputError(f"order = {order!r} is not allowed; it must be a whole number from 1 to 10")
     pad = math.ceil(0.75 * order / corners[0] / motion.dt)
     values = _twice(np.pad(motion.acceleration, pad), low, high, int(order), 2 * nyquist)
-    kept = values if keep_pads else values[pad : pad + motion.n]
+    samples = values if keep_pads else values[pad : pad + motion.n]
     note = f"Butterworth {_band(low, high)}, order {order}, forward and backward"
-    return motion.changed(kept, note + (f", {pad * motion.dt:g} s more at each end" if keep_pads else ""))
+    return motion.changed(samples, note + (f", {pad * motion.dt:g} s more at each end" if keep_pads else ""))
 
 
 def _twice(values: np.ndarray, low: float | None, high: float | None, order: int, rate: float) -> np.ndarray:

@@ -99,15 +99,15 @@ class GroundMotion:
         """The same motion with a pseudo-acceleration of ``value`` [m/s2] at ``period`` [s] and ``damping`` (ratio)."""
         from dampyr.ground_motions.response_spectrum import spectrum
 
-        found = float(spectrum(self, period, damping).pseudo_acceleration)
-        return self.scaled(_factor(value, found, f"{self.name}: Sa({period:g} s) of"))
+        current = float(spectrum(self, period, damping).pseudo_acceleration)
+        return self.scaled(_factor(value, current, f"{self.name}: Sa({period:g} s) of"))
 
 
-def _factor(value: float, found: float, words: str) -> float:
+def _factor(value: float, current: float, words: str) -> float:
     if not np.isfinite(value) or value <= 0:
         raise InputError(f"{words} {value:g} m/s^2 is not allowed; it must be greater than 0")
-    if found <= 0:
+    if current <= 0:
         raise InputError(
             f"{words} {value:g} m/s^2 cannot be reached by scaling: the motion is 0 there; take another one"
         )
-    return value / found
+    return value / current

@@ -8,12 +8,12 @@ from dampyr import registry
 from dampyr.errors import FileError, MissingData
 from dampyr.ground_motions.motion import GroundMotion
 
-SHELF = "dampyr.ground_motions.formats"
+REGISTRY = "dampyr.ground_motions.formats"
 
 
 def formats() -> dict[str, tuple[str, ...]]:
     """The formats on the shelf and their suffixes."""
-    return {name: module.SUFFIXES for name, module in registry.members(SHELF)}
+    return {name: module.SUFFIXES for name, module in registry.members(REGISTRY)}
 
 
 def read(path: str | Path, units: str | None = None, dt: float | None = None) -> GroundMotion:
@@ -31,9 +31,9 @@ def read(path: str | Path, units: str | None = None, dt: float | None = None) ->
     file = Path(path)
     if not file.is_file():
         raise MissingData(f"{file}: there is no such file; check the path of the ground motion")
-    for _, module in registry.members(SHELF):
+    for _, module in registry.members(REGISTRY):
         if file.suffix.lower() in module.SUFFIXES:
             motion: GroundMotion = module.read(file, units, dt)
             return motion
-    known = ", ".join(sorted(suffix for suffixes in formats().values() for suffix in suffixes))
-    raise FileError(file, f"the suffix {file.suffix!r} is not a ground motion's; dampyr reads {known}")
+    available = ", ".join(sorted(suffix for suffixes in formats().values() for suffix in suffixes))
+    raise FileError(file, f"the suffix {file.suffix!r} is not a ground motion's; dampyr reads {available}")

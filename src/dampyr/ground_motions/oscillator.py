@@ -116,7 +116,7 @@ def one(a: Array, h: float, omega: float, zeta: float, sampled: bool, peaks: Arr
     up, vp = solution(0.0, 0.0, 1.0, 0.0, omega, zeta, s)
     us, vs = solution(0.0, 0.0, 0.0, 1.0, omega, zeta, s)
     c, k = 2 * zeta * omega, omega * omega
-    u = v = most_u = most_v = most_a = 0.0
+    u = v = max_u = max_v = max_a = 0.0
     b = -a[0]
     for n in range(len(a) - 1):
         slope = (a[n + 1] - a[n]) / h
@@ -127,14 +127,14 @@ def one(a: Array, h: float, omega: float, zeta: float, sampled: bool, peaks: Arr
             b1 = -(p + slope * s) - c * v1 - k * u1
             if not sampled:
                 jerk, jerk1 = -slope - c * b - k * v, -slope - c * b1 - k * v1
-                if abs(u1) + s * (abs(v1) + s * (abs(b) + abs(b1))) > most_u:
-                    most_u = inside(1.0, 0.0, u, v, u1, v1, p, slope, omega, zeta, s, most_u)
-                if abs(v1) + s * (abs(b1) + s * (abs(jerk) + abs(jerk1))) > most_v:
-                    most_v = inside(0.0, 1.0, u, v, u1, v1, p, slope, omega, zeta, s, most_v)
+                if abs(u1) + s * (abs(v1) + s * (abs(b) + abs(b1))) > max_u:
+                    max_u = inside(1.0, 0.0, u, v, u1, v1, p, slope, omega, zeta, s, max_u)
+                if abs(v1) + s * (abs(b1) + s * (abs(jerk) + abs(jerk1))) > max_v:
+                    max_v = inside(0.0, 1.0, u, v, u1, v1, p, slope, omega, zeta, s, max_v)
                 bends = abs(k * b + c * jerk) + abs(k * b1 + c * jerk1)
-                if abs(k * u1 + c * v1) + s * (abs(k * v1 + c * b1) + s * bends) > most_a:
-                    most_a = inside(k, c, u, v, u1, v1, p, slope, omega, zeta, s, most_a)
+                if abs(k * u1 + c * v1) + s * (abs(k * v1 + c * b1) + s * bends) > max_a:
+                    max_a = inside(k, c, u, v, u1, v1, p, slope, omega, zeta, s, max_a)
             u, v, b = u1, v1, b1
             if not sampled or m == parts - 1:
-                most_u, most_v, most_a = max(most_u, abs(u)), max(most_v, abs(v)), max(most_a, abs(k * u + c * v))
-    peaks[0], peaks[1], peaks[2] = most_u, most_v, most_a
+                max_u, max_v, max_a = max(max_u, abs(u)), max(max_v, abs(v)), max(max_a, abs(k * u + c * v))
+    peaks[0], peaks[1], peaks[2] = max_u, max_v, max_a

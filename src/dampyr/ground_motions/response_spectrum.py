@@ -25,7 +25,7 @@ from dampyr.ground_motions.motion import GroundMotion
 
 Array = NDArray[np.float64]
 
-MOST_PARTS = 20_000
+MAX_PARTS = 20_000
 STANDARD_PERIODS = tuple(float(f"{T:.4g}") for T in np.geomspace(0.02, 10.0, 136))
 """Periods [s] for a figure: 0.02 s to 10 s, 50 in each decade."""
 
@@ -99,10 +99,10 @@ def spectrum(
 
 
 def _peaks(motion: GroundMotion, omega: Array, zeta: Array, sampled: bool) -> Array:
-    from dampyr.models.codegen.kernels import kept
+    from dampyr.models.codegen.kernels import compile_cached
 
     peaks = np.zeros((3, len(zeta), len(omega)))
-    kept(oscillator.march)(np.array(motion.acceleration), motion.dt, omega, zeta, bool(sampled), peaks)
+    compile_cached(oscillator.march)(np.array(motion.acceleration), motion.dt, omega, zeta, bool(sampled), peaks)
     return peaks
 
 
@@ -116,7 +116,7 @@ def _check(T: Array, zeta: Array, dt: float) -> None:
     if zeta.max() > 10:
         raise InputError(f"damping: {zeta.max():g} is not allowed; it is a ratio to critical, 0.05 for 5 %, at most 10")
     shortest = T[T > 0].min(initial=np.inf)
-    least = 2 * np.pi * (1 + 2 * zeta.max()) * dt / (oscillator.REACH * MOST_PARTS)
+    least = 2 * np.pi * (1 + 2 * zeta.max()) * dt / (oscillator.REACH * MAX_PARTS)
     if shortest < least:
         raise InputError(
             f"periods: {shortest:g} s is too short for samples every {dt:g} s; it must be 0 (rigid) or at least {least:.2g} s"

@@ -62,8 +62,8 @@ def kanai_tajimi(
     noise = _generator(seed).standard_normal(n) * math.sqrt(2 * math.pi * density / dt)
     shaking: Array = noise * envelope(np.arange(n, dtype=np.float64) * dt, duration)
     acceleration = _through(shaking, soil, dt, tail)
-    kept = n + (tail if rest is None else math.ceil(rest / dt * (1 - 1e-12)))
-    values = np.pad(acceleration, (0, max(kept - len(acceleration), 0)))[:kept]
+    n_samples = n + (tail if rest is None else math.ceil(rest / dt * (1 - 1e-12)))
+    values = np.pad(acceleration, (0, max(n_samples - len(acceleration), 0)))[:n_samples]
     strength = f"S0 = {intensity:g} m2/s3" if pga is None else f"scaled to a PGA of {pga:g} m/s2"
     made = f"synthetic, Kanai-Tajimi with Clough-Penzien high-pass, {soil}, {_words(envelope)}, {strength}, PCG64 seed {seed}"
     motion = GroundMotion(values, dt, name=f"Kanai-Tajimi {seed}", source=made)

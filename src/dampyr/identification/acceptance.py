@@ -125,8 +125,8 @@ class Acceptance:
     @property
     def outside(self) -> tuple[Point, ...]:
         """The points outside the band, the worst first."""
-        found = [p for p in self.points if p.inside is False]
-        return tuple(sorted(found, key=lambda p: -abs(p.used or 0.0)))
+        points = [p for p in self.points if p.inside is False]
+        return tuple(sorted(points, key=lambda p: -abs(p.used or 0.0)))
 
     @property
     def worst(self) -> Point | None:
@@ -164,7 +164,7 @@ class Acceptance:
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, for JSON."""
         points = [asdict(p) | {"deviation": p.deviation, "used": p.used} for p in self.points]
-        worst = next((told for told, p in zip(points, self.points, strict=True) if p is self.worst), None)
+        worst = next((entry for entry, p in zip(points, self.points, strict=True) if p is self.worst), None)
         return asdict(self) | {
             "verdict": self.verdict,
             "passed": self.passed,
@@ -198,30 +198,30 @@ def accept(
     Raises :class:`~dampyr.errors.InputError` for an argument that is wrong. What cannot be judged is a value with a reason.
     """
     band = tolerance or Tolerance()
-    asked = _asked(quantities, band)
+    requested = _checked_quantities(quantities, band)
     if offset is not None and not math.isfinite(offset):
         raise InputError(f"offset = {offset:g} N is not finite; give the load cell's zero, or leave it out")
     table = cycle_table(record, offset) if cycles(record) else []
-    known = expected(reference, record, table, offset, allow_extrapolation)
-    points = tuple(_point(k, q, cycle, known[q][k], band) for k, cycle in enumerate(table) for q in asked)
-    reason = _reason(points, asked) if points else "no whole cycle"
-    return Acceptance(record.name, record.input, record.input_value, band, asked, offset, points, reason)
+    expectations = expected(reference, record, table, offset, allow_extrapolation)
+    points = tuple(_point(k, q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
+    reason = _reason(points, requested) if points else "no whole cycle"
+    return Acceptance(record.name, record.input, record.input_value, band, requested, offset, points, reason)
 
 
-def in_short(found: Sequence[Acceptance]) -> str:
+def in_short(acceptances: Sequence[Acceptance]) -> str:
     """How many records came out how, such as "2 passed, 1 failed"."""
-    counts = {each: sum(one.verdict == each for one in found) for each in ("passed", "failed", "not judged")}
+    counts = {each: sum(one.verdict == each for one in acceptances) for each in ("passed", "failed", "not judged")}
     return ", ".join(f"{count} {each}" for each, count in counts.items() if count)
 
 
-def band(found: Iterable[Acceptance], quantity: Quantity) -> list[tuple[float, float, float, float]]:
+def band(acceptances: Iterable[Acceptance], quantity: Quantity) -> list[tuple[float, float, float, float]]:
     """The band along the speed, for a picture: (speed m/s, expected, low, high), means of points with the same speed to 2 %."""
-    points = [p for one in found for p in one.judged if p.quantity == quantity]
+    points = [p for one in acceptances for p in one.judged if p.quantity == quantity]
     rows = np.array([(p.speed, p.expected, p.low, p.high) for p in points], dtype=float).reshape(-1, 4)
     return [(speed, middle, low, high) for speed, middle, low, high in groups(rows, SAME).tolist()]
 
 
-def _asked(quantities: Iterable[Quantity], band: Tolerance) -> tuple[Quantity, ...]:
+def _checked_quantities(quantities: Iterable[Quantity], band: Tolerance) -> tuple[Quantity, ...]:
     given = tuple(dict.fromkeys([quantities] if isinstance(quantities, str) else quantities))
     unknown = [q for q in given if q not in QUANTITIES]
     if unknown or not given:
@@ -235,11 +235,11 @@ def _asked(quantities: Iterable[Quantity], band: Tolerance) -> tuple[Quantity, .
     return tuple(q for q in QUANTITIES if q in given)
 
 
-def _point(k: int, quantity: Quantity, cycle: Cycle, known: Expected, tolerance: Tolerance) -> Point:
+def _point(k: int, quantity: Quantity, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> Point:
     measured = {"extension": cycle.force_out, "compression": cycle.force_in, "energy": cycle.energy}[quantity]
     speeds = {"extension": cycle.speed_out, "compression": -cycle.speed_in}
     speed = speeds.get(quantity, max(speeds.values()))
-    value, reason = known
+    value, reason = expectation
     if value is None:
         return Point(k + 1, quantity, speed, cycle.stroke_m, measured, reason=reason)
     half = tolerance.half(quantity, value)
@@ -247,12 +247,14 @@ def _point(k: int, quantity: Quantity, cycle: Cycle, known: Expected, tolerance:
     return Point(k + 1, quantity, speed, cycle.stroke_m, measured, value, low, high, low <= measured <= high)
 
 
-def _reason(points: Sequence[Point], asked: Sequence[Quantity]) -> str:
+def _reason(points: Sequence[Point], requested: Sequence[Quantity]) -> str:
     """Why the whole cannot be judged; "" where at least half of the cycles of every quantity were."""
-    told: dict[str, list[str]] = {}
-    for quantity in asked:
+    by_reason: dict[str, list[str]] = {}
+    for quantity in requested:
         own = [p for p in points if p.quantity == quantity]
         open_ones = Counter(p.reason for p in own if p.inside is None)
         if sum(open_ones.values()) > SHARE * len(own):
-            told.setdefault(open_ones.most_common(1)[0][0], []).append(quantity)
-    return "; ".join(why if len(names) == len(asked) else f"{', '.join(names)}: {why}" for why, names in told.items())
+            by_reason.setdefault(open_ones.most_common(1)[0][0], []).append(quantity)
+    return "; ".join(
+        why if len(names) == len(requested) else f"{', '.join(names)}: {why}" for why, names in by_reason.items()
+    )

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import exp, inf, log, sqrt
 
 PIVOT = 1e-6  # of Cholesky's factors of a matrix with ones on its diagonal: below it eigenvalues decide
-NO_ROOM = 1e-12  # between two limits
+MIN_GAP = 1e-12  # between two limits
 
 
 def solved(H, g, free, scale, R, x):
@@ -75,7 +75,7 @@ def stepped(S, damping, low, high, chosen, H, R, work, free, s):
             H[i, j] = S[i, j]
         H[i, i] += damping * S[i, i]
         s[i] = 0.0
-        free[i] = chosen[i] and max(high[i], 0.0) - min(low[i], 0.0) > NO_ROOM
+        free[i] = chosen[i] and max(high[i], 0.0) - min(low[i], 0.0) > MIN_GAP
         if chosen[i]:
             largest = max(largest, abs(S[i, n]))
     for _ in range(10 * n + 10):
@@ -122,7 +122,7 @@ def inward(low, high, chosen, free, s, left, largest):
     """The unknown at a limit that the cost would most have leave it; -1 where there is none."""
     best, k = 1e-12 * largest, -1
     for i in range(s.size):
-        if chosen[i] and not free[i] and max(high[i], 0.0) - min(low[i], 0.0) > NO_ROOM:
+        if chosen[i] and not free[i] and max(high[i], 0.0) - min(low[i], 0.0) > MIN_GAP:
             slope = left[i] if s[i] <= min(low[i], 0.0) else -left[i]
             if slope > best:
                 best, k = slope, i

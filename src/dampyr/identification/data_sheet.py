@@ -45,15 +45,15 @@ def contradictions(damper: Damper, sheet: str = "RD-8041-1", resistance: float =
     """
     if sheet not in SHEETS:
         raise InputError(unknown(f"data sheet {sheet!r}", sheet, list(SHEETS)))
-    found = []
+    broken = []
     for promise in SHEETS[sheet]:
         value = promise.current * (resistance if damper.input == "V" else 1.0)
         low, high = damper.range
         if low - 1e-9 <= value <= high + 1e-9:
             force = peak_to_peak(damper, promise.speed, min(max(value, low), high))
             if not promise.low < force < promise.high:
-                found.append(_broken(promise, force, value, damper.input, sheet))
-    return found
+                broken.append(_broken(promise, force, value, damper.input, sheet))
+    return broken
 
 
 def peak_to_peak(damper: Damper, speed: float, value: float) -> float:

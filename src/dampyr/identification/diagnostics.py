@@ -16,7 +16,7 @@ from dampyr.identification.directions import Group
 from dampyr.identification.residuals import RecordResidual, Residuals
 
 CHANCE = 0.05
-FEWEST_RECORDS = 5
+MIN_RECORDS = 5
 CONFOUNDED = 0.7
 ALIKE = 1.1
 SHIFTED = 0.5
@@ -44,13 +44,13 @@ class Trend:
     counts: bool
 
 
-def trends(found: Residuals) -> tuple[Trend, ...]:
+def trends(residuals: Residuals) -> tuple[Trend, ...]:
     """All trends that the records allow to try: five records or more, their values not all the same."""
     tried = []
-    for group in found.groups:
-        members = [r for r in found.records if r.name in set(group.records)]
+    for group in residuals.groups:
+        members = [r for r in residuals.records if r.name in set(group.records)]
         tried += [(name, group.input_value, members) for name in ("frequency", "stroke")]
-    tried.append(("input", None, list(found.records)))
+    tried.append(("input", None, list(residuals.records)))
     made = [made for name, u, members in tried if (made := _trend(name, u, members)) is not None]
     limit = CHANCE / max(len(made), 1)
     return tuple(Trend(*one, counts=one[3] <= limit) for one in made)
@@ -65,7 +65,7 @@ def _trend(
     y = np.array([r.relative for r in members])
     other = np.array([r.stroke if name == "frequency" else r.frequency for r in members])
     seen = np.isfinite(x) & np.isfinite(y)
-    if seen.sum() < FEWEST_RECORDS or np.ptp(x[seen]) == 0.0 or np.ptp(y[seen]) == 0.0:
+    if seen.sum() < MIN_RECORDS or np.ptp(x[seen]) == 0.0 or np.ptp(y[seen]) == 0.0:
         return None
     rank, p = spearmanr(x[seen], y[seen])
     both = seen & np.isfinite(other)
@@ -75,32 +75,40 @@ def _trend(
     return name, u, float(rank), float(p), int(seen.sum()), bound
 
 
-def findings(found: Residuals) -> tuple[str, ...]:
+def findings(residuals: Residuals) -> tuple[str, ...]:
     """What was found, one sentence each, without its full stop."""
-    return (_size(found), *_directions(found), _memory(found), *_repetition(found), *_trend_words(found))
-
-
-def warnings_of(found: Residuals) -> tuple[str, ...]:
-    """What a reader must know before trusting the numbers: misfit, and residuals that differ between the directions."""
-    told = []
-    if found.misfits:
-        told.append(
-            f"the model misses more than noise in {len(found.misfits)} of {len(found.records)} records: the intervals describe "
-            "the fit (how far it would move with other records of the same kind) and need not hold the truth"
-        )
-    return (*told, *_shifted(found), *_uneven(found))
-
-
-def _size(found: Residuals) -> str:
-    relative = float(np.median([r.relative for r in found.records]))
     return (
-        f"the residual is {found.whole.rms:.3g} N rms, in the median record {100 * relative:.2g} % of the force's spread; the "
-        f"differences of successive samples allow for {found.noise:.2g} N of noise at most"
+        _size(residuals),
+        *_directions(residuals),
+        _memory(residuals),
+        *_repetition(residuals),
+        *_trend_words(residuals),
     )
 
 
-def _directions(found: Residuals) -> list[str]:
-    out, back = found.whole.sides["out"], found.whole.sides["in"]
+def warnings_of(residuals: Residuals) -> tuple[str, ...]:
+    """What a reader must know before trusting the numbers: misfit, and residuals that differ between the directions."""
+    messages = []
+    if residuals.misfits:
+        messages.append(
+            f"the model misses more than noise in {len(residuals.misfits)} of {len(residuals.records)} records: the "
+            "intervals describe "
+            "the fit (how far it would move with other records of the same kind) and need not hold the truth"
+        )
+    return (*messages, *_shifted(residuals), *_uneven(residuals))
+
+
+def _size(residuals: Residuals) -> str:
+    relative = float(np.median([r.relative for r in residuals.records]))
+    return (
+        f"the residual is {residuals.whole.rms:.3g} N rms, in the median record {100 * relative:.2g} % of the force's "
+        "spread; the "
+        f"differences of successive samples allow for {residuals.noise:.2g} N of noise at most"
+    )
+
+
+def _directions(residuals: Residuals) -> list[str]:
+    out, back = residuals.whole.sides["out"], residuals.whole.sides["in"]
     if not (np.isfinite(out.rms) and np.isfinite(back.rms)):
         return []
     high, low = max(out.rms, back.rms), min(out.rms, back.rms)
@@ -111,14 +119,14 @@ def _directions(found: Residuals) -> list[str]:
     return [f"the residual is larger when the damper is {way}: {high:.3g} N against {low:.3g} N rms"]
 
 
-def _memory(found: Residuals) -> str:
-    if found.effective >= INDEPENDENT * found.samples:
-        count = f"{_count(found.samples)} samples speak like {_count(found.effective)}"
+def _memory(residuals: Residuals) -> str:
+    if residuals.effective >= INDEPENDENT * residuals.samples:
+        count = f"{_count(residuals.samples)} samples speak like {_count(residuals.effective)}"
         return f"successive residuals are nearly independent: {count}"
-    factor = np.sqrt(found.samples / found.effective)
+    factor = np.sqrt(residuals.samples / residuals.effective)
     return (
-        f"residuals are correlated over {found.correlation_time:.2g} s: {_count(found.samples)} samples speak like "
-        f"{_count(found.effective)} at most, which alone makes naive errors {factor:.2g} times too small"
+        f"residuals are correlated over {residuals.correlation_time:.2g} s: {_count(residuals.samples)} samples speak like "
+        f"{_count(residuals.effective)} at most, which alone makes naive errors {factor:.2g} times too small"
     )
 
 
@@ -128,11 +136,11 @@ def _count(number: float) -> str:
     return f"{rounded:,.0f}".replace(",", "\N{NO-BREAK SPACE}")
 
 
-def _repetition(found: Residuals) -> list[str]:
-    known = [r.repeats for r in found.records if np.isfinite(r.repeats)]
-    if not known:
+def _repetition(residuals: Residuals) -> list[str]:
+    shares = [r.repeats for r in residuals.records if np.isfinite(r.repeats)]
+    if not shares:
         return []
-    share = float(np.median(known))
+    share = float(np.median(shares))
     if share < REPEATED:
         return ["little of it repeats from cycle to cycle"]
     return [
@@ -141,22 +149,22 @@ def _repetition(found: Residuals) -> list[str]:
     ]
 
 
-def _trend_words(found: Residuals) -> list[str]:
-    tried = trends(found)
+def _trend_words(residuals: Residuals) -> list[str]:
+    tried = trends(residuals)
     seen = {one.input_value for one in tried if one.counts and one.quantity == "frequency" and _confounded(one)}
-    told = [
-        _told(one, found.unit)
+    messages = [
+        _describe_trend(one, residuals.unit)
         for one in tried
         if one.counts and not (one.quantity == "stroke" and one.input_value in seen)
     ]
-    if not tried or told:
-        return told
+    if not tried or messages:
+        return messages
     return [
         f"the residual has no trend beyond chance with input, frequency or stroke ({len(tried)} rank correlations tried)"
     ]
 
 
-def _told(one: Trend, unit: str) -> str:
+def _describe_trend(one: Trend, unit: str) -> str:
     way = "grows" if one.rank > 0 else "falls"
     where = "" if one.input_value is None else f"at {one.input_value:g} {unit} "
     word = {"V": "voltage", "A": "current"}.get(unit, "input") if one.quantity == "input" else one.quantity
@@ -176,36 +184,37 @@ def _signed(value: float) -> str:
     return f"{value:.2f}".replace("-", "−")
 
 
-def _shifted(found: Residuals) -> list[str]:
+def _shifted(residuals: Residuals) -> list[str]:
     """Inputs at which the mean differs between the directions by more than `SHIFTED` of the rms."""
-    told = []
-    for group in found.groups:
+    messages = []
+    for group in residuals.groups:
         out, back = group.sides["out"].mean, group.sides["in"].mean
         if abs(out - back) > SHIFTED * group.rms > 0.0:
-            told.append(
-                f"at {group.input_value:g} {found.unit} the residual's mean differs between the directions: {_force(out)} "
+            messages.append(
+                f"at {group.input_value:g} {residuals.unit} the residual's mean differs between the directions: {_force(out)} "
                 f"when the damper is pulled, {_force(back)} when pushed"
             )
-    return told
+    return messages
 
 
 def _force(value: float) -> str:
     return f"{value:.3g} N".replace("-", "−")
 
 
-def _uneven(found: Residuals) -> list[str]:
+def _uneven(residuals: Residuals) -> list[str]:
     """Inputs at which the even part has more than `UNEVEN` of the variance, and clearly more than chance would give it.
 
     That is `TIMES_CHANCE` times as much, or `PLAIN` of it: a long memory makes large shares likely, but none so large.
     """
-    odd = [g for g in found.groups if _share(g) > max(UNEVEN, min(TIMES_CHANCE * g.chance, PLAIN))]
+    odd = [g for g in residuals.groups if _share(g) > max(UNEVEN, min(TIMES_CHANCE * g.chance, PLAIN))]
     if not odd:
         return []
     shares = sorted(100 * _share(g) for g in odd)
     span = f"{shares[0]:.0f} to {shares[-1]:.0f}" if len(shares) > 1 else f"{shares[0]:.0f}"
     where = ", ".join(f"{g.input_value:g}" for g in odd)
     return [
-        f"at {where} {found.unit}, {span} % of the residual's variance does not change its sign with the direction: the damper "
+        f"at {where} {residuals.unit}, {span} % of the residual's variance does not change its sign with the "
+        "direction: the damper "
         "(or its motion) is not the same when pulled and when pushed, and this model does not follow that"
     ]
 

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 SLOW = 0.02
 BINS = 24
-FEWEST_IN_BIN = 10
+MIN_BIN_SAMPLES = 10
 BRANCHES = ("before the middle", "beyond the middle")
 SIDES = ("out", "in", *(f"{way}, {branch}" for way in ("out", "in") for branch in BRANCHES))
 
@@ -118,19 +118,19 @@ def _rms(values: Array) -> float:
 def _curve(v: Array, r: Array, reach: float) -> Curve:
     edges = np.linspace(-reach, reach, BINS + 1)
     number = np.clip(np.searchsorted(edges, v, side="right") - 1, 0, BINS - 1)
-    found = np.full((3, BINS), np.nan)
+    quartiles = np.full((3, BINS), np.nan)
     counts = np.bincount(number, minlength=BINS)
-    for k in np.flatnonzero(counts >= FEWEST_IN_BIN):
-        found[:, k] = np.quantile(r[number == k], (0.25, 0.5, 0.75))
-    return Curve(0.5 * (edges[1:] + edges[:-1]), found[0], found[1], found[2], counts)
+    for k in np.flatnonzero(counts >= MIN_BIN_SAMPLES):
+        quartiles[:, k] = np.quantile(r[number == k], (0.25, 0.5, 0.75))
+    return Curve(0.5 * (edges[1:] + edges[:-1]), quartiles[0], quartiles[1], quartiles[2], counts)
 
 
 def _unevenness(curves: Sequence[Curve]) -> float:
     """The rms of the medians' even part, weighted by the samples that both of its bins hold; 0 where there is none."""
     even = np.concatenate([0.5 * (c.median + c.median[::-1]) for c in curves])
     weights = np.concatenate([np.minimum(c.counts, c.counts[::-1]) for c in curves]).astype(float)
-    known = np.isfinite(even)
-    if not np.any(weights[known]):
+    finite = np.isfinite(even)
+    if not np.any(weights[finite]):
         return 0.0
-    even, weights = even[known], weights[known] / np.sum(weights[known])
+    even, weights = even[finite], weights[finite] / np.sum(weights[finite])
     return float(np.sqrt(weights @ (even - weights @ even) ** 2))

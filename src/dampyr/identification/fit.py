@@ -11,9 +11,9 @@ from dampyr.identification.fit_data import piece
 from dampyr.identification.initial_guess import begin, best_of
 from dampyr.identification.parametrisation import columns
 from dampyr.identification.problem import Problem, checked_nuisances
-from dampyr.identification.result import Fit, Nuisance, found
+from dampyr.identification.result import Fit, Nuisance, build_fit
 from dampyr.identification.robust import check_loss, reweighted
-from dampyr.identification.variable_projection import MOST_ITERATIONS, search
+from dampyr.identification.variable_projection import MAX_ITERATIONS, search
 from dampyr.models import Composition, Damper, compose
 from dampyr.records import Record, check_bandwidth
 
@@ -32,7 +32,7 @@ def fit(
     tied: Mapping[str, str] | None = None,
     starts: int = 1,
     seed: int = 0,
-    steps: int = MOST_ITERATIONS,
+    steps: int = MAX_ITERATIONS,
 ) -> Fit:
     """Identify a damper from records by least squares over their whole motion.
 
@@ -91,11 +91,11 @@ def fit(
     problem = prepared(model, listed, laws, fixed, bandwidth, nuisances, tied)
     with _threads().limit(limits=1, user_api="blas"):  # small factorisations: threads would only wait
         point, agreed = (begin(problem), 1) if starts == 1 else best_of(problem, starts, seed)
-        outcome = search(problem, point, progress, most=steps)
+        outcome = search(problem, point, progress, max_iterations=steps)
         if loss != "squares":
             problem, outcome = reweighted(problem, outcome, loss, progress)
-        told = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
-        return found(problem, outcome, tuple(listed), bandwidth, told, (starts, agreed))
+        search_notes = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
+        return build_fit(problem, outcome, tuple(listed), bandwidth, search_notes, (starts, agreed))
 
 
 def prepared(
@@ -116,8 +116,8 @@ def prepared(
     made = columns(composition, [p.u for p in pieces], laws, fixed, tied)
     if not any(column.size for column in made):
         raise InputError("every parameter is fixed; leave at least one free")
-    kept = checked_nuisances(composition, pieces, nuisances)
-    return Problem(composition, made, pieces, kept)
+    checked = checked_nuisances(composition, pieces, nuisances)
+    return Problem(composition, made, pieces, checked)
 
 
 @lru_cache(maxsize=1)

@@ -52,8 +52,8 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
     first = int(np.searchsorted(record.time, motion_start(record)))
     if record.n - first < 16:
         raise InputError(f"{record.name}: it holds no motion, so there is nothing to identify; check the displacement")
-    kept = slice(first, None)
-    force = record.force[kept]
+    window = slice(first, None)
+    force = record.force[window]
     spread = float(np.std(force))
     if spread <= 1e-9 * max(1.0, float(np.max(np.abs(force)))):
         raise InputError(f"{record.name}: the force is constant at {force[0]:g} N; check the load cell's channel")
@@ -61,17 +61,17 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
     assert u is not None
     assert record.input is not None
     varies = np.ndim(u) > 0 and float(np.ptp(u)) > 1e-9
-    given: Array | float = np.asarray(u)[kept] if varies else float(np.mean(u))
+    given: Array | float = np.asarray(u)[window] if varies else float(np.mean(u))
     return Piece(
         name=record.name,
-        t=np.ascontiguousarray(record.time[kept]),
-        x=np.ascontiguousarray(record.displacement[kept]),
-        v=np.ascontiguousarray(record.velocity[kept]),
+        t=np.ascontiguousarray(record.time[window]),
+        x=np.ascontiguousarray(record.displacement[window]),
+        v=np.ascontiguousarray(record.velocity[window]),
         force=np.ascontiguousarray(force),
         u=given,
         weight=np.array([1.0 / spread]),
         spread=spread,
-        cycle=_cycle_numbers(record)[kept],
+        cycle=_cycle_numbers(record)[window],
         unit=record.input,
     )
 

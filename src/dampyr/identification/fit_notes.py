@@ -8,39 +8,39 @@ import numpy as np
 
 from dampyr.identification.fit_data import Piece
 from dampyr.identification.problem import Problem
-from dampyr.identification.uncertainty import FEWEST_CYCLES, FEWEST_RECORDS, Uncertainty
+from dampyr.identification.uncertainty import MIN_CYCLES, MIN_RECORDS, Uncertainty
 from dampyr.identification.variable_projection import Outcome
 from dampyr.models.damper import INPUTS
 
-FEWEST_STEPS = 25  # of the displacement's resolution over the stroke
+MIN_STEPS = 25  # of the displacement's resolution over the stroke
 SLIDING = 1.0  # rho times the peak-to-peak stroke above which friction comes near its limit
 
 
 def notes(
-    problem: Problem, outcome: Outcome, known: Uncertainty, labels: list[str], within: Mapping[str, int]
+    problem: Problem, outcome: Outcome, uncertainty: Uncertainty, labels: list[str], within: Mapping[str, int]
 ) -> list[str]:
     """All notes: on the parameters, of which one or two records alone speak of those ``within``, on the motion, on single
     records."""
     return [
-        *_of_parameters(problem, outcome, known, labels),
-        *_of_few_records(problem, known, labels, within),
+        *_of_parameters(problem, outcome, uncertainty, labels),
+        *_of_few_records(problem, uncertainty, labels, within),
         *_of_motion(problem, outcome),
         *_of_records(problem),
     ]
 
 
-def _of_parameters(problem: Problem, outcome: Outcome, known: Uncertainty, labels: list[str]) -> list[str]:
+def _of_parameters(problem: Problem, outcome: Outcome, uncertainty: Uncertainty, labels: list[str]) -> list[str]:
     notes = [
         f"{labels[k]} stands at its limit ({_limit(problem, k)}); its error is not known" for k in outcome.at_limit
     ]
-    blind = [labels[k] for k in known.blind]
+    blind = [labels[k] for k in uncertainty.blind]
     if blind:
         notes.append(f"the records do not determine {', '.join(blind)} (infinite error)")
-    if known.few:
-        few = ", ".join(labels[k] for k in known.few)
-        words = f"fewer than {FEWEST_CYCLES} cycles speak of them; record more"
+    if uncertainty.few:
+        few = ", ".join(labels[k] for k in uncertainty.few)
+        words = f"fewer than {MIN_CYCLES} cycles speak of them; record more"
         notes.append(f"the errors of {few} are not known (infinite): {words}")
-    errors = np.sqrt(np.diag(known.covariance))
+    errors = np.sqrt(np.diag(uncertainty.covariance))
     vague = [k for k in np.flatnonzero(errors > np.abs(outcome.point.theta)) if np.isfinite(errors[k])]
     if vague:
         notes.append(
@@ -54,7 +54,9 @@ def no_interval(count: int) -> str:
     return f"between-record variance is not estimated from {count} record{'s' * (count > 1)}"
 
 
-def _of_few_records(problem: Problem, known: Uncertainty, labels: list[str], within: Mapping[str, int]) -> list[str]:
+def _of_few_records(
+    problem: Problem, uncertainty: Uncertainty, labels: list[str], within: Mapping[str, int]
+) -> list[str]:
     """Errors that rest on the cycles of one or two records."""
     notes = []
     inputs = {round(float(np.mean(p.u)), 6) for p in problem.pieces}
@@ -64,9 +66,9 @@ def _of_few_records(problem: Problem, known: Uncertainty, labels: list[str], wit
         errors = "the errors" if len(some) == len(labels) else f"the errors of {', '.join(some)}"
         notes.append(
             f"{no_interval(count)}: {errors} hold within these records only and give no 95 % interval; record "
-            f"{FEWEST_RECORDS} or more {where}"
+            f"{MIN_RECORDS} or more {where}"
         )
-    few = min((int(known.counts[labels.index(label)]) for label in within), default=10)
+    few = min((int(uncertainty.counts[labels.index(label)]) for label in within), default=10)
     if few < 10:
         notes.append(f"errors rest on {few} cycles only; they are rough")
     return notes
@@ -79,34 +81,34 @@ def _limit(problem: Problem, k: int) -> str:
 def _of_motion(problem: Problem, outcome: Outcome) -> list[str]:
     """Friction that never comes near its limit: only the slope of the loop is seen, the product of kw and rho."""
     stroke = max(float(np.ptp(one.x)) for one in problem.pieces)
-    found = []
+    notes = []
     values = dict(zip((c.name for c in problem.columns), outcome.point.of(problem), strict=True))
     for part in problem.composition.parts:
         if not {"kw", "rho"} <= set(part.parameters) or values[f"{part.name}.rho"].size == 0:
             continue
         reach = float(np.max(values[f"{part.name}.rho"])) * stroke
         if reach < SLIDING:
-            found.append(
+            notes.append(
                 f"{part.name}: the motion never leaves pre-sliding (rho times the stroke is {reach:.2g}, sliding needs 1 "
                 f"or more): kw and rho are known only as a product; use larger amplitudes"
             )
-    return found
+    return notes
 
 
 def _of_records(problem: Problem) -> list[str]:
-    found = [
+    notes = [
         f"{one.name}: its loops create energy; is the force's sign inverted?"
         for one in problem.pieces
         if energy(one) < 0
     ]
     for one in problem.pieces:
         levels = np.unique(one.x).size
-        if levels < FEWEST_STEPS:
-            found.append(
+        if levels < MIN_STEPS:
+            notes.append(
                 f"{one.name}: the displacement takes only {levels} values over {1e3 * float(np.ptp(one.x)):.3g} mm; its "
-                f"resolution hides the loop, so use an amplitude of {FEWEST_STEPS} steps or more"
+                f"resolution hides the loop, so use an amplitude of {MIN_STEPS} steps or more"
             )
-    return found
+    return notes
 
 
 def energy(one: Piece) -> float:

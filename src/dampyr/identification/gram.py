@@ -48,10 +48,10 @@ class Plan:
 
 def plans(problem: Problem) -> list[Plan]:
     """One plan per record; kept with the problem."""
-    kept: list[Plan] | None = problem.__dict__.get("_plans")
-    if kept is None:
-        kept = problem.__dict__["_plans"] = [_plan(problem, one) for one in problem.pieces]
-    return kept
+    cached: list[Plan] | None = problem.__dict__.get("_plans")
+    if cached is None:
+        cached = problem.__dict__["_plans"] = [_plan(problem, one) for one in problem.pieces]
+    return cached
 
 
 def _plan(problem: Problem, one: Piece) -> Plan:
@@ -83,20 +83,20 @@ def _plan(problem: Problem, one: Piece) -> Plan:
 
 def _entries(problem: Problem, one: Piece) -> list[tuple[int, Array, dict[int, float]]]:
     """The columns of the parameters: which one, its factor along the record, and the coefficients it speaks of."""
-    found: list[tuple[int, Array, dict[int, float]]] = []
+    entries: list[tuple[int, Array, dict[int, float]]] = []
     viscous = is_viscous(problem) & ("temperature" in problem.common)
     for k, owner in enumerate(problem.owners):
         column, span = problem.columns[owner], problem.slices[owner]
         if column.size == 0:
             if viscous[k]:
-                found.append((k, np.ones(1), {}))
+                entries.append((k, np.ones(1), {}))
             continue
         basis = np.atleast_2d(column.basis(one.u))
         if problem.varying:
-            found += [(k, basis[:, j], {span.start + j: 1.0}) for j in range(column.size)]
+            entries += [(k, basis[:, j], {span.start + j: 1.0}) for j in range(column.size)]
         else:
-            found.append((k, np.ones(1), {span.start + j: float(b) for j, b in enumerate(basis[0]) if b != 0.0}))
-    return found
+            entries.append((k, np.ones(1), {span.start + j: float(b) for j, b in enumerate(basis[0]) if b != 0.0}))
+    return entries
 
 
 def products(problem: Problem, point: Point, by_cluster: bool = False) -> list[Array]:
@@ -150,10 +150,10 @@ def _by_lag(problem: Problem, point: Point, r: int) -> Array | None:
 
 
 def _acceleration(problem: Problem, one: Piece) -> Array:
-    found: Array | None = one.__dict__.get("_acceleration")
-    if found is None:
-        found = one.__dict__["_acceleration"] = acceleration(problem.composition, one.t, one.v)
-    return found
+    cached: Array | None = one.__dict__.get("_acceleration")
+    if cached is None:
+        cached = one.__dict__["_acceleration"] = acceleration(problem.composition, one.t, one.v)
+    return cached
 
 
 def _by_point(problem: Problem, point: Point, r: int, plan: Plan, values: Array, gain: float) -> tuple[Array, Array]:

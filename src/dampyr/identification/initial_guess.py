@@ -13,7 +13,7 @@ from dampyr.identification.variable_projection import COARSE, descend, projected
 from dampyr.models import Composition
 from dampyr.models.part import Scale
 
-MOST_STARTS = 48
+MAX_STARTS = 48
 THINNED_SAMPLES = 1500  # of each record in the searches of several starts
 SAME = 1e-3  # of the cost: within it two starts ended in the same optimum
 APART = 1.0  # standard deviation of the logarithm by which random starts differ from the best
@@ -51,12 +51,12 @@ def _from_rigid(problem: Problem) -> Point:
     inner = Composition(tuple(name for name in problem.composition.names if name not in soft))
     columns = [replace(problem.columns[k], quantity=inner.quantities[problem.columns[k].name]) for k in chosen]
     rigid = replace(problem, composition=inner, columns=columns)
-    found = search(rigid, begin(rigid), tolerance=COARSE).point
+    rigid_point = search(rigid, begin(rigid), tolerance=COARSE).point
     point = _with(problem, _neutral(problem), _proposals(problem, problem.pieces)[0])
     theta, local = point.theta.copy(), point.local.copy()
     for k, span in zip(chosen, rigid.slices, strict=True):
-        theta[problem.slices[k]] = found.theta[span]
-    local[:, : rigid.locals] = found.local
+        theta[problem.slices[k]] = rigid_point.theta[span]
+    local[:, : rigid.locals] = rigid_point.local
     return Point(problem.inside(theta), local)
 
 
@@ -93,14 +93,14 @@ def _several(problem: Problem, starts: int, rng: np.random.Generator) -> list[Po
     neutral = _neutral(problem)
     points = [_with(problem, neutral, proposal) for proposal in _proposals(problem, problem.pieces)]
     points.sort(key=lambda point: projected_cost(problem, point))
-    found = points[:starts]
+    start_points = points[:starts]
     walked = problem.is_logarithmic | ~problem.is_linear
-    while len(found) < starts:
+    while len(start_points) < starts:
         factor = np.exp(APART * rng.standard_normal(problem.size))
-        found.append(
+        start_points.append(
             replace(points[0], theta=problem.inside(np.where(walked, points[0].theta * factor, points[0].theta)))
         )
-    return found
+    return start_points
 
 
 def _with(problem: Problem, neutral: Point, proposal: dict[str, float]) -> Point:
@@ -142,4 +142,4 @@ def _proposals(problem: Problem, pieces: list[Piece]) -> list[dict[str, float]]:
         for p in problem.composition.parts
     ]
     joined = [{k: v for part in combination for k, v in part.items()} for combination in itertools.product(*lists)]
-    return joined[:MOST_STARTS]
+    return joined[:MAX_STARTS]

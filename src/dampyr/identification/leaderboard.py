@@ -47,7 +47,7 @@ from dampyr.records import Record, check_bandwidth
 ADD_ONS = ("spring", "delay", "lag", "compliance")
 FINAL_STEPS = 300
 FINALISTS = 5
-FEWEST = 5  # records: as many as parts that are left out in turn
+MIN_RECORDS = 5  # records: as many as parts that are left out in turn
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def leaderboard(
 
 def check_count(records: int) -> None:
     """Refuse too few records to choose a model by: each of five parts is to be predicted from the others."""
-    if records < FEWEST:
+    if records < MIN_RECORDS:
         raise InputError(f"a leaderboard needs five records or more to fit, not {records}; name a model instead")
 
 
@@ -175,8 +175,8 @@ def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[s
     """The add-ons that these records can tell about, and why others are left out."""
     varies = any(isinstance(r.voltage if r.input == "V" else r.current, np.ndarray) for r in records)
     if "lag" in add_ons and not varies:
-        kept = tuple(a for a in add_ons if a != "lag")
-        return kept, ("lag was not tried: the input is constant in every record, so nothing lags",)
+        remaining = tuple(a for a in add_ons if a != "lag")
+        return remaining, ("lag was not tried: the input is constant in every record, so nothing lags",)
     return tuple(add_ons), ()
 
 
@@ -187,7 +187,7 @@ def judge(model: str, records: list[Record], seed: int, options: dict[str, Any])
         warnings.simplefilter("ignore", DampyrWarning)
         validations = validations_of(model, records, min(5, len(records)), seed, options)
         begun = time.perf_counter()
-        found = fit(model, records, **options | {"fixed": held_in(model)})
+        fit_result = fit(model, records, **options | {"fixed": held_in(model)})
     seconds = time.perf_counter() - begun
     scores = list(validations[0].scores.values())
 
@@ -197,18 +197,18 @@ def judge(model: str, records: list[Record], seed: int, options: dict[str, Any])
 
     return Entry(
         model=model,
-        error=validation_error(validations) if found.damper is not None else float("inf"),
+        error=validation_error(validations) if fit_result.damper is not None else float("inf"),
         l1=validations[0].error,
         nrmse=mean("nrmse"),
         pointwise=mean("pointwise"),
         energy=mean("energy"),
         unseen_input=validations[1].error if len(validations) > 1 else float("nan"),
-        parameters=len(found.parameters),
+        parameters=len(fit_result.parameters),
         seconds=seconds,
-        converged=found.converged,
-        reason=found.reason,
+        converged=fit_result.converged,
+        reason=fit_result.reason,
         validations=tuple(validations),
-        fit=found,
+        fit=fit_result,
     )
 
 

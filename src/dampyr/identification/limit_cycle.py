@@ -152,8 +152,8 @@ def _arc(x: Array, theta: Array, zero: float) -> NDArray[np.int64]:
             f"no sample has theta between {ARC[0]:.0%} and {ARC[1]:.0%} of its largest value {largest:g} N; sample faster"
         )
     stop = int(np.argmax(theta >= ARC[1] * largest)) or x.size
-    kept = inside[inside < stop]
-    return kept[:: max(1, kept.size // 200)] if kept.size else inside[:1]
+    selected = inside[inside < stop]
+    return selected[:: max(1, selected.size // 200)] if selected.size else inside[:1]
 
 
 def _rho(a: float, theta: float, slope: float) -> float:

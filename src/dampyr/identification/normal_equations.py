@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from dampyr.identification import algebra
 from dampyr.identification.gram import products, with_priors
 from dampyr.identification.problem import Point, Problem
-from dampyr.models.codegen.kernels import kept
+from dampyr.models.codegen.kernels import compile_cached
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 BLIND = 1e-13  # of the largest eigenvalue of the scaled normal equations: no step is taken along such a direction
-MOST_TURNS = 12  # of letting nuisances go to their limits and back
+MAX_TURNS = 12  # of letting nuisances go to their limits and back
 RIDGE = 1e-13  # of each record's nuisances, so that two that say the same share their step
 
 
@@ -51,7 +51,7 @@ class Normal:
     @cached_property
     def cost(self) -> float:
         """Half the sum of squares; no number where the model could not be evaluated."""
-        return float(kept(algebra.half_of_squares)(self.sums))
+        return float(compile_cached(algebra.half_of_squares)(self.sums))
 
     @property
     def finite(self) -> bool:
@@ -60,12 +60,12 @@ class Normal:
 
     def gain(self, step: Step) -> float:
         """By how much a step lowers the cost, as the linear model has it."""
-        return float(kept(algebra.gained)(self.sums, step.theta, step.local))
+        return float(compile_cached(algebra.gained)(self.sums, step.theta, step.local))
 
     def after(self, step: Step) -> Normal:
         """What holds after a step of unknowns that the force is affine in, where the derivatives by the others stay."""
         sums = np.empty_like(self.sums)
-        kept(algebra.shifted)(self.sums, step.theta, step.local, sums)
+        compile_cached(algebra.shifted)(self.sums, step.theta, step.local, sums)
         limits = (
             self.low - step.theta,
             self.high - step.theta,
@@ -83,8 +83,8 @@ class Normal:
         n = S.shape[1] - 1
         step, work, free = np.empty(n), np.empty((2 * n + 5, n)), np.empty((2, n), dtype=bool)
         limits = self.low, self.high, self.local_low[0], self.local_high[0]
-        room = only_linear, work, free, step
-        if not kept(algebra.stepped_one)(S, damping, *limits, self.linear, self.local_linear, *room):
+        workspace = only_linear, work, free, step
+        if not compile_cached(algebra.stepped_one)(S, damping, *limits, self.linear, self.local_linear, *workspace):
             step = by_eigenvalues(S, damping, work[2 * n + 3], work[2 * n + 4], free[1])
         return Step(step[L:], step[None, :L])
 
@@ -100,11 +100,11 @@ class Normal:
             return np.zeros_like(free)
         d = self._joined(step)
         slope = (self.sums[:, :-1, -1] - (self.sums[:, :-1, :-1] @ d[:, :, None])[:, :, 0])[:, : free.shape[1]]
-        room = self.local_high - self.local_low > 1e-12
+        movable = self.local_high - self.local_low > 1e-12
         small = 1e-9 * np.abs(self.sums[:, :-1, -1][:, : free.shape[1]])
         off_low = (step.local <= self.local_low) & (slope > small)
         off_high = (step.local >= self.local_high) & (slope < -small)
-        return ~free & room & (off_low | off_high)
+        return ~free & movable & (off_low | off_high)
 
     def _joined(self, step: Step) -> Array:
         return np.concatenate((step.local, np.broadcast_to(step.theta, (len(self.sums), step.theta.size))), axis=1)
@@ -121,7 +121,7 @@ class Normal:
         free = np.broadcast_to(self.local_linear | (not only_linear), (M, L)).copy()
         chosen = self.linear | (not only_linear)
         fixed = np.zeros((M, L))
-        for turn in range(MOST_TURNS):
+        for turn in range(MAX_TURNS):
             left = eliminated(self.sums, free, fixed, damping)
             H = left.matrix + damping * np.diag(np.diag(left.matrix))
             H = _bent(H, curvature) if curvature is not None else H
@@ -129,7 +129,7 @@ class Normal:
             theta[chosen] = bounded(H[np.ix_(chosen, chosen)], left.target[chosen], self.low[chosen], self.high[chosen])
             local = left.nuisances(theta)
             beyond = (local < self.local_low) | (local > self.local_high)
-            inward = self._inward(Step(theta, local), free, only_linear) & (turn < MOST_TURNS // 2)
+            inward = self._inward(Step(theta, local), free, only_linear) & (turn < MAX_TURNS // 2)
             if not np.any(beyond | inward):
                 break
             free = (free & ~beyond) | inward
@@ -192,8 +192,8 @@ def within(S: Array, damping: float, low: Array, high: Array, chosen: Bools) -> 
     of it."""
     n = chosen.size
     step, work, free = np.empty(n), np.empty((2 * n + 3, n)), np.empty(n, dtype=bool)
-    room = work[:n], work[n : 2 * n], work[2 * n :]
-    if kept(algebra.stepped)(S, damping, low, high, chosen, *room, free, step):
+    workspace = work[:n], work[n : 2 * n], work[2 * n :]
+    if compile_cached(algebra.stepped)(S, damping, low, high, chosen, *workspace, free, step):
         return step
     return by_eigenvalues(S, damping, low, high, chosen)
 
@@ -239,7 +239,7 @@ def _reach(s: Array, wanted: Array, low: Array, high: Array, free: Bools) -> Arr
     return np.where(go, np.maximum((limit - s) / np.where(go, way, 1.0), 0.0), np.inf)
 
 
-def _bent(H: Array, curvature: Array, least_part: float = 0.2, most: float = 10.0) -> Array:
+def _bent(H: Array, curvature: Array, least_part: float = 0.2, largest_part: float = 10.0) -> Array:
     """H with what is known of the second derivatives, held between a fifth and ten times H in every direction."""
     d = np.sqrt(np.maximum(np.diag(H), 0.0))
     if not np.any(curvature) or np.any(d == 0.0):
@@ -249,22 +249,22 @@ def _bent(H: Array, curvature: Array, least_part: float = 0.2, most: float = 10.
     back = vectors / np.sqrt(np.maximum(values, BLIND * values.max()))
     seen, turned = np.linalg.eigh(back.T @ (curvature / np.outer(d, d)) @ back)
     full = root @ turned
-    return np.asarray((full * np.clip(1.0 + seen, least_part, most)) @ full.T * np.outer(d, d))
+    return np.asarray((full * np.clip(1.0 + seen, least_part, largest_part)) @ full.T * np.outer(d, d))
 
 
 def normal(problem: Problem, point: Point) -> Normal:
     """The linearised joint problem around ``point``."""
     sums = with_priors(problem, point, np.concatenate(products(problem, point)))
     below, above = np.empty((2, problem.size))
-    kept(algebra.walked)(sums, point.theta, problem.is_logarithmic, *problem.limits, below, above)
+    compile_cached(algebra.walked)(sums, point.theta, problem.is_logarithmic, *problem.limits, below, above)
     low, high = problem.local_limits
-    room = below, above, low - point.local, high - point.local
-    return Normal(sums, problem.is_linear, problem.is_local_linear, *room)
+    bounds = below, above, low - point.local, high - point.local
+    return Normal(sums, problem.is_linear, problem.is_local_linear, *bounds)
 
 
 def moved(problem: Problem, point: Point, step: Step) -> Point:
     """``point`` after a step (a factor exp(step) for what is walked in the logarithm), inside the limits to rounding."""
     theta, local = np.empty(problem.size), np.empty_like(point.local)
     given = point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta
-    kept(algebra.moved_to)(*given, point.local, step.local, *problem.local_limits, local)
+    compile_cached(algebra.moved_to)(*given, point.local, step.local, *problem.local_limits, local)
     return Point(theta, local)

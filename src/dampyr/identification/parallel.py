@@ -23,11 +23,11 @@ def run_all(jobs: Sequence[Callable[[], Any]], executor: Executor | None, tell: 
     """The jobs' results in their order, whatever the order in which they come."""
     tell(0.0)
     if executor is None:
-        found = []
+        results = []
         for k, job in enumerate(jobs):
-            found.append(job())
+            results.append(job())
             tell((k + 1) / len(jobs))
-        return found
+        return results
     futures: list[Future[Any]] = [executor.submit(job) for job in jobs]
     for k, _ in enumerate(as_completed(futures)):
         tell((k + 1) / len(jobs))

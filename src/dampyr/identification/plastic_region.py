@@ -58,10 +58,10 @@ def plastic_region(record: Record, bandwidth: float | None = None) -> PlasticReg
     """
     if record.velocity is None or bandwidth is not None:
         record = with_velocity(record, bandwidth)
-    found = cycles(record)
-    if not found:
+    spans = cycles(record)
+    if not spans:
         raise InputError(f"{record.name}: no whole cycle, so there is no plastic region; give at least one cycle")
-    here = slice(found[0][0], found[-1][1] + 1)
+    here = slice(spans[0][0], spans[-1][1] + 1)
     points = turning_points(record)
     points = points[(points >= here.start) & (points < here.stop)]
     path = _path_since_turning(record, points)[here]

@@ -213,18 +213,18 @@ def _share(problem: Problem, knot: float, records: list[int]) -> Share:
 
 def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Sequence[str]) -> tuple[str, ...]:
     """``wanted`` in order; :class:`~dampyr.errors.InputError` where the records cannot tell them from the damper."""
-    asked = (wanted,) if isinstance(wanted, str) else tuple(wanted)
-    unknown = [name for name in asked if name not in NUISANCES]
+    requested = (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    unknown = [name for name in requested if name not in NUISANCES]
     if unknown:
         raise InputError(f"{unknown[0]!r} is no nuisance; choose among {', '.join(NUISANCES)}")
     for name in ("gain", "temperature"):
-        if name in asked:
+        if name in requested:
             _check_company(pieces, name)
-    if "temperature" in asked and all(q.unit != VISCOUS for q in composition.quantities.values()):
+    if "temperature" in requested and all(q.unit != VISCOUS for q in composition.quantities.values()):
         raise InputError(
             f"{composition} has no parameter in {VISCOUS}, so nothing follows the temperature; leave it out"
         )
-    return tuple(name for name in NUISANCES if name in asked and not (name == "offset" and composition.static))
+    return tuple(name for name in NUISANCES if name in requested and not (name == "offset" and composition.static))
 
 
 def _check_company(pieces: list[Piece], name: str) -> None:

@@ -68,13 +68,13 @@ def _of_damper(
     ran = cycle_table(record.replace(note="the force of a reference", force=force), zero)
     reasons = ["" if beyond else _outside(damper, cycle) for cycle in table]
 
-    def told(values: Sequence[float]) -> list[Expected]:
+    def with_reasons(values: Sequence[float]) -> list[Expected]:
         return [(None, why) if why else (value, "") for value, why in zip(values, reasons, strict=True)]
 
     return {
-        "extension": told([c.force_out for c in ran]),
-        "compression": told([c.force_in for c in ran]),
-        "energy": told([c.energy for c in ran]),
+        "extension": with_reasons([c.force_out for c in ran]),
+        "compression": with_reasons([c.force_in for c in ran]),
+        "energy": with_reasons([c.energy for c in ran]),
     }
 
 
@@ -104,12 +104,12 @@ def _of_records(
     same = [one for one in others if _same_input(one, record)]
     if not same:
         return _nothing(len(table), _other_input(others, record))
-    known = [cycle for one in same for cycle in _cycles(one, offset)]
-    if not known:
+    reference = [cycle for one in same for cycle in _cycles(one, offset)]
+    if not reference:
         return _nothing(len(table), "the reference has no whole cycle")
-    out = Curve(np.array([(c.speed_out, c.force_out) for c in known]))
-    back = Curve(np.array([(-c.speed_in, c.force_in) for c in known]))
-    loops = Curve(np.array([(_fastest(c), c.energy / c.stroke_m, c.stroke_m) for c in known]))
+    out = Curve(np.array([(c.speed_out, c.force_out) for c in reference]))
+    back = Curve(np.array([(-c.speed_in, c.force_in) for c in reference]))
+    loops = Curve(np.array([(_fastest(c), c.energy / c.stroke_m, c.stroke_m) for c in reference]))
     return {
         "extension": [out.at(c.speed_out) for c in table],
         "compression": [back.at(-c.speed_in) for c in table],
@@ -120,9 +120,9 @@ def _of_records(
 class Curve:
     """Points of a reference (rows of speed and values) as a line, straight between groups of one speed; it has two ends."""
 
-    def __init__(self, known: Array) -> None:
-        self.low, self.high = float(known[:, 0].min()), float(known[:, 0].max())
-        self.rows = groups(known, SAME)
+    def __init__(self, points: Array) -> None:
+        self.low, self.high = float(points[:, 0].min()), float(points[:, 0].max())
+        self.rows = groups(points, SAME)
 
     def at(self, speed: float) -> Expected:
         """The first value at ``speed`` m/s, or why there is none."""
@@ -132,7 +132,7 @@ class Curve:
             return None, f"slower than the reference (from {1e3 * self.low:.4g} mm/s)"
         return float(np.interp(speed, self.rows[:, 0], self.rows[:, 1])), ""
 
-    def beside(self, speed: float) -> Array:
+    def adjacent_rows(self, speed: float) -> Array:
         """The rows between which ``speed`` lies, one beyond the ends."""
         after = int(np.searchsorted(self.rows[:, 0], speed))
         return self.rows[max(after - 1, 0) : after + 1]
@@ -142,7 +142,7 @@ def _energy(cycle: Cycle, loops: Curve) -> Expected:
     value, reason = loops.at(_fastest(cycle))
     if value is None:
         return None, reason
-    strokes = loops.beside(_fastest(cycle))[:, 2]
+    strokes = loops.adjacent_rows(_fastest(cycle))[:, 2]
     if np.any(np.abs(strokes / cycle.stroke_m - 1.0) > STROKE):
         return None, f"the reference has another stroke at this speed ({_span(1e3 * strokes)} mm)"
     return value * cycle.stroke_m, ""
@@ -151,13 +151,13 @@ def _energy(cycle: Cycle, loops: Curve) -> Expected:
 def groups(rows: Array, width: float) -> Array:
     """Rows by their first column, rising; those within ``width`` of the first of their group as one mean row."""
     ordered = rows[np.argsort(rows[:, 0], kind="stable")]
-    found: list[list[Array]] = []
+    grouped: list[list[Array]] = []
     for row in ordered:
-        if found and row[0] <= (1.0 + width) * found[-1][0][0]:
-            found[-1].append(row)
+        if grouped and row[0] <= (1.0 + width) * grouped[-1][0][0]:
+            grouped[-1].append(row)
         else:
-            found.append([row])
-    return np.array([np.mean(group, axis=0) for group in found]).reshape(-1, rows.shape[1])
+            grouped.append([row])
+    return np.array([np.mean(group, axis=0) for group in grouped]).reshape(-1, rows.shape[1])
 
 
 def _cycles(record: Record, offset: float | None) -> list[Cycle]:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 MISFIT_INTERVALS = 5.0
 MISFIT_NOISE = 2.0
-LONGEST_LAG = 3.0
+MAX_LAG = 3.0
 
 
 @dataclass(frozen=True)
@@ -152,28 +152,28 @@ def residuals(fit: Fit) -> Residuals:
 
 def motion(record: Record) -> tuple[float, float]:
     """Stroke (peak to peak per cycle, m) and frequency (Hz) of a record; without whole cycles its range, and NaN."""
-    found = cycles(record)
-    if not found:
+    spans = cycles(record)
+    if not spans:
         return float(np.ptp(record.displacement)), float("nan")
-    lasting = float(record.time[found[-1][1]] - record.time[found[0][0]])
-    return peak_to_peak(record, found), len(found) / lasting
+    lasting = float(record.time[spans[-1][1]] - record.time[spans[0][0]])
+    return peak_to_peak(record, spans), len(spans) / lasting
 
 
 def analyse(traces: Sequence[Trace], unit: str = "V") -> Residuals:
     """The analysis of any residuals. Raises :class:`~dampyr.errors.InputError` without traces, or for values not finite."""
     if not traces:
         raise InputError("there are no residuals to analyse; give one trace or more")
-    found = {one.name: _record(one) for one in traces}
-    if len(found) < len(traces):
+    by_name = {one.name: _record(one) for one in traces}
+    if len(by_name) < len(traces):
         raise InputError("two traces have the same name; rename one, so that results can be told apart")
     inputs: dict[float, list[Trace]] = {}
     for one in sorted(traces, key=lambda one: one.input_value):
         inputs.setdefault(round(one.input_value, 9), []).append(one)
 
     def of(some: Sequence[Trace], u: float | None) -> Group:
-        return group(some, sum(found[one.name].effective for one in some), u)
+        return group(some, sum(by_name[one.name].effective for one in some), u)
 
-    return Residuals(unit, tuple(found.values()), of(traces, None), tuple(of(some, u) for u, some in inputs.items()))
+    return Residuals(unit, tuple(by_name.values()), of(traces, None), tuple(of(some, u) for u, some in inputs.items()))
 
 
 def autocorrelation(residual: ArrayLike) -> Array:
@@ -204,7 +204,7 @@ def _record(one: Trace) -> RecordResidual:
     rho = autocorrelation(one.residual)
     intervals = correlation_intervals(rho)
     rms, noise = _rms(one.residual), noise_of(one.residual)
-    kept = min(one.time.size // 4, round(LONGEST_LAG / one.dt)) + 1
+    n_lags = min(one.time.size // 4, round(MAX_LAG / one.dt)) + 1
     spread = float(np.std(one.force))
     return RecordResidual(
         name=one.name,
@@ -220,8 +220,8 @@ def _record(one: Trace) -> RecordResidual:
         effective=one.time.size / intervals,
         repeats=_repeats(rho, one),
         misfit=bool(intervals > MISFIT_INTERVALS or rms > MISFIT_NOISE * noise > 0.0),
-        lags=np.linspace(0.0, one.dt * (kept - 1), kept),
-        autocorrelation=rho[:kept],
+        lags=np.linspace(0.0, one.dt * (n_lags - 1), n_lags),
+        autocorrelation=rho[:n_lags],
     )
 
 

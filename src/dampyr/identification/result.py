@@ -92,12 +92,12 @@ class Fit:
             raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
         from scipy.stats import t
 
-        found = {}
+        intervals = {}
         for label, value in self.parameters.items():
             reach = float(t.ppf(0.5 + 0.5 * level, self.freedom[label])) * self.stderr[label]
             reach = np.nan if label in self.within_records else reach
-            found[label] = (value - reach, value + reach)
-        return found
+            intervals[label] = (value - reach, value + reach)
+        return intervals
 
     def error_holds(self, label: str) -> str:
         """What the standard error of a number speaks of, in words; empty where it has none."""
@@ -124,43 +124,43 @@ class Fit:
     @cached_property
     def scores(self) -> dict[str, Score]:
         """How well the fit describes the records it was fitted to (which is no prediction), by record."""
-        found = {}
+        scores = {}
         for record, force in zip(self.records, self.forces, strict=True):
             whole = np.concatenate((np.full(record.n - force.size, force[0]), force))
-            found[record.name] = compare(record, whole)
-        return found
+            scores[record.name] = compare(record, whole)
+        return scores
 
 
-def found(
+def build_fit(
     problem: Problem,
     outcome: Outcome,
     records: tuple[Record, ...],
     bandwidth: float | None,
-    told: tuple[str, ...] = (),
+    search_notes: tuple[str, ...] = (),
     starts: tuple[int, int] = (1, 1),
 ) -> Fit:
     """The fit at the end of a search; ``told`` are notes of what came before, ``starts`` how many there were and agreed."""
-    known = uncertainty(problem, outcome.point, outcome.at_limit)
+    uncertainties = uncertainty(problem, outcome.point, outcome.at_limit)
     labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
     unit_of = [c.quantity.unit for c in problem.columns for _ in range(c.size)]
-    stderr = _errors(labels, known.covariance, outcome.at_limit)
-    few = zip(labels, known.within, known.records, strict=True)
+    stderr = _errors(labels, uncertainties.covariance, outcome.at_limit)
+    few = zip(labels, uncertainties.within, uncertainties.records, strict=True)
     within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
-    damper, trouble = _damper(problem, outcome, known, records, bandwidth, tuple(within))
+    damper, trouble = _damper(problem, outcome, uncertainties, records, bandwidth, tuple(within))
     trouble = trouble or trouble_of(problem, outcome)
     states = list(problem.composition.states)
     return Fit(
         damper=damper,
         parameters=dict(zip(labels, map(float, outcome.point.theta), strict=True)),
         stderr=stderr,
-        naive_stderr=_errors(labels, known.naive, outcome.at_limit),
+        naive_stderr=_errors(labels, uncertainties.naive, outcome.at_limit),
         units=dict(zip(labels, unit_of, strict=True)),
-        correlation=_correlation(known.covariance),
+        correlation=_correlation(uncertainties.covariance),
         converged=outcome.converged and not trouble,
         reason=trouble or outcome.reason,
-        notes=(*notes(problem, outcome, known, labels, within), *told, *_promises(damper, records)),
+        notes=(*notes(problem, outcome, uncertainties, labels, within), *search_notes, *_promises(damper, records)),
         clusters=_clusters([label in within for label in labels if np.isfinite(stderr[label])]),
-        freedom=dict(zip(labels, map(float, known.freedom), strict=True)),
+        freedom=dict(zip(labels, map(float, uncertainties.freedom), strict=True)),
         within_records=within,
         nuisances={
             p.name: Nuisance(
@@ -208,7 +208,7 @@ def _correlation(covariance: Array) -> Array:
 def _damper(
     problem: Problem,
     outcome: Outcome,
-    known: Uncertainty,
+    uncertainty: Uncertainty,
     records: tuple[Record, ...],
     bandwidth: float | None,
     within: tuple[str, ...],
@@ -225,7 +225,7 @@ def _damper(
             },
             input=problem.pieces[0].unit,
             ranges=_ranges(records, problem.pieces),
-            covariance=_law_covariance(problem, known.covariance),
+            covariance=_law_covariance(problem, uncertainty.covariance),
             bandwidth=bandwidth,
             within_records=within,
             provenance=_provenance(records),
@@ -256,9 +256,9 @@ def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple
     speeds = [float(np.max(np.abs(p.v))) for p in pieces]
     frequencies = []
     for record in records:
-        found = cycles(record)
-        if found:
-            frequencies.append(len(found) / float(record.time[found[-1][1]] - record.time[found[0][0]]))
+        spans = cycles(record)
+        if spans:
+            frequencies.append(len(spans) / float(record.time[spans[-1][1]] - record.time[spans[0][0]]))
     ranges = {"displacement": (0.0, max(strokes)), "velocity": (0.0, max(speeds))}
     if frequencies:
         ranges["frequency"] = (min(frequencies), max(frequencies))

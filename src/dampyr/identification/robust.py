@@ -32,7 +32,7 @@ NORMAL = 1.4826  # a normal distribution's standard deviation over its median ab
 KINK = 1.345
 SMOOTHED = 0.1
 SCALING_ROUNDS = 4
-MOST_ROUNDS = 100
+MAX_ROUNDS = 100
 ENOUGH = 1e-8  # of the loss: the change in a round
 
 
@@ -47,7 +47,7 @@ def reweighted(
 ) -> tuple[Problem, Outcome]:
     """From the least-squares fit to that of ``loss``: the problem with its weights, and how the last search ended."""
     scales, before, steps = np.ones(len(problem.pieces)), np.inf, outcome.iterations
-    for turn in range(MOST_ROUNDS):
+    for turn in range(MAX_ROUNDS):
         residuals = _residuals(problem, outcome.point)
         if turn < SCALING_ROUNDS:
             scales = np.array([max(NORMAL * float(np.median(np.abs(r))), 1e-12) for r in residuals])
@@ -61,7 +61,7 @@ def reweighted(
         problem = replace(problem, pieces=pieces)
         outcome = search(problem, outcome.point, progress, tolerance=1e-9)
         steps += outcome.iterations
-    reason = f"did not converge: after {MOST_ROUNDS} rounds of weights the {loss} loss still changes"
+    reason = f"did not converge: after {MAX_ROUNDS} rounds of weights the {loss} loss still changes"
     residuals = _residuals(problem, outcome.point)
     return _bent(problem, residuals, scales, loss), replace(outcome, converged=False, reason=reason, iterations=steps)
 

@@ -89,9 +89,9 @@ def screen_all(
     for k in range(rounds):
         plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
         tasks = [partial(trial, model, small, seed, options) for models in plan.values() for model in models]
-        found = iter(parallel.run_all(tasks, executor, lambda done, k=k: tell((k + done) / rounds)))  # type: ignore[misc]
+        results = iter(parallel.run_all(tasks, executor, lambda done, k=k: tell((k + done) / rounds)))  # type: ignore[misc]
         for base, models in plan.items():
-            trials[base] += [next(found) for _ in models]
+            trials[base] += [next(results) for _ in models]
         going = _still_going(going, trials, ends)
     tell(1.0)
     return [Screened(base, tuple(trials[base])) for base in bases]
@@ -105,16 +105,16 @@ def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
 
 def _still_going(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
     """The models that the last add-on was worth it for and that are not far behind the best; ``ends`` follows them."""
-    lead = min(one.error for found in trials.values() for one in found)
-    kept = []
+    lead = min(one.error for tried in trials.values() for one in tried)
+    remaining = []
     for base in going:
         before = min((t.error for t in trials[base] if t.model == ends[base]), default=float("inf"))
         best = min(trials[base], key=lambda one: one.error)
         if best.model != ends[base] and best.error < (1.0 - WORTH) * before:
             ends[base] = best.model
             if best.error <= CONTENDING * lead:
-                kept.append(base)
-    return kept
+                remaining.append(base)
+    return remaining
 
 
 def _held(model: str) -> set[str]:
@@ -136,9 +136,9 @@ def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # of a model that may never be chosen
-            found = validations_of(model, small, 2, seed, options | {"steps": STEPS})
-        reasons = [reason for one in found for reason in one.failed.values()]
-        return Trial(model, validation_error(found), time.perf_counter() - begun, "; ".join(reasons[:1]))
+            validations = validations_of(model, small, 2, seed, options | {"steps": STEPS})
+        reasons = [reason for one in validations for reason in one.failed.values()]
+        return Trial(model, validation_error(validations), time.perf_counter() - begun, "; ".join(reasons[:1]))
     except (InputError, np.linalg.LinAlgError) as problem:
         return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))
 
@@ -148,10 +148,10 @@ def validations_of(
 ) -> list[Validation]:
     """By record, and by input where there are three or more."""
     options = options | {"fixed": held_in(model)}
-    found = [cross_validate(model, records, "record", folds=folds, seed=seed, **options)]
+    validations = [cross_validate(model, records, "record", folds=folds, seed=seed, **options)]
     if len({r.input_value for r in records}) > 2:
-        found.append(cross_validate(model, records, "input", seed=seed, **options))
-    return found
+        validations.append(cross_validate(model, records, "input", seed=seed, **options))
+    return validations
 
 
 def validation_error(validations: Sequence[Validation]) -> float:

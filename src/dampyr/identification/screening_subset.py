@@ -9,9 +9,9 @@ import numpy as np
 from dampyr.records import Record, cycles, default_bandwidth, measure, motion_start, with_velocity
 
 PER_INPUT = 4
-MOST_SAMPLES = 600
+MAX_SAMPLES = 600
 SHORTEST = 5.0  # s
-FEWEST_CYCLES = 4
+MIN_CYCLES = 4
 SAMPLES_PER_BANDWIDTH = 4.0
 
 
@@ -48,8 +48,8 @@ def shortened(record: Record) -> Record:
     start = motion_start(record)
     wanted = SHORTEST
     if cycles(record):
-        wanted = max(SHORTEST, FEWEST_CYCLES / measure(record).frequency_hz)
+        wanted = max(SHORTEST, MIN_CYCLES / measure(record).frequency_hz)
     short = record.until(min(start + wanted, float(record.time[-1]))) if start + wanted > record.time[0] else record
     rate = SAMPLES_PER_BANDWIDTH * default_bandwidth(record)
-    stride = max(1, min(short.n // MOST_SAMPLES, int(1.0 / (rate * record.dt))))
+    stride = max(1, min(short.n // MAX_SAMPLES, int(1.0 / (rate * record.dt))))
     return short.thinned(stride)

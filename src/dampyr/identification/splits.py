@@ -70,10 +70,10 @@ def _by_record(records: list[Record], folds: int, seed: int) -> list[list[int]]:
 
 def _by_input(records: list[Record], folds: int, seed: int) -> list[list[int]]:
     values = [record.input_value for record in records]
-    known = sorted({v for v in values if v is not None})
-    if len(known) < 3:
-        raise InputError(f"leaving an input out needs three or more; the records have {len(known)}")
-    return [[k for k, v in enumerate(values) if v == u] for u in known[1:-1]]
+    distinct = sorted({v for v in values if v is not None})
+    if len(distinct) < 3:
+        raise InputError(f"leaving an input out needs three or more; the records have {len(distinct)}")
+    return [[k for k, v in enumerate(values) if v == u] for u in distinct[1:-1]]
 
 
 def _by_frequency(records: list[Record], folds: int, seed: int) -> list[list[int]]:
@@ -91,10 +91,10 @@ def _in_order(records: list[Record], folds: int, size: list[float]) -> list[list
 
 def _by_waveform(records: list[Record], folds: int, seed: int) -> list[list[int]]:
     kinds = [waveform(record) for record in records]
-    known = sorted(set(kinds))
-    if len(known) < 2:
-        raise InputError(f"leaving a waveform out needs two kinds of motion; all records are of the kind {known[0]}")
-    return [[k for k, kind in enumerate(kinds) if kind == one] for one in known]
+    distinct = sorted(set(kinds))
+    if len(distinct) < 2:
+        raise InputError(f"leaving a waveform out needs two kinds of motion; all records are of the kind {distinct[0]}")
+    return [[k for k, kind in enumerate(kinds) if kind == one] for one in distinct]
 
 
 #: which records each fold predicts

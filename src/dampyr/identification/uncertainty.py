@@ -25,8 +25,8 @@ from dampyr.identification.problem import Point, Problem
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
-FEWEST_RECORDS = 3  # with two, t with one degree of freedom takes 12.7 errors for 95 %
-FEWEST_CYCLES = 3
+MIN_RECORDS = 3  # with two, t with one degree of freedom takes 12.7 errors for 95 %
+MIN_CYCLES = 3
 BLIND = 1e-7
 TINY = 1e-100
 SAME = 1e-13  # of the sums of squares: what is left below it is rounding
@@ -61,7 +61,7 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
     naive = bread * (squares if bent is problem else _variance(problem, point, samples))
     whole = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
     records, cycles = _clusters(whole, information), _clusters(reduced, information)
-    within = records.counts < FEWEST_RECORDS
+    within = records.counts < MIN_RECORDS
     counts = np.where(within, cycles.counts, records.counts)
     freedom = np.where(within, cycles.freedom, records.freedom)
     # One stack of influences, so that the matrix is positive semidefinite whatever each coefficient is clustered by: over the
@@ -70,7 +70,7 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
     even = np.repeat((records.scores @ bread) / np.sqrt(sizes)[:, None], sizes, axis=0)
     influence = np.where(within, cycles.scores @ bread, even) * np.sqrt((freedom + 1.0) / freedom)
     covariance = influence.T @ influence
-    few = tuple(k for k in map(int, np.flatnonzero(counts < FEWEST_CYCLES)) if k not in (*held, *blind))
+    few = tuple(k for k in map(int, np.flatnonzero(counts < MIN_CYCLES)) if k not in (*held, *blind))
     unknown = (*blind, *few)
     return Uncertainty(
         _blinded(covariance, unknown), _blinded(naive, unknown), counts, freedom, blind, few, records.counts, within
@@ -90,11 +90,11 @@ class Reduced:
 
 def _by_cluster(problem: Problem, point: Point) -> list[Array]:
     """The sums of products of each record by cluster; what is expected of its nuisances goes with the first."""
-    found = products(problem, point, by_cluster=True)
-    first = with_priors(problem, point, np.stack([sums[0] for sums in found]))
-    for sums, changed in zip(found, first, strict=True):
+    cluster_sums = products(problem, point, by_cluster=True)
+    first = with_priors(problem, point, np.stack([sums[0] for sums in cluster_sums]))
+    for sums, changed in zip(cluster_sums, first, strict=True):
         sums[0] = changed
-    return found
+    return cluster_sums
 
 
 def _bent(problem: Problem) -> Problem:
@@ -150,9 +150,9 @@ def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[in
     free = scale > 1e-12 * max(float(scale.max(initial=0.0)), 1e-300)
     unit = np.where(free, 1.0 / np.where(free, scale, 1.0), 0.0)
     values, vectors = np.linalg.eigh(information * np.outer(unit, unit))
-    known = values > BLIND**1.5 * max(float(values.max(initial=0.0)), 1e-300)
-    inverse = (vectors[:, known] / values[known]) @ vectors[:, known].T * np.outer(unit, unit)
-    lost = np.abs(vectors[:, ~known & (values > -np.inf)]) > 1e-3
+    determined = values > BLIND**1.5 * max(float(values.max(initial=0.0)), 1e-300)
+    inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T * np.outer(unit, unit)
+    lost = np.abs(vectors[:, ~determined & (values > -np.inf)]) > 1e-3
     blind = {int(k) for k in np.flatnonzero(~free | (lost.any(axis=1) & free)) if k not in held}
     return inverse, tuple(sorted(blind))
 
@@ -172,9 +172,9 @@ class Clusters:
 
 def _clusters(parts: list[Reduced], information: Array) -> Clusters:
     scores = np.concatenate([one.scores for one in parts])
-    told = np.concatenate([np.diagonal(one.information, axis1=1, axis2=2) for one in parts])
+    diagonals = np.concatenate([np.diagonal(one.information, axis1=1, axis2=2) for one in parts])
     total = np.diag(information)
-    shares = np.where(total > TINY, told / np.where(total > TINY, total, 1.0), 0.0)
+    shares = np.where(total > TINY, diagonals / np.where(total > TINY, total, 1.0), 0.0)
     effective = 1.0 / np.maximum(np.sum(shares**2, axis=0), TINY)
     return Clusters(scores, np.sum(shares > 1e-3, axis=0), np.maximum(np.minimum(effective, len(scores)), 1.5) - 1.0)
 

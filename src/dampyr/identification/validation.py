@@ -110,22 +110,22 @@ def cross_validate(
 
 
 def _fold(model: str | Composition, task: Task, options: dict[str, Any]) -> Fold:
-    found = fit(model, list(task.fitted), **options)
+    fit_result = fit(model, list(task.fitted), **options)
     names = tuple(_named(r, task) for r in task.fitted)
     scores: dict[str, Score] = {}
     outside: dict[str, str] = {}
-    if found.damper is None:
-        return Fold(names, scores, found.converged, found.reason, outside)
+    if fit_result.damper is None:
+        return Fold(names, scores, fit_result.converged, fit_result.reason, outside)
     for target in task.predicted:
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", DampyrWarning)
             try:
-                scores[target.record.name] = _predicted(found.damper, target)
+                scores[target.record.name] = _predicted(fit_result.damper, target)
             except InputError as problem:  # a law that leaves its allowed values beyond the fitted inputs
                 return Fold(names, {}, False, str(problem), outside)
-        if told:
-            outside[target.record.name] = "; ".join(str(w.message) for w in told)
-    return Fold(names, scores, found.converged, found.reason, outside)
+        if caught:
+            outside[target.record.name] = "; ".join(str(w.message) for w in caught)
+    return Fold(names, scores, fit_result.converged, fit_result.reason, outside)
 
 
 def _named(record: Record, task: Task) -> str:

@@ -20,7 +20,7 @@ from dampyr.identification.normal_equations import Normal, moved, normal
 from dampyr.identification.problem import Point, Problem, Share, apart
 
 Array = NDArray[np.float64]
-MOST_ITERATIONS = 80
+MAX_ITERATIONS = 80
 TOLERANCE = 1e-8
 SMALL_STEP = 0.1  # of the sum of squares that a step of the linear unknowns alone has gained
 STALLED = 1e-5  # of the cost: less than a tenth of what one effective sample in 10,000 is worth
@@ -52,46 +52,48 @@ def search(
     point: Point,
     progress: Callable[[int, float], None] | None = None,
     tolerance: float = TOLERANCE,
-    most: int = MOST_ITERATIONS,
+    max_iterations: int = MAX_ITERATIONS,
 ) -> Outcome:
     """Minimise from ``point``; the reason says how it ended. Parts that share no coefficient are searched apart."""
     theta, local = point.theta.copy(), point.local.copy()
     ended = []
     for share in apart(problem):
-        found = _found(share.problem, Point(theta[share.coefficients], local[share.records]), progress, tolerance, most)
-        theta[share.coefficients], local[share.records] = found.point.theta, found.point.local
-        ended.append((share, found))
+        outcome = _search_in_stages(
+            share.problem, Point(theta[share.coefficients], local[share.records]), progress, tolerance, max_iterations
+        )
+        theta[share.coefficients], local[share.records] = outcome.point.theta, outcome.point.local
+        ended.append((share, outcome))
     end = Point(theta, local)
     converged, reason = _reasons(ended)
     return Outcome(
         end,
-        sum(found.cost for _, found in ended),
+        sum(outcome.cost for _, outcome in ended),
         converged,
         reason,
-        max(found.iterations for _, found in ended),
+        max(outcome.iterations for _, outcome in ended),
         _at_limit(problem, end),
     )
 
 
-def _found(
-    problem: Problem, point: Point, progress: Callable[[int, float], None] | None, tolerance: float, most: int
+def _search_in_stages(
+    problem: Problem, point: Point, progress: Callable[[int, float], None] | None, tolerance: float, max_iterations: int
 ) -> Outcome:
     """The search on the first part of each record, then on all samples: only there can it converge."""
     short = _opening(problem)
-    if short is None or most < 2:
-        return descend(problem, point, progress, tolerance, most)
-    near = descend(short, point, None, max(COARSE, tolerance), most // 2)
+    if short is None or max_iterations < 2:
+        return descend(problem, point, progress, tolerance, max_iterations)
+    near = descend(short, point, None, max(COARSE, tolerance), max_iterations // 2)
     if not np.isfinite(near.cost):
-        return descend(problem, point, progress, tolerance, most)
-    _share_what_is_kept(short, problem)
+        return descend(problem, point, progress, tolerance, max_iterations)
+    _share_cache(short, problem)
     done = near.iterations
 
-    def told(iteration: int, cost: float) -> None:
+    def report_progress(iteration: int, cost: float) -> None:
         if progress:
             progress(done + iteration, cost)
 
-    found = descend(problem, near.point, told, tolerance, most - done, NEARBY)
-    return replace(found, iterations=done + found.iterations)
+    outcome = descend(problem, near.point, report_progress, tolerance, max_iterations - done, NEARBY)
+    return replace(outcome, iterations=done + outcome.iterations)
 
 
 def _opening(problem: Problem) -> Problem | None:
@@ -105,21 +107,21 @@ def _opening(problem: Problem) -> Problem | None:
     if sum(one.t.size for one in problem.pieces) < LEAST_SAVED * sum(one.t.size for one in pieces):
         return None
     short = replace(problem, pieces=pieces)
-    _share_what_is_kept(problem, short)
+    _share_cache(problem, short)
     return short
 
 
-def _share_what_is_kept(one: Problem, other: Problem) -> None:
+def _share_cache(one: Problem, other: Problem) -> None:
     """What one problem has worked out from its columns holds for the other, on the same records' samples."""
     other.__dict__.update((key, value) for key, value in one.__dict__.items() if key != "pieces")
 
 
 def _reasons(ended: list[tuple[Share, Outcome]]) -> tuple[bool, str]:
     """How all parts ended: the first that did not converge speaks for all."""
-    failed = [(share, found) for share, found in ended if not found.converged]
-    share, found = (failed or ended)[0]
+    failed = [(share, outcome) for share, outcome in ended if not outcome.converged]
+    share, outcome = (failed or ended)[0]
     where = f" (records at {np.mean(share.problem.pieces[0].u):g} {share.problem.pieces[0].unit})"
-    return not failed, found.reason + (where if failed and len(ended) > 1 else "")
+    return not failed, outcome.reason + (where if failed and len(ended) > 1 else "")
 
 
 def descend(
@@ -127,7 +129,7 @@ def descend(
     point: Point,
     progress: Callable[[int, float], None] | None,
     tolerance: float,
-    most: int = MOST_ITERATIONS,
+    max_iterations: int = MAX_ITERATIONS,
     damping: float = DAMPING,
 ) -> Outcome:
     """Minimise one problem whose records share coefficients."""
@@ -139,7 +141,7 @@ def descend(
     rounding = ROUNDING * sum(one.t.size for one in problem.pieces)
     all_linear = bool(np.all(here.linear) and np.all(here.local_linear))
     iteration = 0
-    for iteration in range(1, most + 1):
+    for iteration in range(1, max_iterations + 1):
         step = here.solve(damping=damping, curvature=curvature)
         promised = here.gain(step)
         if promised <= tolerance * here.cost + rounding:
@@ -168,7 +170,7 @@ def descend(
                 reason = f"stopped where no step lowers the sum of squares any more ({left})"
                 break
     else:
-        reason = f"did not converge: {most} steps were not enough"
+        reason = f"did not converge: {max_iterations} steps were not enough"
     return Outcome(point, here.cost, converged, reason, iteration, _at_limit(problem, point))
 
 

@@ -9,7 +9,7 @@ from dampyr.models import published
 from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.damper import Damper
 from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
-from dampyr.models.part import SHELF, part
+from dampyr.models.part import REGISTRY, part
 from dampyr.registry import names as _names
 
 __all__ = [
@@ -28,4 +28,4 @@ __all__ = [
 
 def names() -> list[str]:
     """The names of all parts."""
-    return _names(SHELF)
+    return _names(REGISTRY)

@@ -77,8 +77,8 @@ def _damper(tables: dict[str, Any]) -> Damper:
             laws[name] = from_card(table)
         except InputError as problem:
             raise InputError(f"law {name}: {problem}") from None
-    known = tables.get("covariance", {})
-    covariance, within = known.get("matrix"), known.get("within_records_only", [])
+    covariance_table = tables.get("covariance", {})
+    covariance, within = covariance_table.get("matrix"), covariance_table.get("within_records_only", [])
     if not (isinstance(within, list) and all(isinstance(one, str) for one in within)):
         raise InputError(
             f"covariance.within_records_only = {within!r} is not allowed; give a list of names, or leave it out"

@@ -138,12 +138,12 @@ class Damper:
             raise InputError(f"{unknown[0]!r} is no part of {self.composition}")
         laws = {key: law for key, law in self.all_laws.items() if key.partition(".")[0] not in names}
         sizes = [len(law.coefficients) for law in self.all_laws.values()]
-        kept = np.repeat([key in laws for key in self.all_laws], sizes)
+        retained = np.repeat([key in laws for key in self.all_laws], sizes)
         return replace(
             self,
             parts=tuple(name for name in self.composition.names if name not in names),
             laws=laws,
-            covariance=None if self.covariance is None else self.covariance[np.ix_(kept, kept)],
+            covariance=None if self.covariance is None else self.covariance[np.ix_(retained, retained)],
             within_records=tuple(one for one in self.within_records if one.partition(".")[0] not in names),
         )
 
@@ -157,18 +157,18 @@ class Damper:
         """
         if isinstance(stiffness, bool) or not np.isfinite(stiffness) or stiffness <= 0:
             raise InputError(f"the stiffness of a brace {stiffness!r} N/m is not allowed; it must be greater than 0")
-        beside = [p.name for p in self.composition.parts if p.force is not None and "a" in p.force.arguments]
-        if beside:
+        inertial = [p.name for p in self.composition.parts if p.force is not None and "a" in p.force.arguments]
+        if inertial:
             raise InputError(
-                f"{beside[0]} needs the acceleration and would act beside the brace, not behind it; "
-                f"leave it out first, with .without({beside[0]!r})"
+                f"{inertial[0]} needs the acceleration and would act beside the brace, not behind it; "
+                f"leave it out first, with .without({inertial[0]!r})"
             )
         laws = self.all_laws
         if "compliance.s" in laws:
             return replace(self, laws=laws | {"compliance.s": laws["compliance.s"].shifted(1.0 / stiffness)})
-        known = None if self.covariance is None else np.pad(self.covariance, (0, 1))  # the brace is known exactly
+        covariance = None if self.covariance is None else np.pad(self.covariance, (0, 1))  # the brace is known exactly
         parts = (*self.composition.names, "compliance")
-        return replace(self, parts=parts, laws=laws | {"compliance.s": 1.0 / stiffness}, covariance=known)
+        return replace(self, parts=parts, laws=laws | {"compliance.s": 1.0 / stiffness}, covariance=covariance)
 
     def check_input(self, u: ArrayLike, allow_extrapolation: bool = False) -> Array:
         """``u`` as an array; :class:`~dampyr.errors.RangeError` outside the calibrated range unless allowed by name."""
@@ -326,16 +326,18 @@ class Damper:
                 stacklevel=2,
             )
         rng = np.random.default_rng(seed)
-        found: list[Self] = []
+        dampers: list[Self] = []
         for _ in range(100 * n):
             coefficients = rng.multivariate_normal(self.coefficients, self.covariance, method="eigh")
             try:
-                found.append(self.with_coefficients(coefficients))
+                dampers.append(self.with_coefficients(coefficients))
             except InputError:
                 continue
-            if len(found) == n:
-                return found
-        raise InputError(f"only {len(found)} of {100 * n} draws were admissible; the fit is too uncertain to draw from")
+            if len(dampers) == n:
+                return dampers
+        raise InputError(
+            f"only {len(dampers)} of {100 * n} draws were admissible; the fit is too uncertain to draw from"
+        )
 
     def save(self, path: str | Path) -> Path:
         """Write the card, a TOML file (docs/reference/card.md), whole or not at all."""

@@ -12,7 +12,7 @@ from dampyr.models.codegen.formula import Formula, read
 from dampyr.registry import member
 from dampyr.units import Quantity
 
-SHELF = "dampyr.models.parts"
+REGISTRY = "dampyr.models.parts"
 _Class = TypeVar("_Class", bound=type)
 
 
@@ -27,11 +27,11 @@ class Scale:
 
 def quantities(cls: type) -> dict[str, Quantity]:
     """The parameters of a part's dataclass: name -> what it means and which values are allowed."""
-    found = {}
+    parameters = {}
     for name, hint in get_type_hints(cls, include_extras=True).items():
         if get_origin(hint) is Annotated:
-            found[name] = next(a for a in get_args(hint) if isinstance(a, Quantity))
-    return found
+            parameters[name] = next(a for a in get_args(hint) if isinstance(a, Quantity))
+    return parameters
 
 
 def checked(cls: _Class) -> _Class:
@@ -60,8 +60,8 @@ class Part:
     @property
     def parameters(self) -> dict[str, Quantity]:
         """Parameter name -> quantity, in the order of the file."""
-        known = quantities(self.cls)
-        return {f.name: known[f.name] for f in fields(self.cls)}
+        by_name = quantities(self.cls)
+        return {f.name: by_name[f.name] for f in fields(self.cls)}
 
     @property
     def states(self) -> dict[str, tuple[float, float]]:
@@ -122,14 +122,14 @@ class Part:
 @lru_cache(maxsize=64)
 def part(name: str) -> Part:
     """The part called ``name``; :class:`~dampyr.errors.InputError` with the known names if there is none."""
-    module = member(SHELF, name)
+    module = member(REGISTRY, name)
     wanted = name.replace("_", "")
     cls = next(c for n, c in vars(module).items() if isinstance(c, type) and n.lower() == wanted)
-    found = Part(name, cls, module)
-    motion = {"x0", "x1", "v0", "v1", "dt"} if found.states else {"x", "v", "a", "f"}
-    taken = sorted(motion & {*found.parameters, *found.states})
+    result = Part(name, cls, module)
+    motion = {"x0", "x1", "v0", "v1", "dt"} if result.states else {"x", "v", "a", "f"}
+    taken = sorted(motion & {*result.parameters, *result.states})
     if taken:
         raise TypeError(
             f"{name}: {taken[0]!r} means the motion in its formulas, so no parameter or state can have this name"
         )
-    return found
+    return result

@@ -47,7 +47,7 @@ def march_columns(t, x, v, a, p, s, D, out, J):
         columns(0, s, D, x[i], v[i], a[i], q, J[i])
 
 
-def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, room, rows, block, products):
+def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, workspace, rows, block, products):
     """Fill ``products[g]`` with the sums of products of all columns over the samples up to ``ends[g]``.
 
     A column of `march_columns`, or the force, or 1, is picked by ``source``, times ``factor`` and the weight ``w``; the last
@@ -58,14 +58,14 @@ def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, room, 
     for group in range(ends.size):
         while first < ends[group]:
             count = min(rows.shape[1], ends[group] - first)
-            walked(first, count, t, x, v, a, p, s, D, room, rows)
+            walked(first, count, t, x, v, a, p, s, D, workspace, rows)
             picked(first, count, rows, f, w, source, factor, gain, block)
             summed(block, (count + 7) // 8 * 8, products[group])
             first += count
         mirrored(products[group])
 
 
-def walked(first, count, t, x, v, a, p, s, D, room, rows):
+def walked(first, count, t, x, v, a, p, s, D, workspace, rows):
     """Walk over ``count`` samples from ``first`` on: together where the parameters are constant, else one by one."""
     m = 0
     while m < count:
@@ -74,7 +74,7 @@ def walked(first, count, t, x, v, a, p, s, D, room, rows):
         size = count - m if p.shape[0] == 1 and still == 0 else 1
         lo, hi = at - 1 + still, at + size + still
         q = p[min(at, p.shape[0] - 1)]
-        walk(0, still, t[lo:hi], x[lo:hi], v[lo:hi], a[lo:hi], q, s, D, room, rows[:, m:])
+        walk(0, still, t[lo:hi], x[lo:hi], v[lo:hi], a[lo:hi], q, s, D, workspace, rows[:, m:])
         m += size
 
 
@@ -200,15 +200,15 @@ def products_along(
     given = (*path, p, force, weight, source, factor, gain, ends, _start(composition, state0), D)
     k = composition.delay
     if k is None:
-        room = np.empty((composition.room, BLOCK))
-        bind(march_products, (composition,))(*given, room, rows, block, products)
+        workspace = np.empty((composition.workspace_rows, BLOCK))
+        bind(march_products, (composition,))(*given, workspace, rows, block, products)
     else:
         lo = rows[:, 0].copy()
         bind(march_products_delayed, (composition,))(*given, rows, block, products, k, float(p[0, k]), lo, lo.copy())
     return products
 
 
-def march_laws(t, x, v, a, p, source, factor, s, kept, D, none, out, row, base, J):
+def march_laws(t, x, v, a, p, source, factor, s, saved, D, none, out, row, base, J):
     """Fill ``J[i, c]`` with the derivative by a coefficient that moves parameter ``source[c]`` by ``factor[i, c]``.
 
     The tangent of a state is linear in what it was and in the parameter's share of the piece; ``none`` holds that share, from
@@ -220,8 +220,8 @@ def march_laws(t, x, v, a, p, source, factor, s, kept, D, none, out, row, base, 
         for c in range(-1, last if i > 0 else -1):
             for j in range(S):
                 if c < 0:
-                    kept[j] = s[j]
-                s[j] = kept[j]
+                    saved[j] = s[j]
+                s[j] = saved[j]
             here = D[c] if c >= 0 else none
             spread(0, s, here, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
             for j in range(S):
@@ -245,10 +245,10 @@ def along_with_laws(
     Coefficient c moves the parameter ``source[c]`` by ``factor[i, c]`` at sample i: the states remember what it was.
     """
     P, S, C = len(composition.parameters), composition.n_states, source.size
-    D, none, kept = np.zeros((C, S, P + S)), np.zeros((S, P + S)), np.zeros(S)
+    D, none, saved = np.zeros((C, S, P + S)), np.zeros((S, P + S)), np.zeros(S)
     out, row, base, J = np.empty(t.size), np.zeros(P + S), np.zeros(P + S), np.zeros((t.size, C))
     given = (t, x, v, acceleration(composition, t, v), _rows(values), source, factor, _start(composition, state0))
-    bind(march_laws, (composition,))(*given, kept, D, none, out, row, base, J)
+    bind(march_laws, (composition,))(*given, saved, D, none, out, row, base, J)
     return out, J
 
 
@@ -276,8 +276,8 @@ def along_with_columns(
 
 def acceleration(composition: Composition, t: Array, v: Array) -> Array:
     """The acceleration by central differences of the velocity, or zeros where no part asks for it."""
-    asked = any("a" in p.force.arguments for p in composition.parts if p.force)
-    return np.asarray(np.gradient(v, t)) if asked else np.zeros_like(t)
+    needed = any("a" in p.force.arguments for p in composition.parts if p.force)
+    return np.asarray(np.gradient(v, t)) if needed else np.zeros_like(t)
 
 
 def _start(composition: Composition, state0: Array | None) -> Array:

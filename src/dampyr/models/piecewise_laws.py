@@ -34,10 +34,10 @@ def table(damper: Any, static: bool = True) -> tuple[Array, Array]:
 
     ``static=False`` sets static forces (the offset) to zero.
     """
-    found = [pieces(law) for law in damper.all_laws.values()]
-    most, width = max(len(knots) for knots, _ in found), max(c.shape[1] for _, c in found)
-    knots, coefficients = np.full((len(found), most), np.inf), np.zeros((len(found), most, width))
-    for k, (at, c) in enumerate(found):
+    laws = [pieces(law) for law in damper.all_laws.values()]
+    max_knots, width = max(len(knots) for knots, _ in laws), max(c.shape[1] for _, c in laws)
+    knots, coefficients = np.full((len(laws), max_knots), np.inf), np.zeros((len(laws), max_knots, width))
+    for k, (at, c) in enumerate(laws):
         knots[k, : len(at)], coefficients[k, : len(at), : c.shape[1]] = at, c
     if not static:
         coefficients[list(damper.composition.static)] = 0.0

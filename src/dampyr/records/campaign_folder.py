@@ -141,9 +141,11 @@ def read_row(
 
 def check_sha256(path: Path, expected: str) -> None:
     """Raise :class:`FileError` unless the file has this sha256; an empty one is not checked."""
-    found = hashlib.sha256(path.read_bytes()).hexdigest()
-    if expected and found != expected.lower():
-        raise FileError(path, f"its sha256 is {found[:12]}..., the table says {expected[:12]}...; fetch the file again")
+    actual = hashlib.sha256(path.read_bytes()).hexdigest()
+    if expected and actual != expected.lower():
+        raise FileError(
+            path, f"its sha256 is {actual[:12]}..., the table says {expected[:12]}...; fetch the file again"
+        )
 
 
 def _folder(folder: str | Path) -> Path:

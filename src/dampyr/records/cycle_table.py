@@ -41,11 +41,11 @@ def cycle_table(record: Record, offset: float | None = None) -> list[Cycle]:
     ``offset`` in N is taken from the forces at peak velocity; None takes the record's mean force over its whole cycles. Raises
     InputError where there is no whole cycle.
     """
-    found = require_cycles(record, "a table of cycles")
+    spans = require_cycles(record, "a table of cycles")
     speed = differentiate(record.time, record.displacement, default_bandwidth(record))
-    energies, zero = cycle_energies(record, found), mean_force(record) if offset is None else offset
+    energies, zero = cycle_energies(record, spans), mean_force(record) if offset is None else offset
     table = []
-    for (i0, i1), energy in zip(found, energies, strict=True):
+    for (i0, i1), energy in zip(spans, energies, strict=True):
         x, f, v = record.displacement[i0 : i1 + 1], record.force[i0 : i1 + 1], speed[i0 : i1 + 1]
         out, back = int(np.argmax(v)), int(np.argmin(v))
         table.append(

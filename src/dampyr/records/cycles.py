@@ -19,7 +19,7 @@ from dampyr.records.record import Array, Record
 FRACTION_OF_LEG = 0.25
 FIRST_FRACTION_OF_RANGE = 0.05
 LIKE_THE_OTHERS = 0.7
-_known: WeakKeyDictionary[Record, NDArray[np.int64]] = WeakKeyDictionary()  # records never change, and all rooms ask
+_cache: WeakKeyDictionary[Record, NDArray[np.int64]] = WeakKeyDictionary()  # records never change, and all rooms ask
 
 
 def turning_points(record: Record, threshold: float | None = None) -> NDArray[np.int64]:
@@ -33,11 +33,11 @@ def turning_points(record: Record, threshold: float | None = None) -> NDArray[np
         if not threshold > 0:
             raise InputError(f"threshold = {threshold:g} m is not allowed; it must be greater than 0")
         return _zigzag(record.displacement, threshold)
-    if record not in _known:
+    if record not in _cache:
         own = _threshold(record.displacement)
-        _known[record] = _zigzag(record.displacement, own) if own > 0 else np.zeros(0, dtype=np.int64)
-        _known[record].setflags(write=False)
-    return _known[record]
+        _cache[record] = _zigzag(record.displacement, own) if own > 0 else np.zeros(0, dtype=np.int64)
+        _cache[record].setflags(write=False)
+    return _cache[record]
 
 
 def legs(record: Record) -> Array:
@@ -111,27 +111,27 @@ def _like_the_others(record: Record, points: NDArray[np.int64]) -> list[tuple[in
     alike = np.all(span > LIKE_THE_OTHERS * np.median(span), axis=1)
     alike &= np.all(span * LIKE_THE_OTHERS < np.median(span), axis=1)
     alike &= (lasting > LIKE_THE_OTHERS * np.median(lasting)) & (lasting * LIKE_THE_OTHERS < np.median(lasting))
-    kept = np.flatnonzero(alike)
-    if len(kept) == 0:
+    indices = np.flatnonzero(alike)
+    if len(indices) == 0:
         return []
-    return [(int(edges[k]), int(edges[k + 1])) for k in range(kept[0], kept[-1] + 1)]
+    return [(int(edges[k]), int(edges[k + 1])) for k in range(indices[0], indices[-1] + 1)]
 
 
 def require_cycles(record: Record, purpose: str) -> list[tuple[int, int]]:
     """The whole cycles, or an :class:`InputError` that says what needs them."""
-    found = cycles(record)
-    if not found:
+    spans = cycles(record)
+    if not spans:
         raise InputError(
             f"{record.name}: no whole cycle in {record.duration:g} s, and {purpose} needs one; "
             "give a record with at least three turning points"
         )
-    return found
+    return spans
 
 
 def whole(record: Record, purpose: str) -> slice:
     """The samples of all whole cycles together."""
-    found = require_cycles(record, purpose)
-    return slice(found[0][0], found[-1][1])
+    spans = require_cycles(record, purpose)
+    return slice(spans[0][0], spans[-1][1])
 
 
 def cycle_average(record: Record, samples: int | None = None) -> Record:
@@ -140,8 +140,8 @@ def cycle_average(record: Record, samples: int | None = None) -> Record:
     Time runs over one mean period; each channel is interpolated linearly at equal fractions of its own cycle,
     so a drift of the mean position is averaged, not removed. ``samples`` defaults to the median cycle's.
     """
-    found = require_cycles(record, "a cycle average")
-    count = samples or int(np.median([i1 - i0 for i0, i1 in found]))
+    spans = require_cycles(record, "a cycle average")
+    count = samples or int(np.median([i1 - i0 for i0, i1 in spans]))
     if count < 8:
         raise InputError(f"samples = {count} is too few for a cycle; give at least 8")
     phases = np.arange(count) / count
@@ -149,12 +149,12 @@ def cycle_average(record: Record, samples: int | None = None) -> Record:
     def mean(values: Any) -> Any:
         if values is None or isinstance(values, float):
             return values
-        return np.mean([_at_phases(values, i0, i1, record.time, phases) for i0, i1 in found], axis=0)
+        return np.mean([_at_phases(values, i0, i1, record.time, phases) for i0, i1 in spans], axis=0)
 
-    period = float(record.time[found[-1][1]] - record.time[found[0][0]]) / len(found)
+    period = float(record.time[spans[-1][1]] - record.time[spans[0][0]]) / len(spans)
     channels = ("displacement", "force", "velocity", "voltage", "current", "temperature")
     changed = {name: mean(getattr(record, name)) for name in channels}
-    note = f"averaged over {len(found)} whole cycles of {period:.4f} s at {count} phases"
+    note = f"averaged over {len(spans)} whole cycles of {period:.4f} s at {count} phases"
     return record.replace(note=note, time=period * phases, **changed)
 
 

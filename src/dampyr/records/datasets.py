@@ -47,10 +47,10 @@ DATA_SETS = (LABCONTROL,)
 
 def data_set(name: str) -> DataSet:
     """The data set called ``name``, or an :class:`InputError` that lists what there is."""
-    for known in DATA_SETS:
-        if known.name == name:
-            return known
-    raise InputError(f"{name!r} is no data set; choose from {', '.join(known.name for known in DATA_SETS)}")
+    for dataset in DATA_SETS:
+        if dataset.name == name:
+            return dataset
+    raise InputError(f"{name!r} is no data set; choose from {', '.join(dataset.name for dataset in DATA_SETS)}")
 
 
 def data_root() -> Path:
@@ -66,14 +66,14 @@ def locate(name: str = "labcontrol", root: str | Path | None = None) -> Path:
     MissingData
         It is not there; the message says how to get it.
     """
-    known = data_set(name)
+    dataset = data_set(name)
     base = data_root() if root is None else Path(root)
-    for folder in (base / known.folder, base):
+    for folder in (base / dataset.folder, base):
         if (folder / TABLE).is_file():
             return folder
     raise MissingData(
         f"the data set {name} is not in {base}; get it with `dampyr datasets fetch {name}` "
-        f"(doi {known.doi}), or set DAMPYR_DATA to the folder that holds {known.folder}"
+        f"(doi {dataset.doi}), or set DAMPYR_DATA to the folder that holds {dataset.folder}"
     )
 
 
@@ -110,14 +110,14 @@ def fetch(
     FileError
         A file came that is not the one that was published.
     """
-    known = data_set(name)
-    target = Path(folder) if folder is not None else data_root() / known.folder
-    source = known.base_url if base_url is None else base_url
+    dataset = data_set(name)
+    target = Path(folder) if folder is not None else data_root() / dataset.folder
+    source = dataset.base_url if base_url is None else base_url
     _make(target)
     for row in campaign_rows():
         if not row.file_name:
             continue
-        _get(known, row.file_name, row.sha256, source, target, downloader)
+        _get(dataset, row.file_name, row.sha256, source, target, downloader)
         if progress is not None:
             progress(row.file_name)
     table = resources.files("dampyr.records").joinpath("labcontrol_campaign.csv").read_bytes()
@@ -134,14 +134,14 @@ def _make(target: Path) -> None:
         ) from problem
 
 
-def _get(known: DataSet, file: str, sha256: str, source: str, target: Path, downloader: Any) -> None:
+def _get(dataset: DataSet, file: str, sha256: str, source: str, target: Path, downloader: Any) -> None:
     local = Path(source) / file
     if "://" not in source and local.is_file():
         check_sha256(local, sha256)
         _copy(local, target / file)
         return
     if "://" not in source:
-        raise MissingData(f"{local}: there is no such file; give a folder that holds the data set {known.name}")
+        raise MissingData(f"{local}: there is no such file; give a folder that holds the data set {dataset.name}")
     import pooch
 
     logger = pooch.get_logger()
@@ -156,7 +156,7 @@ def _get(known: DataSet, file: str, sha256: str, source: str, target: Path, down
             ) from problem
         raise MissingData(
             f"{source}{file} cannot be fetched ({_reason(problem)}); check the network, or get it from "
-            f"https://doi.org/{known.doi} and put it in {target}"
+            f"https://doi.org/{dataset.doi} and put it in {target}"
         ) from problem
     finally:
         logger.setLevel(level)

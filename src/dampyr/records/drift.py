@@ -10,9 +10,9 @@ from dampyr.records.record import Array, Record
 
 def middles(record: Record) -> tuple[Array, Array]:
     """Times (s) and mean positions (m) of the whole cycles, ``(cycles,)`` each."""
-    found = require_cycles(record, "the drift")
-    at = np.array([0.5 * (record.time[i0] + record.time[i1]) for i0, i1 in found])
-    return at, np.array([_mean(record, i0, i1) for i0, i1 in found])
+    spans = require_cycles(record, "the drift")
+    at = np.array([0.5 * (record.time[i0] + record.time[i1]) for i0, i1 in spans])
+    return at, np.array([_mean(record, i0, i1) for i0, i1 in spans])
 
 
 def drift(record: Record) -> float:

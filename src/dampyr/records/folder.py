@@ -13,7 +13,7 @@ from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
 from dampyr.records.folder_metadata import NAME, reading_of
 from dampyr.records.formats import h5
 from dampyr.records.record import Record
-from dampyr.records.record_files import SHELF, read
+from dampyr.records.record_files import REGISTRY, read
 from dampyr.records.text_columns import has_numbers
 
 TEXT = (".csv", ".txt")
@@ -28,8 +28,8 @@ def read_folder(folder: Path, incomplete: bool = False, **said: Any) -> list[Rec
     test is taken, or with ``incomplete`` every one.
     """
     files = record_files(folder)
-    kept = files if incomplete else _latest(files)
-    records = [_read(path, said) for path in kept]
+    selected = files if incomplete else _latest(files)
+    records = [_read(path, said) for path in selected]
     if not incomplete:
         _check_names(folder, records)
     return records
@@ -45,17 +45,17 @@ def record_files(folder: Path) -> list[Path]:
     FileError
         A pattern of ``reading.toml`` is of no file.
     """
-    beside = reading_of(folder)
-    suffixes = {f".{name}" for name in registry.names(SHELF)}
+    metadata = reading_of(folder)
+    suffixes = {f".{name}" for name in registry.names(REGISTRY)}
     visible = [path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")]
-    found = sorted((path for path in visible if path.suffix.lower() in suffixes), key=natural)
-    beside.check_patterns(found)
-    kept = [path for path in found if not beside.is_ignored(path)]
-    prose = [path for path in kept if path.suffix.lower() in TEXT and not has_numbers(path)]
+    candidates = sorted((path for path in visible if path.suffix.lower() in suffixes), key=natural)
+    metadata.check_patterns(candidates)
+    remaining = [path for path in candidates if not metadata.is_ignored(path)]
+    prose = [path for path in remaining if path.suffix.lower() in TEXT and not has_numbers(path)]
     if prose:
         names = ", ".join(path.name for path in prose)
         warnings.warn(f"{folder}: left out, no line of numbers: {names}", DampyrWarning, stacklevel=4)
-    records = [path for path in kept if path not in prose]
+    records = [path for path in remaining if path not in prose]
     if not records:
         raise MissingData(f"{folder}: no records are there; give a folder with {', '.join(sorted(suffixes))} files")
     return records

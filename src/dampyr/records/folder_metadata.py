@@ -58,8 +58,8 @@ class FolderReading:
 
     def input_of(self, file: Path) -> dict[str, float]:
         """The constant input of a file, ``{"current": 0.5}``; empty where nothing is said about it."""
-        found = {name: self._value(name, said, file) for name, said in self.inputs.items()}
-        return {name: value for name, value in found.items() if value is not None}
+        inputs = {name: self._value(name, said, file) for name, said in self.inputs.items()}
+        return {name: value for name, value in inputs.items() if value is not None}
 
     def _value(self, name: str, said: Any, file: Path) -> float | None:
         if isinstance(said, str):
@@ -76,9 +76,9 @@ class FolderReading:
 
     def _from_name(self, name: str, pattern: str, file: Path) -> float:
         for text in (file.stem, file.name):
-            found = re.fullmatch(_expression(pattern), text)
-            if found:
-                return float(found[1].replace(",", "."))
+            match = re.fullmatch(_expression(pattern), text)
+            if match:
+                return float(match[1].replace(",", "."))
         raise FileError(
             self.path, f"{name} = {pattern!r} does not match the file {file.name}; rename or ignore it, or give a table"
         )
@@ -103,19 +103,19 @@ def reading_of(folder: Path) -> FolderReading:
     if not path.is_file():
         return FolderReading(path)
     try:
-        told = tomllib.loads(path.read_text("utf-8"))
+        settings = tomllib.loads(path.read_text("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise FileError(path, f"is no TOML ({' '.join(str(problem).split())}); repair that place") from None
-    unknown = sorted(set(told) - set(KEYS))
+    unknown = sorted(set(settings) - set(KEYS))
     if unknown:
         raise FileError(path, f"{unknown[0]!r} is not known; choose from {', '.join(KEYS)}")
     return FolderReading(
         path,
-        units=_channels(path, told, "units", str),
-        columns=_channels(path, told, "columns", (str, int)),
-        inputs=_inputs(path, told),
-        validation=_patterns(path, told, "validation"),
-        ignore=_patterns(path, told, "ignore"),
+        units=_channels(path, settings, "units", str),
+        columns=_channels(path, settings, "columns", (str, int)),
+        inputs=_inputs(path, settings),
+        validation=_patterns(path, settings, "validation"),
+        ignore=_patterns(path, settings, "ignore"),
     )
 
 
@@ -129,8 +129,8 @@ def _expression(pattern: str) -> str:
     return escaped.replace(r"\*", ".*").replace(r"\?", ".")
 
 
-def _channels(path: Path, told: dict[str, Any], key: str, kind: Any) -> dict[str, Any]:
-    table = told.get(key, {})
+def _channels(path: Path, settings: dict[str, Any], key: str, kind: Any) -> dict[str, Any]:
+    table = settings.get(key, {})
     if not isinstance(table, dict):
         raise FileError(path, f"{key} = {table!r} is no table; write it below [{key}], such as displacement = ...")
     for channel, value in table.items():
@@ -141,8 +141,8 @@ def _channels(path: Path, told: dict[str, Any], key: str, kind: Any) -> dict[str
     return table
 
 
-def _inputs(path: Path, told: dict[str, Any]) -> dict[str, Any]:
-    inputs = {name: told[name] for name in INPUTS if name in told}
+def _inputs(path: Path, settings: dict[str, Any]) -> dict[str, Any]:
+    inputs = {name: settings[name] for name in INPUTS if name in settings}
     if len(inputs) > 1:
         raise FileError(path, "voltage and current are both given; a record has one input, so leave one of them out")
     for name, said in inputs.items():
@@ -160,8 +160,8 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _patterns(path: Path, told: dict[str, Any], key: str) -> tuple[str, ...]:
-    given = told.get(key, [])
+def _patterns(path: Path, settings: dict[str, Any], key: str) -> tuple[str, ...]:
+    given = settings.get(key, [])
     if not isinstance(given, list) or not all(isinstance(each, str) for each in given):
         raise FileError(path, f'{key} = {given!r} is no list of patterns; write it as in ["earthquake*"]')
     return tuple(given)

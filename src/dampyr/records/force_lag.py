@@ -50,9 +50,9 @@ def estimate_delay(record: Record) -> Delay:
     InputError
         There is no whole cycle, or the force does not change sign behind the turning points.
     """
-    found = require_cycles(record, "the delay")
+    spans = require_cycles(record, "the delay")
     points = turning_points(record)
-    points = points[(points >= found[0][0]) & (points <= found[-1][1])]
+    points = points[(points >= spans[0][0]) & (points <= spans[-1][1])]
     speed = differentiate(record.time, record.displacement, default_bandwidth(record))
     force = record.force - mean_force(record)
     lags: dict[int, list[float]] = {1: [], -1: []}
@@ -84,18 +84,18 @@ def correct_delay(record: Record, seconds: float) -> Record:
             "give less than half of its duration"
         )
     t = record.time
-    kept = np.flatnonzero((t - seconds >= t[0]) & (t - seconds <= t[-1]))
+    indices = np.flatnonzero((t - seconds >= t[0]) & (t - seconds <= t[-1]))
     moved = {
-        name: np.interp(t[kept] - seconds, t, getattr(record, name))
+        name: np.interp(t[indices] - seconds, t, getattr(record, name))
         for name in ("displacement", "velocity")
         if getattr(record, name) is not None
     }
     cut = {
-        name: values[kept]
+        name: values[indices]
         for name in ("time", "force", "voltage", "current", "temperature")
         if isinstance(values := getattr(record, name), np.ndarray)
     }
-    note = f"motion delayed by {seconds:.6g} s to meet the force, {record.n - len(kept)} samples cut off"
+    note = f"motion delayed by {seconds:.6g} s to meet the force, {record.n - len(indices)} samples cut off"
     return record.replace(note=note, **moved, **cut)
 
 

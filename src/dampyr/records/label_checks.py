@@ -23,13 +23,13 @@ def disagreements(
     force is inverted; without a whole cycle the work over all of the record tells. A record without a whole
     cycle can confirm no label, and says so where it has one.
     """
-    found = cycles(record)
+    spans = cycles(record)
     said = []
-    if record.label and found:
+    if record.label and spans:
         said += _against_label(record, frequency, peak_to_peak)
     elif record.label:
         said.append(f"{record.name}: no whole cycle, so its label cannot be checked")
-    return said + _against_dissipation(record, found)
+    return said + _against_dissipation(record, spans)
 
 
 def creates_energy(record: Record) -> bool:
@@ -37,30 +37,30 @@ def creates_energy(record: Record) -> bool:
     return bool(_against_dissipation(record, cycles(record)))
 
 
-def _against_dissipation(record: Record, found: list[tuple[int, int]]) -> list[str]:
-    energy = float(np.median(cycle_energies(record, found))) if found else work(record)
+def _against_dissipation(record: Record, spans: list[tuple[int, int]]) -> list[str]:
+    energy = float(np.median(cycle_energies(record, spans))) if spans else work(record)
     if energy >= 0:
         return []
-    span = "per cycle" if found else "in all"
+    span = "per cycle" if spans else "in all"
     return [
         f"{record.name}: its loops create energy ({-energy:.3g} J {span} where a damper dissipates); force sign inverted?"
     ]
 
 
 def _against_label(record: Record, frequency: float, peak_to_peak: float) -> list[str]:
-    label, found = record.label, measure(record)
+    label, measured = record.label, measure(record)
     assert label is not None
     said = []
-    off = label.frequency_hz / found.frequency_hz - 1.0
+    off = label.frequency_hz / measured.frequency_hz - 1.0
     if abs(off) > frequency:
         said.append(
-            f"{record.name}: labelled {label.frequency_hz:.4g} Hz, measures {found.frequency_hz:.4g} Hz "
+            f"{record.name}: labelled {label.frequency_hz:.4g} Hz, measures {measured.frequency_hz:.4g} Hz "
             f"({100 * off:+.1f} %)"
         )
-    off = label.peak_to_peak_m / found.peak_to_peak_m - 1.0
+    off = label.peak_to_peak_m / measured.peak_to_peak_m - 1.0
     if abs(off) > peak_to_peak:
         said.append(
             f"{record.name}: labelled {1e3 * label.peak_to_peak_m:.4g} mm peak to peak, "
-            f"measures {1e3 * found.peak_to_peak_m:.4g} mm per cycle ({100 * off:+.1f} %)"
+            f"measures {1e3 * measured.peak_to_peak_m:.4g} mm per cycle ({100 * off:+.1f} %)"
         )
     return said

@@ -63,37 +63,37 @@ def measure(record: Record) -> Measured:
     InputError
         There is no whole cycle.
     """
-    found = require_cycles(record, "a measurement")
-    frequency, amplitudes, distortion = _harmonics(record, found)
-    part = slice(found[0][0], found[-1][1] + 1)
+    spans = require_cycles(record, "a measurement")
+    frequency, amplitudes, distortion = _harmonics(record, spans)
+    part = slice(spans[0][0], spans[-1][1] + 1)
     speed = differentiate(record.time, record.displacement, default_bandwidth(record))
     return Measured(
         frequency_hz=frequency,
-        peak_to_peak_m=peak_to_peak(record, found),
+        peak_to_peak_m=peak_to_peak(record, spans),
         mean_force=mean_force(record),
         drift_m_per_s=drift(record),
         peak_speed=float(np.max(np.abs(speed[part]))),
-        energy_per_cycle=float(np.median(cycle_energies(record, found))),
+        energy_per_cycle=float(np.median(cycle_energies(record, spans))),
         harmonics={k: float(amplitudes[k - 1] / amplitudes[0]) for k in range(2, ORDERS + 1)},
         distortion=distortion,
-        cycles=len(found),
+        cycles=len(spans),
         motion_start=motion_start(record),
     )
 
 
-def peak_to_peak(record: Record, found: list[tuple[int, int]]) -> float:
+def peak_to_peak(record: Record, cycles: list[tuple[int, int]]) -> float:
     """Peak to peak per cycle, m: the mean of the way up and the way down, median over the cycles."""
-    return float(np.median([_half_travel(record.displacement[i0 : i1 + 1]) for i0, i1 in found]))
+    return float(np.median([_half_travel(record.displacement[i0 : i1 + 1]) for i0, i1 in cycles]))
 
 
-def cycle_energies(record: Record, found: list[tuple[int, int]]) -> Array:
+def cycle_energies(record: Record, cycles: list[tuple[int, int]]) -> Array:
     """The energy dissipated in each cycle, J: the loop integral of force by displacement, by trapezoids.
 
     The mean force is left out, so that gas force times drift is not counted.
     """
     force = record.force - mean_force(record)
     work = 0.5 * (force[1:] + force[:-1]) * np.diff(record.displacement)
-    return np.array([float(np.sum(work[i0:i1])) for i0, i1 in found])
+    return np.array([float(np.sum(work[i0:i1])) for i0, i1 in cycles])
 
 
 def _half_travel(x: Array) -> float:
@@ -102,12 +102,12 @@ def _half_travel(x: Array) -> float:
     return float(0.5 * (abs(far - x[0]) + abs(far - x[-1])))
 
 
-def _harmonics(record: Record, found: list[tuple[int, int]]) -> tuple[float, Array, float]:
+def _harmonics(record: Record, spans: list[tuple[int, int]]) -> tuple[float, Array, float]:
     """``(frequency, amplitudes of orders 1 to 7, distortion)`` of the displacement over the whole cycles."""
-    part = slice(found[0][0], found[-1][1] + 1)
+    part = slice(spans[0][0], spans[-1][1] + 1)
     middle = 0.5 * (record.time[part.start] + record.time[part.stop - 1])
     t, x = record.time[part] - middle, record.displacement[part]
-    frequency = len(found) / float(t[-1] - t[0])
+    frequency = len(spans) / float(t[-1] - t[0])
     for _ in range(8):
         basis, slope, coefficients = _fit(t, x, frequency)
         size = float(np.linalg.norm(slope)) or 1.0

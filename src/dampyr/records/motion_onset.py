@@ -27,8 +27,8 @@ def motion_start(record: Record) -> float:
 
 
 def _size(record: Record) -> float:
-    found = np.abs(legs(record))
-    return float(np.median(found)) if len(found) else float(np.ptp(record.displacement))
+    lengths = np.abs(legs(record))
+    return float(np.median(lengths)) if len(lengths) else float(np.ptp(record.displacement))
 
 
 def _last_at_rest(x: Array, away: int) -> int:

@@ -16,7 +16,7 @@ from typing import Any
 
 
 @contextmanager
-def new_file(path: Path, room: int = 0, **how: Any) -> Iterator[Any]:
+def new_file(path: Path, reserved_bytes: int = 0, **how: Any) -> Iterator[Any]:
     """An open `h5py.File` that takes the place of what is in ``path``; ``room`` bytes are reserved for it before it is begun.
 
     ``how`` goes to `h5py.File`. Raises :class:`OSError` where the disk has not the room, or refuses a write.
@@ -24,8 +24,8 @@ def new_file(path: Path, room: int = 0, **how: Any) -> Iterator[Any]:
     import h5py
 
     with _Output(path) as output:
-        if room:
-            reserve(output.fileno(), room)
+        if reserved_bytes:
+            reserve(output.fileno(), reserved_bytes)
         try:
             with h5py.File(output, "w", **how) as file:
                 yield file

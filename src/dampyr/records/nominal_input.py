@@ -21,7 +21,7 @@ SMALLEST = 0.5
 SOURCE, MEASURED = "input_source", "measured"
 
 
-def nominal_inputs(records: Sequence[Record], known: Iterable[float] = ()) -> list[Record]:
+def nominal_inputs(records: Sequence[Record], nominal_values: Iterable[float] = ()) -> list[Record]:
     """The records with measured inputs that are constant but for noise as constants, those that agree as one.
 
     With U the largest input of all records (of their block means; at least 0.5 V or A), a record's input is constant where the
@@ -43,11 +43,11 @@ def nominal_inputs(records: Sequence[Record], known: Iterable[float] = ()) -> li
         raise InputError(
             f"{named['V']} has a voltage and {named['A']} a current as its input; take records of one kind together"
         )
-    largest = max([SMALLEST, *map(abs, known), *(_largest(record) for record in records)])
+    largest = max([SMALLEST, *map(abs, nominal_values), *(_largest(record) for record in records)])
     steady = [_is_measured(record) and is_steady(record, largest) for record in records]
     stated = {_mean(r) for r in records if r.input and not _is_measured(r)}
     means = sorted({_mean(r) for r, yes in zip(records, steady, strict=True) if yes})
-    nominal = _nominal(means, sorted({0.0, *map(float, known), *stated}), largest)
+    nominal = _nominal(means, sorted({0.0, *map(float, nominal_values), *stated}), largest)
     return [_constant(r, nominal[_mean(r)]) if yes else r for r, yes in zip(records, steady, strict=True)]
 
 
@@ -66,33 +66,33 @@ def is_steady(record: Record, largest: float) -> bool:
 
 def agrees(stated: float, measured: Array) -> bool:
     """Whether a channel is the stated number but for noise and a sensor's error: 5 % of it, or 0.05 V or A if that is more."""
-    room = max(0.05 * abs(stated), 0.05)
-    return all(abs(block - stated) <= room for block in _block_means(np.atleast_1d(measured)))
+    tolerance = max(0.05 * abs(stated), 0.05)
+    return all(abs(block - stated) <= tolerance for block in _block_means(np.atleast_1d(measured)))
 
 
-def _nominal(means: list[float], known: list[float], largest: float) -> dict[float, float]:
+def _nominal(means: list[float], nominal_values: list[float], largest: float) -> dict[float, float]:
     """The input that each mean stands for; the means in rising order."""
-    room = TOLERANCE * largest
-    found: dict[float, float] = {}
+    tolerance = TOLERANCE * largest
+    assigned: dict[float, float] = {}
     free = []
     for mean in means:
-        nearest = min(known, key=lambda value: abs(value - mean))
-        if abs(nearest - mean) <= room:
-            found[mean] = nearest
+        nearest = min(nominal_values, key=lambda value: abs(value - mean))
+        if abs(nearest - mean) <= tolerance:
+            assigned[mean] = nearest
         else:
             free.append(mean)
-    places = -math.floor(math.log10(room / 10.0))
-    for group in _groups(free, room):
+    places = -math.floor(math.log10(tolerance / 10.0))
+    for group in _groups(free, tolerance):
         value = round(float(np.mean(group)), places)
-        found |= dict.fromkeys(group, value) if group[-1] - group[0] <= 2.0 * room else {u: u for u in group}
-    return found
+        assigned |= dict.fromkeys(group, value) if group[-1] - group[0] <= 2.0 * tolerance else {u: u for u in group}
+    return assigned
 
 
-def _groups(values: list[float], room: float) -> list[list[float]]:
+def _groups(values: list[float], tolerance: float) -> list[list[float]]:
     """Values in rising order, cut where one is more than ``room`` from the next."""
     groups: list[list[float]] = []
     for value in values:
-        if groups and value - groups[-1][-1] <= room:
+        if groups and value - groups[-1][-1] <= tolerance:
             groups[-1].append(value)
         else:
             groups.append([value])

@@ -61,11 +61,11 @@ def repeats(record: Record) -> bool:
     """Whether the whole cycles of a record stand for its motion, see :class:`Overview`."""
     from dampyr.records.measure import measure
 
-    found, points = cycles(record), turning_points(record)
-    if not found:
+    spans, points = cycles(record), turning_points(record)
+    if not spans:
         return False
     moving = float(record.time[points[-1]]) - motion_start(record)
-    covered = float(record.time[found[-1][1]] - record.time[found[0][0]])
+    covered = float(record.time[spans[-1][1]] - record.time[spans[0][0]])
     return covered >= SHARE * moving and measure(record).distortion <= DISTORTION
 
 

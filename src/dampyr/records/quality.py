@@ -10,7 +10,7 @@ import numpy as np
 from dampyr.records.record import CHANNELS, Array, Record
 
 GAP = 1.5
-LONGEST_PLATEAU = 5
+MAX_PLATEAU = 5
 PLATEAU_OF_CYCLE = 0.05
 
 
@@ -66,11 +66,11 @@ def quality(record: Record) -> Quality:
     dt = record.dt
     gaps = np.flatnonzero(steps > GAP * dt)
     even = steps[steps <= GAP * dt]
-    found = cycles(record)
-    per_cycle = float(np.mean([i1 - i0 for i0, i1 in found])) if found else None
+    spans = cycles(record)
+    per_cycle = float(np.mean([i1 - i0 for i0, i1 in spans])) if spans else None
     channels = {name: getattr(record, name) for name in CHANNELS if name != "time"}
     arrays = {name: values for name, values in channels.items() if isinstance(values, np.ndarray)}
-    moving = _moving(record, found)
+    moving = _moving(record, spans)
     counts = {name: _stuck(getattr(record, name)[moving], per_cycle) for name in ("displacement", "force")}
     return Quality(
         samples=record.n,
@@ -102,18 +102,18 @@ def quantum(values: Array) -> float | None:
     return float(np.sum(apart) / np.sum(whole))
 
 
-def _moving(record: Record, found: list[tuple[int, int]]) -> slice:
+def _moving(record: Record, spans: list[tuple[int, int]]) -> slice:
     """The whole cycles, or without them all that comes after the start of the motion."""
     from dampyr.records.motion_onset import motion_start
 
-    if found:
-        return slice(found[0][0], found[-1][1])
+    if spans:
+        return slice(spans[0][0], spans[-1][1])
     return slice(int(np.searchsorted(record.time, motion_start(record))) + 1, record.n)
 
 
 def _stuck(moving: Array, per_cycle: float | None) -> int:
     """How many samples stand at the highest or the lowest value in long runs, once the table moves."""
-    long = max(LONGEST_PLATEAU, PLATEAU_OF_CYCLE * (per_cycle or 0.0))
+    long = max(MAX_PLATEAU, PLATEAU_OF_CYCLE * (per_cycle or 0.0))
     if len(moving) == 0 or np.ptp(moving) == 0:
         return 0
     return sum(_in_runs(moving == extreme, long) for extreme in (moving.max(), moving.min()))

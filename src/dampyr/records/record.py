@@ -19,7 +19,7 @@ from dampyr.errors import InputError
 Array = NDArray[np.float64]
 Role = Literal["fit", "validation"]
 
-FEWEST_SAMPLES = 8
+MIN_SAMPLES = 8
 CHANNELS: Mapping[str, str] = MappingProxyType(
     {
         "time": "s",
@@ -140,18 +140,18 @@ class Record:
 
     def replace(self, *, note: str, **changes: Any) -> Record:
         """A new record with these fields changed and ``note``, what was done, added to its history."""
-        kept = {f.name: getattr(self, f.name) for f in fields(self)}
-        unknown = sorted(set(changes) - set(kept))
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        unknown = sorted(set(changes) - set(values))
         if unknown:
-            raise InputError(f"a record has no field {unknown[0]!r}; choose from {', '.join(kept)}")
-        return Record(**(kept | {"history": (*self.history, note)} | changes))
+            raise InputError(f"a record has no field {unknown[0]!r}; choose from {', '.join(values)}")
+        return Record(**(values | {"history": (*self.history, note)} | changes))
 
     def until(self, end: float) -> Record:
         """The record up to the time ``end`` in s, under the same name."""
-        kept = slice(0, int(np.searchsorted(self.time, end, side="right")))
-        if np.size(self.time[kept]) < FEWEST_SAMPLES:
+        window = slice(0, int(np.searchsorted(self.time, end, side="right")))
+        if np.size(self.time[window]) < MIN_SAMPLES:
             raise InputError(f"{self.name}: nothing is left before {end:.3g} s; it starts at {self.time[0]:.3g} s")
-        return self._at(kept, f"cut at {end:.6g} s")
+        return self._at(window, f"cut at {end:.6g} s")
 
     def thinned(self, stride: int) -> Record:
         """Every ``stride``-th sample, nothing averaged."""
@@ -159,9 +159,9 @@ class Record:
             raise InputError(f"stride = {stride} is not allowed; it must be at least 1")
         return self if stride == 1 else self._at(slice(None, None, stride), f"every {stride}th sample kept")
 
-    def _at(self, kept: slice, note: str) -> Record:
+    def _at(self, window: slice, note: str) -> Record:
         channels = {c: getattr(self, c) for c in CHANNELS}
-        return self.replace(note=note, **{c: v[kept] for c, v in channels.items() if isinstance(v, np.ndarray)})
+        return self.replace(note=note, **{c: v[window] for c, v in channels.items() if isinstance(v, np.ndarray)})
 
 
 def _rebuilt(values: dict[str, Any]) -> Record:
@@ -194,8 +194,8 @@ def _check_shapes(record: Record) -> None:
             raise InputError(f"{channel} has the shape {value.shape}; give one column of {n} values")
         if len(value) != n:
             raise InputError(f"{channel} has {len(value)} values and time has {n}; give one value per sample")
-    if n < FEWEST_SAMPLES:
-        raise InputError(f"the record has {n} samples; give at least {FEWEST_SAMPLES}")
+    if n < MIN_SAMPLES:
+        raise InputError(f"the record has {n} samples; give at least {MIN_SAMPLES}")
 
 
 def _check_values(record: Record) -> None:

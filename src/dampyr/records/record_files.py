@@ -15,7 +15,7 @@ from dampyr.records.folder_metadata import FolderReading, reading_of
 from dampyr.records.nominal_input import agrees
 from dampyr.records.record import CHANNELS, Array, Record
 
-SHELF = "dampyr.records.formats"
+REGISTRY = "dampyr.records.formats"
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,12 @@ class Request:
 
         What the file states must be what was said; what it measured must agree with it, and gives way to it.
         """
-        found: dict[str, Any] = {}
+        channels: dict[str, Any] = {}
         for name, said, stored in (("voltage", self.voltage, voltage), ("current", self.current, current)):
             if said is not None and stored is not None and not _same(said, stored):
                 raise InputError(_contradiction(name, said, stored))
-            found[name] = said if said is not None else stored
-        return found
+            channels[name] = said if said is not None else stored
+        return channels
 
     def replaced(self, voltage: Any = None, current: Any = None) -> tuple[str, ...]:
         """What the history says of a measured input that gave way to what was said."""
@@ -110,16 +110,16 @@ def read(
         The file is wrong: one line with the file, the value and the repair.
     """
     path = Path(path)
-    known = registry.names(SHELF)
+    available = registry.names(REGISTRY)
     kind = path.suffix.lower().removeprefix(".")
-    if kind not in known:
-        raise FileError(path, f"the suffix {path.suffix!r} is not known; choose from {_suffixes(known)}")
+    if kind not in available:
+        raise FileError(path, f"the suffix {path.suffix!r} is not known; choose from {_suffixes(available)}")
     if not path.is_file():
         raise MissingData(f"{path}: there is no such file; check the path")
     try:
-        beside = reading_of(path.parent)
-        request = _request(beside, path, voltage, current, Request(units=units or {}, columns=columns or {}))
-        return _as_the_folder_says(registry.member(SHELF, kind).read(path, request), beside, path)
+        metadata = reading_of(path.parent)
+        request = _request(metadata, path, voltage, current, Request(units=units or {}, columns=columns or {}))
+        return _as_the_folder_says(registry.member(REGISTRY, kind).read(path, request), metadata, path)
     except FileError:
         raise
     except InputError as problem:
@@ -128,19 +128,19 @@ def read(
         raise FileError(path, f"cannot be read ({_one_line(problem)}); check the file and its permissions") from problem
 
 
-def _request(beside: FolderReading, path: Path, voltage: Any, current: Any, said: Request) -> Request:
+def _request(metadata: FolderReading, path: Path, voltage: Any, current: Any, said: Request) -> Request:
     """What the caller says, and where it says nothing what ``reading.toml`` does."""
     given = {"voltage": voltage, "current": current}
-    inputs = given if voltage is not None or current is not None else given | beside.input_of(path)
-    units, columns = {**beside.units, **said.units}, {**beside.columns, **said.columns}
+    inputs = given if voltage is not None or current is not None else given | metadata.input_of(path)
+    units, columns = {**metadata.units, **said.units}, {**metadata.columns, **said.columns}
     return Request(**inputs, units=units, columns=columns)
 
 
-def _as_the_folder_says(record: Record, beside: FolderReading, path: Path) -> Record:
+def _as_the_folder_says(record: Record, metadata: FolderReading, path: Path) -> Record:
     """The role that ``reading.toml`` gives the record, noted in its history."""
-    if not beside.is_validation(path) or record.role == "validation":
+    if not metadata.is_validation(path) or record.role == "validation":
         return record
-    return record.replace(note=f"role validation from {beside.path.name}", role="validation")
+    return record.replace(note=f"role validation from {metadata.path.name}", role="validation")
 
 
 def write(record: Record, path: str | Path, **details: Any) -> Path:
@@ -149,11 +149,11 @@ def write(record: Record, path: str | Path, **details: Any) -> Path:
     ``details`` go to the format, such as ``raw`` for :func:`dampyr.records.formats.h5.write`.
     """
     path = Path(path)
-    writable = [name for name, module in registry.members(SHELF) if hasattr(module, "write")]
+    writable = [name for name, module in registry.members(REGISTRY) if hasattr(module, "write")]
     kind = path.suffix.lower().removeprefix(".")
     if kind not in writable:
         raise FileError(path, f"records are not written as {path.suffix!r}; choose from {_suffixes(writable)}")
-    registry.member(SHELF, kind).write(record, path, **details)
+    registry.member(REGISTRY, kind).write(record, path, **details)
     return path
 
 

@@ -67,7 +67,7 @@ class Header:
     provenance: Mapping[str, str] = field(default_factory=dict)
     derived: tuple[str, ...] = ()
 
-    def room(self, rows: int) -> tuple[int, int]:
+    def file_sizes(self, rows: int) -> tuple[int, int]:
         """Bytes of the file under way and of the finished one, at most, with ``rows`` samples."""
         sample = 8 * len(self.channels) + sum(np.dtype(raw.kind).itemsize for raw in self.raw.values())
         texts = STRUCTURE + 2 * sum(len(str(text).encode()) for text in self.provenance.values())
@@ -84,7 +84,7 @@ class Recording:
         """
         self.path, self.capacity, self.header, self.rows = Path(path), capacity, header, 0
         self._synced = time.monotonic()
-        with self._told("cannot be made", sum(header.room(capacity))), ExitStack() as undo:
+        with self._translate_errors("cannot be made", sum(header.file_sizes(capacity))), ExitStack() as undo:
             columns, rows = _made(self.path, capacity, header)
             undo.callback(self.path.unlink, missing_ok=True)
             self._file = undo.enter_context(self.path.open("rb+", buffering=0))
@@ -93,7 +93,7 @@ class Recording:
             reserve(self._file.fileno(), os.fstat(self._file.fileno()).st_size)
             # without a name, so that a killed process leaves none of it
             self._copy = undo.enter_context(tempfile.TemporaryFile(dir=self.path.parent))
-            reserve(self._copy.fileno(), header.room(capacity)[1])
+            reserve(self._copy.fileno(), header.file_sizes(capacity)[1])
             undo.pop_all()
 
     def append(self, values: Mapping[str, NDArray[Any]]) -> int:
@@ -103,7 +103,7 @@ class Recording:
             raise FileError(
                 self.path, f"has room for {self.capacity} samples, and {self.rows + n} came; plan it longer"
             )
-        with self._told("cannot be written"):
+        with self._translate_errors("cannot be written"):
             for name, data in self._data.items():
                 data.write(self.rows, values[name])
             _write(self._file, self._count, np.uint64(self.rows + n).tobytes())
@@ -120,7 +120,7 @@ class Recording:
         """Leave the file as it is: incomplete, every acknowledged row in it."""
         self._copy.close()
         if not self._file.closed:
-            with self._told("cannot be written"), self._file as file:
+            with self._translate_errors("cannot be written"), self._file as file:
                 os.fsync(file.fileno())
 
     def finish(
@@ -136,16 +136,18 @@ class Recording:
         ``refine`` gives the channels that the finished file holds, from those that were recorded; it looks at ``margin``
         samples before and after each.
         """
-        told = dict(self.header.provenance) | dict(provenance)
-        told |= {"test": self.header.test, "try": str(self.header.attempt)} | ({} if complete else {"complete": "no"})
+        entries = dict(self.header.provenance) | dict(provenance)
+        entries |= {"test": self.header.test, "try": str(self.header.attempt)} | (
+            {} if complete else {"complete": "no"}
+        )
         header = self.header
         about: dict[str, Any] = {"name": header.name, "label": header.label, "role": header.role, **header.constants}
-        about |= {"provenance": told, "history": history}
+        about |= {"provenance": entries, "history": history}
         raw = {name: _raw(self._data[f"raw/{name}"], channel) for name, channel in header.raw.items()}
         try:
-            with self._told("cannot be finished"), whole_file(self.path) as beside:
+            with self._translate_errors("cannot be finished"), whole_file(self.path) as temporary:
                 self._copy.close()
-                fill(beside, self.rows, self._pieces(about, refine, margin), raw, header.room(self.rows)[1])
+                fill(temporary, self.rows, self._pieces(about, refine, margin), raw, header.file_sizes(self.rows)[1])
                 self.close()
         finally:
             self.close()
@@ -161,7 +163,7 @@ class Recording:
             yield Record(**channels, **about)
 
     @contextmanager
-    def _told(self, what: str, needed: int = 0) -> Iterator[None]:
+    def _translate_errors(self, what: str, needed: int = 0) -> Iterator[None]:
         """A refusal of the system as a sentence; ``needed`` bytes were to be reserved."""
         try:
             yield
@@ -172,9 +174,9 @@ class Recording:
             raise FileError(self.path, f"{what}: {' '.join(str(problem).split())}") from problem
 
 
-def check_room(folder: Path, what: str, header: Header, capacity: int) -> None:
+def check_disk_space(folder: Path, what: str, header: Header, capacity: int) -> None:
     """Raise :class:`~dampyr.errors.FileError` where the disk has not the room for a recording and the copy that finishes it."""
-    needed = sum(header.room(capacity))
+    needed = sum(header.file_sizes(capacity))
     if needed > shutil.disk_usage(folder).free:
         raise FileError(folder, f"{what} cannot be recorded: {_refusal(errno.ENOSPC, needed, folder)}")
 
@@ -247,26 +249,26 @@ def _made(path: Path, capacity: int, header: Header) -> tuple[dict[str, Place], 
 
     Where each dataset begins in it, with its type, and where the number of rows stands.
     """
-    with whole_file(path, new=True) as beside, new_file(beside, libver="earliest") as file:
+    with whole_file(path, new=True) as temporary, new_file(temporary, libver="earliest") as file:
         file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0), "name": header.name})
         file.attrs.update({"role": header.role, "test": header.test, "try": header.attempt})
         for name in header.channels:
-            _room(file, f"calibrated/{name}", capacity, "f8").attrs["unit"] = CHANNELS[name]
+            _allocate_dataset(file, f"calibrated/{name}", capacity, "f8").attrs["unit"] = CHANNELS[name]
         for name, value in header.constants.items():
             file.create_dataset(f"calibrated/{name}", data=value).attrs["unit"] = CHANNELS[name]
         for name, channel in header.raw.items():
-            told = {key: value for key, value in vars(channel).items() if key not in ("kind", "delay")}
-            _room(file, f"raw/{name}", capacity, channel.kind).attrs.update(told)
+            attributes = {key: value for key, value in vars(channel).items() if key not in ("kind", "delay")}
+            _allocate_dataset(file, f"raw/{name}", capacity, channel.kind).attrs.update(attributes)
         if header.label is not None:
-            known = {key: value for key, value in vars(header.label).items() if value is not None}
-            file.create_group("label").attrs.update(known)
+            label_fields = {key: value for key, value in vars(header.label).items() if value is not None}
+            file.create_group("label").attrs.update(label_fields)
         file.create_group("provenance").attrs.update(dict(header.provenance))
         rows = file.create_dataset("rows", data=np.uint64(0))
         columns = {name: (file[name].id.get_offset(), file[name].dtype) for name in _names(header)}
         return columns, rows.id.get_offset()
 
 
-def _room(file: Any, name: str, capacity: int, kind: str) -> Any:
+def _allocate_dataset(file: Any, name: str, capacity: int, kind: str) -> Any:
     """A dataset that lies in one piece at its full length from the beginning."""
     import h5py
 

@@ -8,7 +8,7 @@ from typing import Any
 from dampyr.errors import FileError
 
 # A record has about twenty links, two deep; whoever sent a file should not decide how long it is looked at.
-MOST = 10_000  # links
+MAX_LINKS = 10_000  # links
 DEEPEST = 16  # groups within groups
 
 
@@ -25,8 +25,8 @@ def check_contained(path: Path, file: Any) -> None:
     def look(name: bytes, link: Any) -> str | None:
         nonlocal count
         count += 1
-        if count > MOST:
-            return f"the file has more than {MOST} links"
+        if count > MAX_LINKS:
+            return f"the file has more than {MAX_LINKS} links"
         if name.count(b"/") > DEEPEST:
             return f"the file has groups more than {DEEPEST} deep"
         where = f"/{name.decode(errors='replace')}"
@@ -34,11 +34,11 @@ def check_contained(path: Path, file: Any) -> None:
             return _stored(where, file.id, name)
         return None if link.type == h5py.h5l.TYPE_SOFT else f"{where} is a link out of the file"
 
-    found = file.id.links.visit(look, info=True)
-    if found:
+    reason = file.id.links.visit(look, info=True)
+    if reason:
         raise FileError(
             path,
-            f"{found}, and a file is read only where it holds all of its data; copy it with h5repack so that it does, or "
+            f"{reason}, and a file is read only where it holds all of its data; copy it with h5repack so that it does, or "
             "record the test again",
         )
 

@@ -61,15 +61,15 @@ def read(path: Path, request: Request, kind: str) -> Record:
                 f"columns={{{channel!r}: NAME}}",
             )
     _check_units(path, table, used, request)
-    found: dict[str, Any] = {name: _in_si(path, table, name, column, request) for name, column in used.items()}
-    measured = {name: found.pop(name, None) for name in ("voltage", "current")}
+    channels: dict[str, Any] = {name: _in_si(path, table, name, column, request) for name, column in used.items()}
+    measured = {name: channels.pop(name, None) for name in ("voltage", "current")}
     inputs: dict[str, Any] = request.input_channels(**measured)
     _check_one_input(path, inputs)
     units = ", ".join(f"{name} [{unit}]" if unit else name for name, unit in zip(table.names, table.units))
     provenance = {"file": path.name, "format": kind, "header": units}
     is_measured = any(value is not None and value is measured[name] for name, value in inputs.items())
     return Record(
-        **found,
+        **channels,
         voltage=_constant(inputs["voltage"]),
         current=_constant(inputs["current"]),
         name=path.stem,

@@ -18,12 +18,12 @@ def default_bandwidth(record: Record) -> float:
     """15 times the measured frequency, Hz, at most a fifth of the sampling rate; that without cycles."""
     from dampyr.records.cycles import cycles
 
-    most = WITHOUT_CYCLES / record.dt
-    found = cycles(record)
-    if not found:
-        return most
-    rate = len(found) / float(record.time[found[-1][1]] - record.time[found[0][0]])
-    return min(PER_TEST_FREQUENCY * rate, most)
+    max_bandwidth = WITHOUT_CYCLES / record.dt
+    spans = cycles(record)
+    if not spans:
+        return max_bandwidth
+    rate = len(spans) / float(record.time[spans[-1][1]] - record.time[spans[0][0]])
+    return min(PER_TEST_FREQUENCY * rate, max_bandwidth)
 
 
 def check_bandwidth(records: Sequence[Record], bandwidth_hz: float) -> None:

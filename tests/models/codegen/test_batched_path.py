@@ -5,14 +5,14 @@ import pytest
 
 from dampyr.models import compose
 from dampyr.models.codegen.batched_path import written
-from dampyr.models.part import SHELF, part
+from dampyr.models.part import REGISTRY, part
 from dampyr.models.path_integration import along_with_columns, products_along
 from dampyr.registry import names
 
 N = 700  # more than five blocks
 SIZES = {"N": 60.0, "N s/m": 700.0, "N/m": 500.0, "1/m": 900.0, "m/s": 0.02, "s": 0.0, "1/s": 0.3, "kg": 3.0, "m": 0.1}
 TOGETHER = ["dahl + hyperbolic_tangent + spring", "bouc_wen + sigmoid + offset", "dahl + compliance"]
-ALONE = [name for name in names(SHELF) if part(name).force and not part(name).add_on]
+ALONE = [name for name in names(REGISTRY) if part(name).force and not part(name).add_on]
 
 
 CONSTANT = [(name, False) for name in (*ALONE, *TOGETHER)]

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from dampyr.models.codegen.kernels import kept
+from dampyr.models.codegen.kernels import compile_cached
 from dampyr.models.numerics import fast_math
 
 
 def values(function, y):
-    return np.array([kept(function)(float(one)) for one in y])
+    return np.array([compile_cached(function)(float(one)) for one in y])
 
 
 @pytest.mark.parametrize("reach", [700.0, 20.0, 0.3, 1e-9])

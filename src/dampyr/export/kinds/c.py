@@ -140,13 +140,13 @@ def _values(damper: Damper, prefix: str) -> str:
 
 def _places(damper: Damper) -> list[tuple[Part, dict[str, str], int]]:
     """Each part, where its arguments stand, and its first state."""
-    found, i, j = [], 0, 0
+    places, i, j = [], 0, 0
     for p in damper.composition.parts:
         states = {n: f"s[{j + k}]" for k, n in enumerate(p.states)}
         values = {n: f"p[{i + k}]" for k, n in enumerate(p.parameters)}
-        found.append((p, states | values, j))
+        places.append((p, states | values, j))
         i, j = i + len(values), j + len(states)
-    return found
+    return places
 
 
 def _motion(damper: Damper, prefix: str) -> list[str]:

@@ -50,9 +50,9 @@ def _header(path: Path, lines: list[str]) -> tuple[int, float]:
     if len(lines) < 5:
         raise FileError(path, f"has {len(lines)} lines; an .AT2 file has 4 lines of header and then its values")
     for style in _STYLES:
-        found = style.search(lines[3])
-        if found and float(found[2]) > 0:
-            return int(found[1]), float(found[2])
+        match = style.search(lines[3])
+        if match and float(match[2]) > 0:
+            return int(match[1]), float(match[2])
     raise FileError(
         path,
         f"line 4 is {lines[3].strip()!r}; it must give NPTS and DT > 0, such as 'NPTS= 5372, DT= .0100 SEC'",
@@ -70,8 +70,8 @@ def _values(path: Path, lines: list[str]) -> np.ndarray:
 
 
 def _unit(line: str) -> str | None:
-    found = re.search(r"UNITS? OF\s+(\S+)", line, re.IGNORECASE)
-    if not found:
+    match = re.search(r"UNITS? OF\s+(\S+)", line, re.IGNORECASE)
+    if not match:
         return None
-    unit = found[1].rstrip(".,;")
+    unit = match[1].rstrip(".,;")
     return {"g": "g", "g's": "g", "gs": "g"}.get(unit.lower(), unit.lower())

@@ -53,9 +53,9 @@ def _table(path: Path) -> tuple[list[str], np.ndarray]:
         else:
             rows.append(numbers)
     if not rows or len(rows[0]) > 2:
-        found = f"{len(rows[0])} columns" if rows else "no numbers"
+        content = f"{len(rows[0])} columns" if rows else "no numbers"
         raise FileError(
-            path, f"holds {found}; a ground motion has one column (acceleration) or two (time, acceleration)"
+            path, f"holds {content}; a ground motion has one column (acceleration) or two (time, acceleration)"
         )
     return names, np.array(rows)
 
@@ -68,8 +68,8 @@ def _numbers(text: str) -> list[float] | None:
 
 
 def _bracketed(name: str) -> str | None:
-    found = re.search(r"[\[(]([^\])]+)[\])]", name)
-    return found[1].strip() if found else None
+    match = re.search(r"[\[(]([^\])]+)[\])]", name)
+    return match[1].strip() if match else None
 
 
 def _check_seconds(path: Path, names: list[str]) -> None:

@@ -33,7 +33,7 @@ def written(composition: Composition) -> tuple[tuple[str, ...], int]:
     if composition.in_series:
         return (in_series(len(composition.parameters) + composition.n_states),), 0
     writer = Writer(composition)
-    return tuple(writer.texts()), writer.room
+    return tuple(writer.texts()), writer.workspace_rows
 
 
 def in_series(width: int) -> str:
@@ -55,7 +55,7 @@ class Writer:
         self.offset = len(composition.parameters)
         self.force = self.offset + composition.n_states
         self.functions: list[str] = []
-        self.room = 0
+        self.workspace_rows = 0
         self.kept: dict[str, str] = {}
 
     def texts(self) -> list[str]:
@@ -68,8 +68,8 @@ class Writer:
         return [*self.functions, _define(lines)]
 
     def _row(self) -> str:
-        self.room += 1
-        return f"room[{self.room - 1}, m]"
+        self.workspace_rows += 1
+        return f"room[{self.workspace_rows - 1}, m]"
 
     def _states(self, slot: Slot, formula: Formula) -> list[str]:
         """The lines that walk a part's states and their tangents, and keep them in ``room``."""
@@ -85,10 +85,10 @@ class Writer:
         called = self._called(text, formula, places, seeds, ahead)
         keep = {name: self._row() for name in homes}
         self.kept |= keep
-        kept = [f"{row} = {name}" for name, row in keep.items()]
+        store_lines = [f"{row} = {name}" for name, row in keep.items()]
         lines += [f"{name} = {home}" for name, home in homes.items()]
-        lines += ["if still == 1:", *(f"    {line.replace(', m]', ', 0]')}" for line in kept), "else:"]
-        lines += [f"    {line}" for line in _loop(f"{', '.join(homes)} = {called}", *kept)]
+        lines += ["if still == 1:", *(f"    {line.replace(', m]', ', 0]')}" for line in store_lines), "else:"]
+        lines += [f"    {line}" for line in _loop(f"{', '.join(homes)} = {called}", *store_lines)]
         return [*lines, *(f"{home} = {name}" for name, home in homes.items())]
 
     def _columns(self, slot: Slot, formula: Formula) -> list[str]:
@@ -110,10 +110,10 @@ class Writer:
         return lines + _loop(f"{', '.join(['f', *(f'rows[{c}, m]' for c in units)])} = {called}", added)
 
     def _ahead(
-        self, formula: Formula, known: Iterable[str], places: dict[str, str]
+        self, formula: Formula, available: Iterable[str], places: dict[str, str]
     ) -> tuple[dict[str, str], list[str]]:
         """The calls that are computed in loops of their own: their text -> where their values are, and these loops."""
-        rows = {ast.unparse(call): self._row() for call in _calls(formula, known)}
+        rows = {ast.unparse(call): self._row() for call in _calls(formula, available)}
         lines = [line for call, row in rows.items() for line in _loop(f"{row} = {_quickly(call, places)}")]
         return rows, lines
 
@@ -142,18 +142,18 @@ def _loop(*lines: str) -> list[str]:
     return [LOOP, *(f"    {line}" for line in lines)]
 
 
-def _calls(formula: Formula, known: Iterable[str]) -> list[ast.Call]:
+def _calls(formula: Formula, available: Iterable[str]) -> list[ast.Call]:
     """The calls of `QUICK` outside branches whose arguments are ``known``: the outer before the inner."""
-    found = []
+    calls = []
     assigned = {n.id for n in ast.walk(formula.tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-    allowed = set(known) - assigned | {"abs", "log"}
+    allowed = set(available) - assigned | {"abs", "log"}
     for statement in formula.tree.body:
         for node in ast.walk(statement) if not isinstance(statement, ast.If) else ():
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in QUICK:
                 names = {n.id for a in node.args for n in ast.walk(a) if isinstance(n, ast.Name)}
                 if names <= allowed:
-                    found.append(node)
-    return found
+                    calls.append(node)
+    return calls
 
 
 class _Placed(ast.NodeTransformer):

@@ -38,8 +38,8 @@ class Composition:
 
         In series with something that stretches, the force is proportional to no parameter.
         """
-        found = {f"{p.name}.{key}": q for p in self.parts for key, q in p.parameters.items()}
-        return {n: replace(q, linear=False) for n, q in found.items()} if self.in_series else found
+        quantities = {f"{p.name}.{key}": q for p in self.parts for key, q in p.parameters.items()}
+        return {n: replace(q, linear=False) for n, q in quantities.items()} if self.in_series else quantities
 
     @cached_property
     def in_series(self) -> bool:
@@ -59,9 +59,9 @@ class Composition:
     @cached_property
     def states(self) -> dict[str, tuple[float, float]]:
         """Flat state names such as ``dahl.w`` -> their bounds."""
-        found = {f"{p.name}.{key}": bounds for p in self.parts for key, bounds in p.states.items()}
+        states = {f"{p.name}.{key}": bounds for p in self.parts for key, bounds in p.states.items()}
         added = [series.RATE] * self.keeps_rate + [series.FORCE] * self.in_series
-        return found | dict.fromkeys(added, (-math.inf, math.inf))
+        return states | dict.fromkeys(added, (-math.inf, math.inf))
 
     @cached_property
     def free_at_start(self) -> tuple[int, ...]:
@@ -125,16 +125,16 @@ class Composition:
 
     def formulas(self) -> list[Formula]:
         """What the parts compute, intrinsics first, each name once."""
-        found: dict[str, Formula] = {}
+        formulas: dict[str, Formula] = {}
         for p in self.parts:
             for formula in (p.advance, p.force, p.stretch):
                 if formula is not None:
-                    found.update((n, read(f, n)) for n, f in formula.intrinsics().items())
-                    found[formula.name] = formula
-        return list(found.values())
+                    formulas.update((n, read(f, n)) for n, f in formula.intrinsics().items())
+                    formulas[formula.name] = formula
+        return list(formulas.values())
 
     @cached_property
-    def room(self) -> int:
+    def workspace_rows(self) -> int:
         """How many rows ``walk`` needs to itself (see `dampyr.models.codegen.batched_path`)."""
         return batched_path.written(self)[1]
 

@@ -61,14 +61,14 @@ class Formula:
 
     def intrinsics(self) -> dict[str, Callable[..., float]]:
         """The plain functions that this one calls, by name, with all that these call in turn."""
-        found: dict[str, Callable[..., float]] = {}
+        functions: dict[str, Callable[..., float]] = {}
         for node in ast.walk(self.tree):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
                 function = self.namespace.get(node.func.id)
-                if inspect.isfunction(function) and node.func.id not in found:
-                    found.update(read(function, node.func.id).intrinsics())
-                    found[node.func.id] = function
-        return found
+                if inspect.isfunction(function) and node.func.id not in functions:
+                    functions.update(read(function, node.func.id).intrinsics())
+                    functions[node.func.id] = function
+        return functions
 
 
 @lru_cache(maxsize=512)
@@ -267,8 +267,8 @@ def _sum(a: str | None, b: str | None) -> str | None:
 
 def partials_of(formula: Formula) -> dict[str, Callable[..., float]]:
     """The partial derivatives of the intrinsics that a formula calls, by name."""
-    found: dict[str, Callable[..., float]] = {}
+    partials: dict[str, Callable[..., float]] = {}
     for function in formula.intrinsics().values():
         for partial in _PARTIALS.get(function, ()):
-            found[partial.__name__] = partial
-    return found
+            partials[partial.__name__] = partial
+    return partials

@@ -31,7 +31,7 @@ from dampyr.models.numerics import fast_math
 BOUND = ("advance", "force", "slopes", "columns", "spread", "walk")
 MORE = ("decide",)
 QUICK = ("quick_exp", "quick_tanh")
-KEPT_SECONDS = 30 * 86400.0
+MAX_CACHE_AGE = 30 * 86400.0
 FAST = {"contract", "nsz", "arcp"}
 _MATH = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "tan", "atan", "copysign")
 
@@ -58,7 +58,7 @@ def cache_folder() -> Path:
 def _forget_old(base: Path) -> None:
     """Remove the kernels of sources that have not been run for a month."""
     for other in base.glob("kernels-*"):
-        if time.time() - other.stat().st_mtime > KEPT_SECONDS:
+        if time.time() - other.stat().st_mtime > MAX_CACHE_AGE:
             shutil.rmtree(other, ignore_errors=True)
 
 
@@ -195,13 +195,15 @@ def _reaches(function: FunctionType, bound: frozenset[str]) -> bool:
 def _called(function: FunctionType) -> Iterator[tuple[str, FunctionType]]:
     """The functions that are bound with ``function``, by the names by which it calls them."""
     rooms = (function.__module__, *function.__globals__.get("BOUND_WITH", ()))
-    for name in {told.argval for told in get_instructions(function) if told.opname == "LOAD_GLOBAL"}:
+    for name in {
+        instruction.argval for instruction in get_instructions(function) if instruction.opname == "LOAD_GLOBAL"
+    }:
         called = function.__globals__.get(name)
         if isinstance(called, FunctionType) and called.__module__ in rooms:
             yield name, called
 
 
 @lru_cache(maxsize=64)
-def kept(function: Callable[..., Any]) -> Any:
+def compile_cached(function: Callable[..., Any]) -> Any:
     """A function that needs no composition, compiled with those of its own module that it calls, and kept on disk."""
     return _rebound(function, {}, "alone", _shared, keep=True)

@@ -210,7 +210,7 @@ return f"""
     return "solve(s, x0, x1, v0, v1, dt, p)", lines.strip().split("\n")
 
 
-def _found(composition: Composition) -> list[str]:
+def _solve_lines(composition: Composition) -> list[str]:
     """Lines that find the force ``f1`` at the end of a piece, and the motion that is left."""
     return [
         f"f0 = s[{_last(composition)}]",
@@ -222,11 +222,11 @@ def _found(composition: Composition) -> list[str]:
 
 
 def _advance(composition: Composition) -> tuple[str, list[str]]:
-    lines = [*_found(composition), *_ends(composition), *_kept(composition), "return"]
+    lines = [*_solve_lines(composition), *_ends(composition), *_store_lines(composition), "return"]
     return "advance(s, x0, x1, v0, v1, dt, p)", lines
 
 
-def _kept(composition: Composition) -> list[str]:
+def _store_lines(composition: Composition) -> list[str]:
     lines = []
     for slot in _inner(composition):
         lines += [f"s[{k}] = e{k}" for k in slot.states.values()]
@@ -235,14 +235,14 @@ def _kept(composition: Composition) -> list[str]:
     return [*lines, f"s[{_last(composition)}] = f1"]
 
 
-def _beside(composition: Composition) -> list[tuple[Slot, Formula]]:
+def _outer_forces(composition: Composition) -> list[tuple[Slot, Formula]]:
     return [(slot, slot.part.force) for slot in slots(composition) if slot.part.force and outside(slot.part)]
 
 
 def _force(composition: Composition) -> tuple[str, list[str]]:
     places = {"x": "x", "v": "v", "a": "a"}
     terms = [f"s[{_last(composition)}]"]
-    terms += [_called(formula, places | _values(slot)) for slot, formula in _beside(composition)]
+    terms += [_called(formula, places | _values(slot)) for slot, formula in _outer_forces(composition)]
     return "force(s, x, v, a, p)", [f"return {' + '.join(terms)}"]
 
 
@@ -384,14 +384,14 @@ def _slopes(composition: Composition) -> tuple[str, list[str]]:
     by_x = Direction({"x0": "0.0", "x1": "1.0", "v0": "0.0", "v1": "0.0"}, "0.0", "0.0")
     by_v = Direction({"x0": "0.0", "x1": "0.0", "v0": "0.0", "v1": "1.0"}, "0.0", "0.0")
     lines = [
-        *_found(composition),
+        *_solve_lines(composition),
         *_by_arguments(composition),
         *_by_force(composition),
         *by_x.lines(composition, "h"),
         "fx = h/(1.0 - b)",
     ]
     lines += [*by_v.lines(composition, "h"), "fv = h/(1.0 - b)"]
-    for slot, formula in _beside(composition):
+    for slot, formula in _outer_forces(composition):
         places = {"x": "x1", "v": "v1", "a": "0.0"} | _values(slot)
         zeros = dict.fromkeys([*slot.values, "x", "v", "a"], "0.0")
         lines += [f"f{axis} += {_towards(formula, places, zeros | {axis: '1.0'})}[1]" for axis in "xv"]
@@ -401,7 +401,7 @@ def _slopes(composition: Composition) -> tuple[str, list[str]]:
 def _columns(composition: Composition) -> tuple[str, list[str]]:
     width = len(composition.parameters) + composition.n_states
     lines = [f"for m in range({width}):", f"    J[m] = D[{_last(composition)}, m]"]
-    for slot, formula in _beside(composition):
+    for slot, formula in _outer_forces(composition):
         places = {"x": "x", "v": "v", "a": "a"} | _values(slot)
         zeros = dict.fromkeys([*slot.values, "x", "v", "a"], "0.0")
         lines += [f"J[{k}] += {_towards(formula, places, zeros | {name: '1.0'})}[1]" for name, k in slot.values.items()]
@@ -426,6 +426,11 @@ def _spread(composition: Composition) -> tuple[str, list[str]]:
         loop += [f"D[{k}, m] = h{k} + b{k}*df" for k in slot.states.values()]
     loop += [f"D[{place}, m] = c + dz*q*df"] if place is not None else []
     loop.append(f"D[{last}, m] = df")
-    lines = [*_found(composition), *_by_arguments(composition), *_by_force(composition), f"for m in range({width}):"]
+    lines = [
+        *_solve_lines(composition),
+        *_by_arguments(composition),
+        *_by_force(composition),
+        f"for m in range({width}):",
+    ]
     lines += ["    " + line for line in loop]
-    return "spread(s, D, x0, x1, v0, v1, dt, p)", [*lines, *_kept(composition), "return"]
+    return "spread(s, D, x0, x1, v0, v1, dt, p)", [*lines, *_store_lines(composition), "return"]

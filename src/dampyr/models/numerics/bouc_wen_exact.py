@@ -28,7 +28,7 @@ from dampyr.models.numerics.bouc_wen_taylor import (
 TERMS = 4000
 ROUNDING = 1e-17
 SATURATED = 1e-15
-MOST_STEPS = 6
+MAX_STEPS = 6
 TOO_FAR = 8.0  # times the first of them: such a step is left to the phases
 NEAR_ZERO = 0.1  # closer to y = 0 the phases are quicker
 
@@ -199,7 +199,7 @@ def flow_two(y: float, xi: float, c: float) -> float:
 def flow_any(y: float, xi: float, n: float, c: float) -> float:
     """The step for any n: in a few short ones where their series suffice, and the rest by the phases."""
     left = xi
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         if left <= 0.0 or y > -NEAR_ZERO:
             break
         h = min(left, short_enough(-y, n, -1.0, -c))
@@ -215,7 +215,7 @@ def flow_any(y: float, xi: float, n: float, c: float) -> float:
         if left < rest:
             return -back_at(rest - left, n, c)
         return state_at(left - rest, n)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         if left <= 0.0 or y < NEAR_ZERO or 1.0 - y < SATURATED:
             break
         h = min(left, short_enough(y, n, 1.0, -1.0))

@@ -12,7 +12,7 @@ With :math:`y' = a + b\,y^n`, :math:`y = y_0(1 + \sum r_k)` and :math:`y^n = y_0
 from math import exp, log
 
 ENOUGH = 1e-13  # of the last term; the rest of the series is a fraction of it
-LONGEST = 0.12  # of the way to y = 0, or of the path over which the state saturates
+MAX_STEP = 0.12  # of the way to y = 0, or of the path over which the state saturates
 
 
 def short_step(y: float, xi: float, n: float, a: float, b: float) -> float:
@@ -57,7 +57,7 @@ def short_step(y: float, xi: float, n: float, a: float, b: float) -> float:
 
 def short_enough(y: float, n: float, a: float, b: float) -> float:
     """A path that `short_step` can walk from y."""
-    return LONGEST * y / max(abs(a + b * y**n), n)
+    return MAX_STEP * y / max(abs(a + b * y**n), n)
 
 
 def forward_by_n(u: float, n: float) -> float:

@@ -11,7 +11,7 @@ constant rate. The left side rises by at least the change of xi, so there is one
 from dampyr.models.codegen.formula import intrinsic
 from dampyr.models.numerics.bouc_wen_exact import flow, rate
 
-MOST_ITERATIONS = 100
+MAX_ITERATIONS = 100
 CLOSE = 1e-5  # of a step that converges quadratically; `advance` of `modified_bouc_wen` takes one more
 
 
@@ -24,7 +24,7 @@ def drawn(y: float, delta: float, beta: float, n: float, c: float) -> float:
     low = 0.0
     high = delta
     xi = 0.0
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         half = flow(y, 0.5 * xi, n, c)
         end = flow(y, xi, n, c)
         excess = xi + beta * ((y + 4.0 * half + end) / 6.0 - y) - delta

@@ -26,8 +26,8 @@ from dampyr.units import Quantity
 BULGING = "stable, but its loops bulge the wrong way for a damper"
 HOLDS = ("spring",)
 # where sigma is 1000, friction leaves its limit on a thousandth of the path that led there
-SHARPEST_TURN = 1000.0
-SHARPEST_KNEE = 50.0  # of n: the loop is a parallelogram to the eye
+MAX_SIGMA = 1000.0
+MAX_EXPONENT = 50.0  # of n: the loop is a parallelogram to the eye
 STATES = {"w": (-1.0, 1.0)}
 
 
@@ -40,8 +40,8 @@ class BoucWen:
     k0: Annotated[float, Quantity("N/m", linear=True)]
     kw: Annotated[float, Quantity("N", low=0, open_low=True, linear=True)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
-    sigma: Annotated[float, Quantity("", low=0, high=SHARPEST_TURN, open_low=True, usual=0.5, words=BULGING)]
-    n: Annotated[float, Quantity("", low=1, high=SHARPEST_KNEE)]
+    sigma: Annotated[float, Quantity("", low=0, high=MAX_SIGMA, open_low=True, usual=0.5, words=BULGING)]
+    n: Annotated[float, Quantity("", low=1, high=MAX_EXPONENT)]
 
 
 def advance(w: float, x0: float, x1: float, rho: float, sigma: float, n: float) -> float:

@@ -51,12 +51,12 @@ def advance(w: float, x0: float, x1: float, v0: float, v1: float, rho: float, e:
     hm = (1.0 + e * exp(-((0.5 * (v0 + v1) / vs) ** 2))) / (1.0 + e)
     h1 = (1.0 + e * exp(-((v1 / vs) ** 2))) / (1.0 + e)
     turns = rho * abs(x1 - x0) / (1.0 + e) * (1.0 / h0 + 4.0 / hm + 1.0 / h1) / 6.0
-    kept = exp(-turns)
+    decay = exp(-turns)
     if turns < SHORT:
         lag = 1.0 - turns * (0.5 - turns / 6.0)
     else:
-        lag = (1.0 - kept) / turns
-    return s * h1 + (w - s * h0) * kept - s * (h1 - h0) * lag
+        lag = (1.0 - decay) / turns
+    return s * h1 + (w - s * h0) * decay - s * (h1 - h0) * lag
 
 
 def force(w: float, v: float, fc: float, sigma1: float, sigma2: float, e: float, vs: float) -> float:

@@ -47,9 +47,9 @@ class ModifiedBoucWen:
     kappa: Annotated[float, Quantity("1/m", low=0)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
     sigma: Annotated[
-        float, Quantity("", low=0, high=bouc_wen.SHARPEST_TURN, open_low=True, usual=0.5, words=bouc_wen.BULGING)
+        float, Quantity("", low=0, high=bouc_wen.MAX_SIGMA, open_low=True, usual=0.5, words=bouc_wen.BULGING)
     ]
-    n: Annotated[float, Quantity("", low=1, high=bouc_wen.SHARPEST_KNEE)]
+    n: Annotated[float, Quantity("", low=1, high=bouc_wen.MAX_EXPONENT)]
 
 
 def advance(

@@ -32,8 +32,8 @@ def names() -> list[str]:
 
 def about(name: str) -> About:
     """Where the set called ``name`` comes from; :class:`~dampyr.errors.InputError` with the known names if there is none."""
-    found: About = registry.member(__name__, name).ABOUT
-    return found
+    result: About = registry.member(__name__, name).ABOUT
+    return result
 
 
 def damper(name: str) -> Damper:

@@ -38,7 +38,7 @@ from dampyr.units import to_si
 
 FORMAT = "dampyr record"
 SCHEMA = 2
-KNOWN = (1, 2)  # schema 1 had no /rows
+SUPPORTED_SCHEMAS = (1, 2)  # schema 1 had no /rows
 PIECE = 2**16  # samples of a long record that are in memory at a time
 
 
@@ -74,17 +74,17 @@ def read(path: Path, request: Request) -> Record:
             if name not in channels:
                 raise FileError(path, f"/calibrated/{name} is missing; record the test again")
         channels |= request.input_channels(channels.pop("voltage", None), channels.pop("current", None))
-        told = _provenance(file)
+        provenance = _provenance(file)
         history = tuple(file["history"].asstr()[()]) if "history" in file else ()
-        if not _is_complete(file) and told.get("complete") != "no":
-            told["complete"] = "no"
+        if not _is_complete(file) and provenance.get("complete") != "no":
+            provenance["complete"] = "no"
             history = (*history, "read from a file whose recording was not completed")
         return Record(
             **channels,
             name=str(file.attrs["name"]),
             role=as_role(str(file.attrs["role"])),
             label=_label(file),
-            provenance=told,
+            provenance=provenance,
             history=history,
         )
 
@@ -126,8 +126,8 @@ def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None
     """
     path = Path(path)
     try:
-        with whole_file(path) as beside:
-            fill(beside, record.n, [record], raw or {})
+        with whole_file(path) as temporary:
+            fill(temporary, record.n, [record], raw or {})
     except OSError as problem:
         raise FileError(
             path, f"cannot be written ({problem.strerror or problem}); make room, or choose another disk"
@@ -135,7 +135,7 @@ def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None
     return path
 
 
-def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], room: int = 0) -> None:
+def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], reserved_bytes: int = 0) -> None:
     """Write a record of ``n`` samples that comes in pieces; all but their channels is taken from the last.
 
     ``room`` bytes are reserved before the first piece is asked for. Raises :class:`~dampyr.errors.InputError` where the clock
@@ -143,7 +143,7 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
     """
     import h5py
 
-    with new_file(path, room) as file:
+    with new_file(path, reserved_bytes) as file:
         file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0)})
         first, until = 0, -np.inf
         for record in pieces:
@@ -182,8 +182,8 @@ def _fill_raw(file: Any, raw: Mapping[str, Raw]) -> None:
         data = group.create_dataset(name, (length,), channel.values.dtype)
         for first in range(0, length, PIECE):
             data[first : first + PIECE] = channel.values[first : first + PIECE]
-        kept = {k: v for k, v in vars(channel).items() if k != "values"}
-        data.attrs.update(kept)
+        attributes = {k: v for k, v in vars(channel).items() if k != "values"}
+        data.attrs.update(attributes)
 
 
 @contextlib.contextmanager
@@ -211,11 +211,11 @@ def _open(path: Path) -> Any:
 
 
 def _check_schema(path: Path, file: Any) -> None:
-    found = str(file.attrs.get("format", ""))
-    if found != FORMAT:
-        raise FileError(path, f"is HDF5 but no {FORMAT}: its format is {found!r}; export it as .csv")
+    file_format = str(file.attrs.get("format", ""))
+    if file_format != FORMAT:
+        raise FileError(path, f"is HDF5 but no {FORMAT}: its format is {file_format!r}; export it as .csv")
     schema = int(file.attrs.get("schema", 0))
-    if schema not in KNOWN:
+    if schema not in SUPPORTED_SCHEMAS:
         raise FileError(path, f"has the schema {schema}, this dampyr knows schema {SCHEMA}; upgrade dampyr")
 
 

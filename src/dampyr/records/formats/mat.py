@@ -69,8 +69,8 @@ def write(record: Record, path: Path) -> Path:
     held |= {"x_F": np.column_stack([mm[name] for name in ("displacement", "velocity", "force")])}
     inputs = {"voltage_V": record.voltage, "current_A": record.current}
     held |= {name: value for name, value in inputs.items() if value is not None}
-    with whole_file(path) as beside:
-        savemat(beside, held, appendmat=False, oned_as="column")
+    with whole_file(path) as temporary:
+        savemat(temporary, held, appendmat=False, oned_as="column")
     return path
 
 
@@ -81,19 +81,19 @@ def _variables(path: Path) -> dict[str, Array]:
     from scipy.io import loadmat
 
     try:
-        found: dict[str, Any] = loadmat(path, appendmat=False)
+        variables: dict[str, Any] = loadmat(path, appendmat=False)
     except NotImplementedError:
         raise FileError(path, "is a MATLAB v7.3 file; save it again with save(..., '-v7')") from None
     except Exception as problem:  # scipy raises whatever the broken bytes lead it to
         reason = " ".join(str(problem).split()) or type(problem).__name__
         raise FileError(path, f"is no readable MATLAB v5 file ({reason}); fetch or export it again") from problem
     for name in NEEDED:
-        if name not in found:
-            there = ", ".join(sorted(k for k in found if not k.startswith("__"))) or "none"
+        if name not in variables:
+            there = ", ".join(sorted(k for k in variables if not k.startswith("__"))) or "none"
             raise FileError(path, f"the variable {name} is missing (there: {there}); export the test again")
-        if not np.issubdtype(np.asarray(found[name]).dtype, np.number) or np.iscomplexobj(found[name]):
+        if not np.issubdtype(np.asarray(variables[name]).dtype, np.number) or np.iscomplexobj(variables[name]):
             raise FileError(path, f"the variable {name} is not real numbers; export the test again")
-    return {k: np.asarray(v, dtype=float) for k, v in found.items() if k in (*NEEDED, "Tout")}
+    return {k: np.asarray(v, dtype=float) for k, v in variables.items() if k in (*NEEDED, "Tout")}
 
 
 def _interval(path: Path, value: Array) -> float:
