@@ -38,7 +38,7 @@ def block(
     sites = place(building, {1: damper}, voltage, None, False)
     rows = connections(building, sites)
     made = engine(building, rows, tuple(site.composition for site in sites), motion.dt, m, quantities, precision)
-    lanes = made.text.lanes
+    lanes = made.text.block_width
     grounds, scales = [motion.acceleration] * lanes, np.linspace(0.5, 1.5, lanes)
     values = [np.tile(site.values, (lanes, 1)) for site in sites]
     rest = np.zeros((lanes, len(sites)))

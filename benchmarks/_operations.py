@@ -34,11 +34,11 @@ class Sheet:
     """All symbols of one run, equal ones the same object."""
 
     def __init__(self) -> None:
-        self.known: dict[Any, Symbol] = {}
+        self.symbols: dict[Any, Symbol] = {}
 
     def given(self, name: str, shared: bool) -> Symbol:
         """A number from outside."""
-        return self.known.setdefault(name, Symbol(name, (), shared))
+        return self.symbols.setdefault(name, Symbol(name, (), shared))
 
     def made(self, kind: str, *operands: Any) -> Any:
         """The result of an operation, simplified as a compiler may that need not care for the sign of zero."""
@@ -47,11 +47,11 @@ class Sheet:
             return simple
         named = [id(each) if isinstance(each, Symbol) else f"{each!r}" for each in operands]
         key = (kind, *(sorted(named, key=str) if kind in ("+", "*", "min", "max") else named))
-        if key not in self.known:
+        if key not in self.symbols:
             symbols = [each for each in operands if isinstance(each, Symbol)]
             whole = kind == "bits" or (kind != "number" and any(each.whole for each in symbols))
-            self.known[key] = Symbol(kind, operands, all(each.shared for each in symbols), whole)
-        return self.known[key]
+            self.symbols[key] = Symbol(kind, operands, all(each.shared for each in symbols), whole)
+        return self.symbols[key]
 
 
 def _simple(kind: str, operands: tuple[Any, ...]) -> Any:
@@ -101,7 +101,7 @@ def per_step(engine: Engine) -> Counter[str]:
     sheet = Sheet()
     _operators(sheet)
     names, rows = _names(engine, sheet), _Rows(sheet)
-    exec(engine.text.source.replace(f"range({engine.text.lanes})", "range(1)"), names)
+    exec(engine.text.source.replace(f"range({engine.text.block_width})", "range(1)"), names)
     given = {
         "g": {(k, 0): sheet.given(f"ground {k}", shared=False) for k in range(2)},
         "who": [0],
@@ -113,7 +113,7 @@ def per_step(engine: Engine) -> Counter[str]:
     counts = {"last": 1, "m": 1}  # one step of one history
     kernel = names["lanes"]
     kernel(**{name: given.get(name, counts.get(name, 0)) for name in inspect.signature(kernel).parameters})
-    return _counted(rows.kept.values())
+    return _counted(rows.values.values())
 
 
 def _names(engine: Engine, sheet: Sheet) -> dict[str, Any]:
@@ -166,13 +166,13 @@ class _Rows:
 
     def __init__(self, sheet: Sheet) -> None:
         self.sheet = sheet
-        self.kept: dict[int, Any] = {}
+        self.values: dict[int, Any] = {}
 
     def __getitem__(self, k: int) -> Any:
-        return self.kept[k] if k in self.kept else self.sheet.given(f"row {k}", shared=False)
+        return self.values[k] if k in self.values else self.sheet.given(f"row {k}", shared=False)
 
     def __setitem__(self, k: int, value: Any) -> None:
-        self.kept[k] = value
+        self.values[k] = value
 
 
 def _counted(kept: Iterable[Any]) -> Counter[str]:

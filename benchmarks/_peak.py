@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.structures.batch.branchless_math import LANES
+from dampyr.structures.batch.branchless_math import BLOCK_WIDTH
 
 CHAINS, LINKS, TURNS = 6, 60, 100
 
@@ -23,22 +23,26 @@ def chains(precision: int) -> Callable[[], Any]:
     names: dict[str, Any] = {}
     exec(_text(), names)
     kernel = njit(names["chains"], fastmath={"contract"}, error_model="numpy")
-    block = np.ones(LANES * CHAINS, kind)
+    block = np.ones(BLOCK_WIDTH * CHAINS, kind)
     return lambda: kernel(TURNS, block, kind(0.999), kind(1e-3))
 
 
 def operations() -> int:
     """How many floating-point operations one run of the chains makes: two for each link."""
-    return 2 * CHAINS * LINKS * LANES * TURNS
+    return 2 * CHAINS * LINKS * BLOCK_WIDTH * TURNS
 
 
 def _text() -> str:
     """x = x*factor + add, ``LINKS`` times in ``CHAINS`` chains, written out."""
     every = range(CHAINS)
-    lines = [f"x{k} = b[{k * LANES} + l]" for k in every]
+    lines = [f"x{k} = b[{k * BLOCK_WIDTH} + l]" for k in every]
     lines += [f"x{k} = x{k}*factor + add" for _ in range(LINKS) for k in every]
-    lines += [f"b[{k * LANES} + l] = x{k}" for k in every]
-    head = ["def chains(turns, b, factor, add):", "    for i in range(turns):", f"        for l in range({LANES}):"]
+    lines += [f"b[{k * BLOCK_WIDTH} + l] = x{k}" for k in every]
+    head = [
+        "def chains(turns, b, factor, add):",
+        "    for i in range(turns):",
+        f"        for l in range({BLOCK_WIDTH}):",
+    ]
     return "\n".join(head + ["            " + line for line in lines])
 
 

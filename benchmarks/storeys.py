@@ -43,7 +43,9 @@ def run(data: Path | None) -> list[Line]:
         "64 lanes, dense, stroke only": dense_step.run,
         "respond, one history": single,
     }
-    steps = dict.fromkeys(contenders, modal.steps) | {"respond, one history": modal.steps / modal.engine.text.lanes}
+    steps = dict.fromkeys(contenders, modal.steps) | {
+        "respond, one history": modal.steps / modal.engine.text.block_width
+    }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # the published damper was calibrated on smaller motions
         errors = _apart(modal.run(), dense.run())

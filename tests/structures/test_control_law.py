@@ -8,7 +8,7 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.structures import control_law, control_laws
 from dampyr.structures.control.on_off import OnOff
-from dampyr.structures.control_law import is_control_law, parts, source, spelled, told
+from dampyr.structures.control_law import describe_law, is_control_law, parts, source, spelled
 
 
 def test_a_law_is_a_file():
@@ -38,9 +38,9 @@ def test_what_is_wrong_is_said(name, settings, message):
 
 
 def test_a_label_tells_what_is_not_usual():
-    assert told(control_law("on_off", high=3.212), "V") == "on_off 0 to 3.212 V"
+    assert describe_law(control_law("on_off", high=3.212), "V") == "on_off 0 to 3.212 V"
     law = control_law("clipped_optimal", low=0.1, high=2.0, period=0.01, lag=0.02, effort=0.3, weights=(1, 2))
-    assert told(law, "A") == "clipped_optimal 0.1 to 2 A, period 0.01 s, lag 0.02 s, effort 0.3, weights (1 2)"
+    assert describe_law(law, "A") == "clipped_optimal 0.1 to 2 A, period 0.01 s, lag 0.02 s, effort 0.3, weights (1 2)"
 
 
 def test_the_digest_knows_every_setting_exactly():

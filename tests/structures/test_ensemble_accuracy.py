@@ -9,7 +9,7 @@ from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.structures import ensemble, respond, two_storey
 from dampyr.structures.batch.engine import engine
-from dampyr.structures.ensemble_batches import longest_step
+from dampyr.structures.ensemble_batches import max_step
 from dampyr.structures.ensemble_grid import STEPS, cases
 from dampyr.structures.kernel_run import connections
 
@@ -30,7 +30,7 @@ def peaks(damper: Damper, given: list[tuple[GroundMotion, float, float]], accura
     found = np.empty((len(given), 4))
     sites = [cases(two_storey(), m, damper, [u], [s]).sites_of(0, 0, 0) for m, u, s in given]
     steps = [
-        FINEST if accuracy is None else np.ceil(0.02 / (STEPS[accuracy] * longest_step(two_storey(), s)) - 1e-9)
+        FINEST if accuracy is None else np.ceil(0.02 / (STEPS[accuracy] * max_step(two_storey(), s)) - 1e-9)
         for s in sites
     ]
     for m in np.unique(steps):

@@ -127,7 +127,7 @@ def test_cases_without_bound_exceed_and_are_counted() -> None:
 def test_no_curve_is_a_value_with_a_reason(limit: float, motions: int, message: str) -> None:
     [curve] = fragility(made(drawn(motions)), "drift", limit, "scale", draws=20).curves
     assert message in curve.reason
-    assert not curve.found
+    assert not curve.exists
     assert np.isnan([curve.theta, curve.beta, *curve.band(1.0), *curve.theta_band(), curve.at(1.0)]).all()
     assert curve.no_band == curve.reason
 

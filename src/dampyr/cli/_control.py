@@ -35,13 +35,13 @@ def control(text: str, damper: Any) -> Any:
 
     name, _, rest = text.partition(":")
     low, high = damper.range
-    found: dict[str, Any] = {"low": low, "high": high}
+    settings: dict[str, Any] = {"low": low, "high": high}
     for part in rest.split(",") if rest else []:
         key, equals, value = part.partition("=")
         if not equals:
             raise InputError(f"--control {text!r}: {part!r} is no setting; write it as in on_off:period=0.01,lag=0.005")
-        found[key.strip()] = value.split("/") if key.strip() == "weights" else _number(key.strip(), value)
-    return control_law(name, **found)
+        settings[key.strip()] = value.split("/") if key.strip() == "weights" else _number(key.strip(), value)
+    return control_law(name, **settings)
 
 
 def _number(key: str, value: str) -> Any:

@@ -17,12 +17,12 @@ from dampyr.cli._control import control_option, inputs_for
 from dampyr.cli._motion import acceleration
 from dampyr.errors import InputError
 
-MOST_SCALES = 10_000
+MAX_SCALES = 10_000
 SYNTHETIC_DT = 0.01
 
 
 @dataclass(frozen=True)
-class Asked:
+class EnsembleRequest:
     """What the command line says about the cases."""
 
     card: Path | None
@@ -85,12 +85,12 @@ class Asked:
 
         if not self.motions and (self.motion_unit is not None or self.dt is not None):
             raise InputError("--motion-unit and --dt belong to files of one's own; give them with --motion")
-        found = [ground_motions.read(path, units=self.motion_unit, dt=self.dt) for path in self.motions]
+        motions = [ground_motions.read(path, units=self.motion_unit, dt=self.dt) for path in self.motions]
         if self.synthetic:
             pga = acceleration(self.pga)
             made = ((self.seed, k) for k in range(1, self.synthetic + 1))
-            found += [ground_motions.kanai_tajimi(self.duration, SYNTHETIC_DT, seed, pga=pga) for seed in made]
-        return found or [ground_motions.el_centro()]
+            motions += [ground_motions.kanai_tajimi(self.duration, SYNTHETIC_DT, seed, pga=pga) for seed in made]
+        return motions or [ground_motions.el_centro()]
 
 
 def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -120,9 +120,9 @@ def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(command)
     def wrapped(**given: Any) -> Any:
-        own = {field.name: given.pop(field.name) for field in fields(Asked)}
+        own = {field.name: given.pop(field.name) for field in fields(EnsembleRequest)}
         own["draws"], own["synthetic"] = own["draws"] or 0, own["synthetic"] or 0
-        return command(asked=Asked(**own), **given)
+        return command(request=EnsembleRequest(**own), **given)
 
     for option in reversed(options):
         wrapped = option(wrapped)
@@ -131,7 +131,7 @@ def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def refuse_cases(context: click.Context, what: str) -> None:
     """An option that says which cases there are has no say where they were computed already."""
-    names = {field.name for field in fields(Asked)} - {"seed"}
+    names = {field.name for field in fields(EnsembleRequest)} - {"seed"}
     for parameter in context.command.params:
         source = context.get_parameter_source(str(parameter.name))
         if parameter.name in names and source is not click.core.ParameterSource.DEFAULT:
@@ -141,11 +141,11 @@ def refuse_cases(context: click.Context, what: str) -> None:
 
 def scales(given: tuple[str, ...]) -> list[float]:
     """``("0.5,1", "2:3:0.5")`` as 0.5, 1, 2, 2.5, 3; the end of a range belongs to it."""
-    found = [value for text in given for part in text.split(",") for value in _span(part)]
-    doubled = sorted({value for value in found if found.count(value) > 1}) if len(found) < MOST_SCALES else []
+    values = [value for text in given for part in text.split(",") for value in _span(part)]
+    doubled = sorted({value for value in values if values.count(value) > 1}) if len(values) < MAX_SCALES else []
     if doubled:
         raise InputError(f"--scale: {doubled[0]:g} is given twice; give every scale once")
-    return found or [1.0]
+    return values or [1.0]
 
 
 def _span(text: str) -> list[float]:
@@ -161,8 +161,8 @@ def _span(text: str) -> list[float]:
         )
     first, last, step = numbers
     count = int((last - first) / step * (1 + 1e-12) + 1e-9) + 1
-    if count > MOST_SCALES:
-        raise InputError(f"--scale {text!r} has {count} scales; at most {MOST_SCALES} are allowed")
+    if count > MAX_SCALES:
+        raise InputError(f"--scale {text!r} has {count} scales; at most {MAX_SCALES} are allowed")
     return [float(f"{first + k * step:.12g}") for k in range(count)]
 
 

@@ -16,43 +16,43 @@ import dampyr
 from dampyr import registry
 from dampyr.errors import DampyrError, DampyrWarning
 
-SHELF = "dampyr.cli"
+REGISTRY = "dampyr.cli"
 WRONG, INTERRUPTED = 2, 130
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
 
-class Shelf(click.Group):
+class CommandGroup(click.Group):
     """A group whose commands are the files of this folder, each loaded when it is needed."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The names of the commands, as they are typed."""
-        return [name.replace("_", "-") for name in registry.names(SHELF)]
+        return [name.replace("_", "-") for name in registry.names(REGISTRY)]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The command called ``cmd_name``, or None."""
         if cmd_name not in self.list_commands(ctx):
             return None
-        command: click.Command = registry.member(SHELF, cmd_name.replace("-", "_")).command
+        command: click.Command = registry.member(REGISTRY, cmd_name.replace("-", "_")).command
         return command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The command that ``args`` start with, or an error that names the nearest one."""
-        known = self.list_commands(ctx)
-        if args and args[0] not in known and not args[0].startswith("-"):
-            close = get_close_matches(args[0], known, n=1)
+        names = self.list_commands(ctx)
+        if args and args[0] not in names and not args[0].startswith("-"):
+            close = get_close_matches(args[0], names, n=1)
             hint = f"did you mean {close[0]!r}? " if close else ""
-            raise click.UsageError(f"there is no command {args[0]!r}; {hint}choose from {', '.join(known)}", ctx)
+            raise click.UsageError(f"there is no command {args[0]!r}; {hint}choose from {', '.join(names)}", ctx)
         return super().resolve_command(ctx, args)
 
     def main(self, args: Sequence[str] | None = None, *rest: Any, **extra: Any) -> NoReturn:
         """Run a command and leave the process with its exit code."""
         extra |= {"standalone_mode": False, "prog_name": "dampyr"}
-        sys.exit(_guarded(lambda: super(Shelf, self).main(args, **extra)))
+        sys.exit(_guarded(lambda: super(CommandGroup, self).main(args, **extra)))
 
 
-@click.group(cls=Shelf, invoke_without_command=True, context_settings=SETTINGS)
+@click.group(cls=CommandGroup, invoke_without_command=True, context_settings=SETTINGS)
 @click.version_option(dampyr.__version__, message="dampyr %(version)s")
 @click.pass_context
 def cli(ctx: click.Context) -> None:

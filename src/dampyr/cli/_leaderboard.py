@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from dampyr.identification import Leaderboard
     from dampyr.records import Record
 
-MOST_WORKERS = 8
+MAX_WORKERS = 8
 
 
 def ranked(
@@ -28,7 +28,7 @@ def ranked(
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if cores == 1:
         return leaderboard(records, models or None, progress=progress, **options)
-    with ProcessPoolExecutor(min(cores, MOST_WORKERS), mp_context=get_context("spawn")) as executor:
+    with ProcessPoolExecutor(min(cores, MAX_WORKERS), mp_context=get_context("spawn")) as executor:
         return leaderboard(records, models or None, executor=executor, progress=progress, **options)
 
 
@@ -68,9 +68,9 @@ def print_screened(board: Leaderboard) -> None:
     """Every model of the catalogue, bare and at its best."""
     rows = []
     for one in sorted(board.screened, key=lambda s: s.best.error):
-        told = f"no damper: {one.best.reason}" if math.isinf(one.best.error) else ""
+        reason = f"no damper: {one.best.reason}" if math.isinf(one.best.error) else ""
         added = one.best.model.removeprefix(one.base).removeprefix(" + ")
-        rows.append([one.base, _percent(one.bare.error), added or "nothing", _percent(one.best.error), told])
+        rows.append([one.base, _percent(one.bare.error), added or "nothing", _percent(one.best.error), reason])
     names, units = ["model", "bare", "best with", "error", ""], ["", "%", "", "%", ""]
     print_table("Screened on a few short records", names, rows, units, digits=3)
     print()
@@ -80,7 +80,7 @@ def _percent(error: float) -> float | None:
     return 100 * error if math.isfinite(error) else None
 
 
-def told(board: Leaderboard) -> dict[str, Any]:
+def leaderboard_as_dict(board: Leaderboard) -> dict[str, Any]:
     """The leaderboard for machines, without the fits."""
     keys = (
         "model",

@@ -32,18 +32,18 @@ class Ground:
 
         if path is None and (self.unit is not None or self.dt is not None):
             raise InputError("--motion-unit and --dt belong to a file of one's own; El Centro 1940 knows its own")
-        found = ground_motions.el_centro() if path is None else ground_motions.read(path, units=self.unit, dt=self.dt)
-        return self._scaled(ground_motions.corrected(found) if baseline else found)
+        motion = ground_motions.el_centro() if path is None else ground_motions.read(path, units=self.unit, dt=self.dt)
+        return self._scaled(ground_motions.corrected(motion) if baseline else motion)
 
-    def _scaled(self, found: GroundMotion) -> GroundMotion:
+    def _scaled(self, motion: GroundMotion) -> GroundMotion:
         given = [f"--{name}" for name in ("scale", "pga", "sa") if getattr(self, name) is not None]
         if len(given) > 1:
             raise InputError(f"{' and '.join(given)} contradict each other; give one of them")
         if self.scale is not None:
-            return found if self.scale == 1.0 else found.scaled(self.scale)
+            return motion if self.scale == 1.0 else motion.scaled(self.scale)
         if self.pga is not None:
-            return found.scaled_to_pga(acceleration(self.pga))
-        return found if self.sa is None else found.scaled_to_sa(*spectral(self.sa))
+            return motion.scaled_to_pga(acceleration(self.pga))
+        return motion if self.sa is None else motion.scaled_to_sa(*spectral(self.sa))
 
 
 def motion_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -21,26 +21,26 @@ def stages() -> Iterator[Callable[[str, float], None]]:
 
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True)) as bars:
-        known: dict[str, int] = {}
+        tasks: dict[str, int] = {}
 
         def show(stage: str, done: float) -> None:
-            if stage not in known:
-                known[stage] = bars.add_task(stage, total=1.0)
-            bars.update(known[stage], completed=done)  # type: ignore[arg-type]
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=1.0)
+            bars.update(tasks[stage], completed=done)  # type: ignore[arg-type]
 
         yield show
 
 
 def _lines() -> Callable[[str, float], None]:
-    told: set[str] = set()
+    reported: set[str] = set()
     start = last = time.monotonic()
 
     def show(stage: str, done: float) -> None:
         nonlocal last
         now = time.monotonic()
-        new = stage not in told
+        new = stage not in reported
         if new or (now - last >= QUIET and 0.0 < done < 1.0):
-            told.add(stage)
+            reported.add(stage)
             last = now
             print(f"{now - start:6.1f} s  {stage}{'' if new else f', {done:.0%}'}", file=sys.stderr, flush=True)
 

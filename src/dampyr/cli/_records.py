@@ -59,7 +59,11 @@ def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def gather(
-    paths: tuple[Path, ...], role: str | None, reading: Reading, known: Sequence[float] = (), warn: bool = True
+    paths: tuple[Path, ...],
+    role: str | None,
+    reading: Reading,
+    reference_inputs: Sequence[float] = (),
+    warn: bool = True,
 ) -> list[Record]:
     """The records in files and folders, measured inputs that are constant but for noise as constants.
 
@@ -68,17 +72,17 @@ def gather(
     """
     from dampyr import records
 
-    found: list[Record] = []
+    measured: list[Record] = []
     for path in paths:
         if path.is_dir():
-            found += records.read_campaign(path, role=role, **vars(reading))  # type: ignore[arg-type]
+            measured += records.read_campaign(path, role=role, **vars(reading))  # type: ignore[arg-type]
         else:
-            found.append(records.read(path, **vars(reading)))
-    if not found:
+            measured.append(records.read(path, **vars(reading)))
+    if not measured:
         where, which = ", ".join(map(str, paths)), f" whose role is {role}" if role else ""
         raise InputError(f"no records{which} in {where}; name files, or a folder with records")
-    nominal = records.nominal_inputs(found, known)
-    tell_inputs(found, nominal)
+    nominal = records.nominal_inputs(measured, reference_inputs)
+    tell_inputs(measured, nominal)
     if warn:
         warn_of_signs(nominal)
     return nominal
@@ -93,10 +97,10 @@ def tell_inputs(measured: Sequence[Record], nominal: Sequence[Record]) -> None:
             joined.setdefault(after.input_value, []).append(before.input_value)
             units.add("voltage" if after.input == "V" else "current")
     unit = "V" if units == {"voltage"} else "A"
-    told = [_joined(u, sorted(values), unit) for u, values in sorted(joined.items())]
-    if any(told):
+    summaries = [_joined(u, sorted(values), unit) for u, values in sorted(joined.items())]
+    if any(summaries):
         click.echo(
-            f"dampyr: {units.pop()} as measured, constant but for noise: {'; '.join(filter(None, told))}", err=True
+            f"dampyr: {units.pop()} as measured, constant but for noise: {'; '.join(filter(None, summaries))}", err=True
         )
 
 
@@ -110,15 +114,16 @@ def _joined(nominal: float, values: list[float], unit: str) -> str:
     return f"{seen} {unit}{times} counts as {counts} {unit}"
 
 
-def warn_of_signs(found: Sequence[Record]) -> None:
+def warn_of_signs(record_list: Sequence[Record]) -> None:
     """Warn of records whose loops create energy, in one line."""
     from dampyr import records
 
-    wrong = [record.name for record in found if records.creates_energy(record)]
+    wrong = [record.name for record in record_list if records.creates_energy(record)]
     if wrong:
         names = ", ".join(wrong[:3]) + (f" and {len(wrong) - 3} more" if len(wrong) > 3 else "")
         warnings.warn(
-            f"{len(wrong)} of {len(found)} records create energy where a damper dissipates ({names}); force sign inverted?",
+            f"{len(wrong)} of {len(record_list)} records create energy where a damper dissipates ({names}); force "
+            "sign inverted?",
             DampyrWarning,
             stacklevel=3,
         )

@@ -66,8 +66,8 @@ def _lines() -> Show:
         if now != last and progress.phase != "rest":
             where = f"{progress.done + 1}/{progress.total}" if progress.name else "-"
             left = _clock(progress.time_left)
-            told = f"{time.monotonic() - start:6.1f} s  {where}  {now}  ({left} of rig time left)"
-            print(told, file=sys.stderr, flush=True)
+            line = f"{time.monotonic() - start:6.1f} s  {where}  {now}  ({left} of rig time left)"
+            print(line, file=sys.stderr, flush=True)
             last = now
 
     return show
@@ -123,12 +123,12 @@ def _unbuffered() -> Iterator[Callable[[], str]]:
         import termios
         import tty
 
-        kept = termios.tcgetattr(sys.stdin)
+        saved_attributes = termios.tcgetattr(sys.stdin)
         tty.setcbreak(sys.stdin)
         try:
             yield lambda: sys.stdin.read(1) if select.select([sys.stdin], [], [], 0.1)[0] else ""
         finally:
-            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, kept)
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, saved_attributes)
         return
     import msvcrt  # the same on Windows
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from dampyr.records import Record
 
 FAILED, UNDECIDED = 1, 3
-MOST_REASONS = 6
+MAX_REASONS = 6
 COLUMNS = [
     "record",
     "input",
@@ -74,21 +74,23 @@ def command(
     from dampyr.identification import accept
 
     band = _tolerance(tolerance, slacks)
-    against, known = _reference(reference, reading)
-    records = gather(paths, role, reading, known=known)
+    against, reference_inputs = _reference(reference, reading)
+    records = gather(paths, role, reading, reference_inputs=reference_inputs)
     zero = None if offset is None else units.parse(offset, "N")
-    found = [accept(r, against, band, judge or QUANTITIES, zero, allow_extrapolation) for r in records]
+    results = [accept(r, against, band, judge or QUANTITIES, zero, allow_extrapolation) for r in records]
     if report:
         from dampyr.report.acceptance_page import write_acceptance_page
 
-        write_acceptance_page(found, report, reference)
+        write_acceptance_page(results, report, reference)
     if as_json:
-        print_json({"reference": reference, "verdict": _verdict(found), "records": [one.as_dict() for one in found]})
+        print_json(
+            {"reference": reference, "verdict": _verdict(results), "records": [one.as_dict() for one in results]}
+        )
     else:
-        _print(reference, found)
+        _print(reference, results)
         if report:
             click.echo(f"page: {report}")
-    return {"passed": 0, "failed": FAILED, "not judged": UNDECIDED}[_verdict(found)]
+    return {"passed": 0, "failed": FAILED, "not judged": UNDECIDED}[_verdict(results)]
 
 
 def _tolerance(share: str, slacks: tuple[str, ...]) -> Tolerance:
@@ -129,26 +131,26 @@ def _reference(text: str, reading: Reading) -> tuple[Damper | list[Record], Sequ
 def _published(name: str) -> Damper:
     from dampyr import studies
 
-    known = studies.damper_names()
-    if name not in known:
+    names = studies.damper_names()
+    if name not in names:
         raise InputError(
-            f"{name}: no such file, and no published damper; give a card, records, or one of {', '.join(known)}"
+            f"{name}: no such file, and no published damper; give a card, records, or one of {', '.join(names)}"
         )
     return studies.published_damper(name)
 
 
-def _verdict(found: Sequence[Acceptance]) -> str:
+def _verdict(results: Sequence[Acceptance]) -> str:
     """Of all records: failed where one failed, not judged where one was not, else passed."""
-    verdicts = {one.verdict for one in found}
+    verdicts = {one.verdict for one in results}
     return next(each for each in ("failed", "not judged", "passed") if each in verdicts)
 
 
-def _print(reference: str, found: Sequence[Acceptance]) -> None:
+def _print(reference: str, results: Sequence[Acceptance]) -> None:
     from dampyr.identification.acceptance import in_short
 
-    title = f"{len(found)} {'record' if len(found) == 1 else 'records'}: {in_short(found)}"
-    notes = [f"by {reference}, {found[0].tolerance}"]
-    print_table(title, COLUMNS, [_row(one) for one in found], UNITS, notes=[*notes, *_reasons(found)])
+    title = f"{len(results)} {'record' if len(results) == 1 else 'records'}: {in_short(results)}"
+    notes = [f"by {reference}, {results[0].tolerance}"]
+    print_table(title, COLUMNS, [_row(one) for one in results], UNITS, notes=[*notes, *_reasons(results)])
 
 
 def _row(one: Acceptance) -> list[Any]:
@@ -160,16 +162,16 @@ def _row(one: Acceptance) -> list[Any]:
     return [*head, worst.quantity, worst.cycle, 1e3 * worst.speed, worst.measured, worst.expected, off]
 
 
-def _reasons(found: Sequence[Acceptance]) -> list[str]:
+def _reasons(results: Sequence[Acceptance]) -> list[str]:
     """Why points were not judged, a line for each reason."""
-    told: dict[str, list[str]] = {}
-    for one in found:
+    records_by_reason: dict[str, list[str]] = {}
+    for one in results:
         for reason in one.unjudged:
-            told.setdefault(reason, []).append(one.record)
-    lines = [f"not judged: {reason} – {_names(names)}" for reason, names in told.items()]
-    more = len(lines) - MOST_REASONS
+            records_by_reason.setdefault(reason, []).append(one.record)
+    lines = [f"not judged: {reason} – {_names(names)}" for reason, names in records_by_reason.items()]
+    more = len(lines) - MAX_REASONS
     return (
-        lines if more <= 0 else [*lines[:MOST_REASONS], f"and for {more} more reasons, which --json and --report tell"]
+        lines if more <= 0 else [*lines[:MAX_REASONS], f"and for {more} more reasons, which --json and --report tell"]
     )
 
 

@@ -39,18 +39,18 @@ def command(rig: Path, load: str | None, shunt: str | None, seconds: float, yes:
         if shunt:
             _wait(f"Switch the shunt of {shunt} in.", yes)
             steps.shunted(shunt)
-        found = steps.save(
+        path = steps.save(
             rig.parent, {"date": datetime.now(UTC).isoformat(timespec="seconds"), "load": load or shunt or ""}
         )
     if as_json:
-        print_json({"file": str(found), "calibration": steps.calibration, "doubt": steps.doubt})
+        print_json({"file": str(path), "calibration": steps.calibration, "doubt": steps.doubt})
         return
     rows = [
         ["zero", steps.calibration.zero, "V"],
         ["scale", steps.calibration.scale, "N/V"],
         ["noise", steps.noise, "N rms"],
     ]
-    notes = [steps.calibration.how, *([steps.doubt] if steps.doubt else []), f"written: {found}"]
+    notes = [steps.calibration.how, *([steps.doubt] if steps.doubt else []), f"written: {path}"]
     print_table("Load cell", ["what", "value", "unit"], rows, notes=notes)
 
 

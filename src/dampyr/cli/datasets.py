@@ -21,11 +21,11 @@ def list_(as_json: bool) -> None:
     """List data sets: where they are, how to cite them."""
     from dampyr.records.datasets import DATA_SETS
 
-    found = [_described(each) for each in DATA_SETS]
+    datasets = [_described(each) for each in DATA_SETS]
     if as_json:
-        print_json(found)
+        print_json(datasets)
         return
-    rows = [[each["name"], each["state"], each["folder"], each["licence"], each["citation"]] for each in found]
+    rows = [[each["name"], each["state"], each["folder"], each["licence"], each["citation"]] for each in datasets]
     print_table("Data sets", ["name", "state", "folder", "licence", "cite as"], rows)
 
 
@@ -44,17 +44,17 @@ def fetch(name: str, folder: Path | None, source: str | None, as_json: bool) -> 
     from dampyr import records
     from dampyr.records.datasets import data_set
 
-    known = data_set(name)
+    dataset = data_set(name)
     with Console(stderr=True).status(f"fetching {name}") as status:
         target = records.fetch(name, folder, source, progress=lambda file: status.update(f"{name}: {file}"))
     files = sorted(path.name for path in target.iterdir() if path.is_file())
     if as_json:
-        print_json({"name": name, "folder": target, "files": files, "doi": known.doi, "citation": known.citation})
+        print_json({"name": name, "folder": target, "files": files, "doi": dataset.doi, "citation": dataset.citation})
     else:
-        click.echo(f"{name}: {len(files)} files in {target}\nplease cite: {known.citation}")
+        click.echo(f"{name}: {len(files)} files in {target}\nplease cite: {dataset.citation}")
 
 
-def _described(known: Any) -> dict[str, Any]:
+def _described(dataset: Any) -> dict[str, Any]:
     """A data set and its state on this machine."""
     from dampyr import records
     from dampyr.errors import MissingData
@@ -62,10 +62,10 @@ def _described(known: Any) -> dict[str, Any]:
 
     folder, missing = None, None
     try:
-        folder = records.locate(known.name)
+        folder = records.locate(dataset.name)
         missing = missing_files(folder)
         state = f"{len(missing)} files missing" if missing else "complete"
     except MissingData:
-        state = f"absent; dampyr datasets fetch {known.name}"
-    told = {key: getattr(known, key) for key in ("name", "doi", "citation", "licence")}
-    return told | {"state": state, "folder": folder, "missing_files": missing}
+        state = f"absent; dampyr datasets fetch {dataset.name}"
+    fields = {key: getattr(dataset, key) for key in ("name", "doi", "citation", "licence")}
+    return fields | {"state": state, "folder": folder, "missing_files": missing}

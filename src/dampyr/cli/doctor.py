@@ -59,9 +59,9 @@ def _kernels() -> list[Any]:
 
 
 def _compiler() -> list[Any]:
-    found = next((path for path in map(shutil.which, ("gcc", "clang", "cc")) if path), None)
-    repair = None if found else "install gcc or clang; only exported C code needs it"
-    return ["C compiler", found or "none", repair]
+    compiler = next((path for path in map(shutil.which, ("gcc", "clang", "cc")) if path), None)
+    repair = None if compiler else "install gcc or clang; only exported C code needs it"
+    return ["C compiler", compiler or "none", repair]
 
 
 def _data() -> list[list[Any]]:
@@ -70,14 +70,14 @@ def _data() -> list[list[Any]]:
     from dampyr.records.datasets import DATA_SETS, missing_files
 
     findings: list[list[Any]] = []
-    for known in DATA_SETS:
-        fetch = f"dampyr datasets fetch {known.name}"
+    for dataset in DATA_SETS:
+        fetch = f"dampyr datasets fetch {dataset.name}"
         try:
-            folder = records.locate(known.name)
+            folder = records.locate(dataset.name)
         except MissingData:
-            findings.append([f"data set {known.name}", "absent", fetch])
+            findings.append([f"data set {dataset.name}", "absent", fetch])
             continue
         missing = missing_files(folder)
         state = f"{folder}, {len(missing)} files missing" if missing else str(folder)
-        findings.append([f"data set {known.name}", state, fetch if missing else None])
+        findings.append([f"data set {dataset.name}", state, fetch if missing else None])
     return findings

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dampyr.cli._ensemble import Asked, case_options, counting, limit, refuse_cases, shard
+from dampyr.cli._ensemble import EnsembleRequest, case_options, counting, limit, refuse_cases, shard
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 @click.pass_context
 def command(
     context: click.Context,
-    asked: Asked,
+    request: EnsembleRequest,
     limits: tuple[str, ...],
     height: str | None,
     intensity: str,
@@ -61,29 +61,29 @@ def command(
     if part is not None:
         if wanted or report:
             raise InputError("a part alone tells nothing yet; give --limit and --report with --collect")
-        _part(asked, part, out, workers, as_json)
+        _part(request, part, out, workers, as_json)
         return
-    found = _dataset(context, asked, out, collect, read, workers)
+    dataset = _dataset(context, request, out, collect, read, workers)
     from dampyr.structures import fragility
 
-    curves = [fragility(found, intensity=intensity, seed=asked.seed, **one) for one in wanted]
+    curves = [fragility(dataset, intensity=intensity, seed=request.seed, **one) for one in wanted]
     if report:
         from dampyr.report.ensemble_page import write_ensemble_page
 
-        write_ensemble_page(found, report, curves, intensity)
+        write_ensemble_page(dataset, report, curves, intensity)
     if as_json:
-        print_json(_told(found, curves))
+        print_json(_as_dict(dataset, curves))
     else:
-        _print(found, curves)
+        _print(dataset, curves)
 
 
-def _part(asked: Asked, text: str, out: Path | None, workers: int | None, as_json: bool) -> None:
+def _part(request: EnsembleRequest, text: str, out: Path | None, workers: int | None, as_json: bool) -> None:
     from dampyr.structures import write_part
 
     if out is None:
         raise InputError("--shard writes its part into a folder; name it with --out")
     with counting() as progress, ThreadPoolExecutor(workers) as pool:
-        path = write_part(asked.cases(), *shard(text), out, pool, progress)
+        path = write_part(request.cases(), *shard(text), out, pool, progress)
     if as_json:
         print_json({"part": path})
     else:
@@ -91,7 +91,12 @@ def _part(asked: Asked, text: str, out: Path | None, workers: int | None, as_jso
 
 
 def _dataset(
-    context: click.Context, asked: Asked, out: Path | None, collect: Path | None, read: Path | None, workers: int | None
+    context: click.Context,
+    request: EnsembleRequest,
+    out: Path | None,
+    collect: Path | None,
+    read: Path | None,
+    workers: int | None,
 ) -> Any:
     from dampyr import structures
 
@@ -103,14 +108,14 @@ def _dataset(
         if out is not None:
             raise InputError("--read takes a finished file and --out writes one; give one of the two")
         return structures.read_ensemble(read)
-    return _run(asked, out, workers)
+    return _run(request, out, workers)
 
 
-def _run(asked: Asked, out: Path | None, workers: int | None) -> Any:
+def _run(request: EnsembleRequest, out: Path | None, workers: int | None) -> Any:
     from dampyr.structures.ensemble import run
     from dampyr.structures.store import progress_of
 
-    what = asked.cases()
+    what = request.cases()
     done, shards = progress_of(out) if out is not None else (0, 0)
     if done:
         click.echo(f"{out}: {done} of {shards} shards are there; going on with the others", err=True)
@@ -118,29 +123,29 @@ def _run(asked: Asked, out: Path | None, workers: int | None) -> Any:
         return run(what, pool, out, progress)
 
 
-def _print(found: Any, curves: list[Fragility]) -> None:
+def _print(dataset: Any, curves: list[Fragility]) -> None:
     from dampyr.report import sentence
     from dampyr.report.ensemble_page import summary_rows, trust
     from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, limit_in_words, remarks
 
-    columns, units, rows = summary_rows(found)
-    names = ", ".join(str(name) for name in found.building_name.values)
-    print_table(f"{names}: peaks of {found.attrs['cases']} cases", columns, rows, units)
+    columns, units, rows = summary_rows(dataset)
+    names = ", ".join(str(name) for name in dataset.building_name.values)
+    print_table(f"{names}: peaks of {dataset.attrs['cases']} cases", columns, rows, units)
     for each in curves:
         click.echo()
         notes = [sentence(remark) for remark in remarks(each)]
         title = f"Fragility over {each.intensity}: {limit_in_words(each)}; 90 % bands over {each.motions} motions"
         print_table(title, COLUMNS, fragility_rows(each), fragility_units(each), notes=notes)
     click.echo()
-    click.echo("\n".join(trust(found)))
+    click.echo("\n".join(trust(dataset)))
 
 
-def _told(found: Any, curves: list[Fragility]) -> dict[str, Any]:
+def _as_dict(dataset: Any, curves: list[Fragility]) -> dict[str, Any]:
     from dampyr.structures import summary
 
     return {
-        **found.attrs,
-        "peaks": summary(found),
+        **dataset.attrs,
+        "peaks": summary(dataset),
         "fragility": [
             {
                 "quantity": each.quantity, "limit": each.limit, "limit_unit": each.limit_unit,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dampyr.cli._leaderboard import print_leaderboard, ranked, told
+from dampyr.cli._leaderboard import leaderboard_as_dict, print_leaderboard, ranked
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
@@ -87,24 +87,24 @@ def command(
     if each:
         assert model is not None
         fits = _fit_each(model, records, options)
-        print_json([_told(f) for f in fits]) if as_json else _print_each(fits)
+        print_json([_as_dict(f) for f in fits]) if as_json else _print_each(fits)
         return
     with stages() as progress:
         board = None if model else ranked(records, tried, options, progress)
-        found, checks = _joint(model, records, options, splits, board, progress)
+        fit_result, checks = _joint(model, records, options, splits, board, progress)
     if as_json:
         extra = {"predictions": checks} if checks else {}
-        print_json(_told(found) | extra | ({"leaderboard": told(board)} if board else {}))
+        print_json(_as_dict(fit_result) | extra | ({"leaderboard": leaderboard_as_dict(board)} if board else {}))
     else:
         if board:
             print_leaderboard(board)
-        _print(found)
+        _print(fit_result)
         for check in checks:
             _print_prediction(check, records)
     if save:
-        _save(found, save, board)
+        _save(fit_result, save, board)
     if report:
-        _report(found, report, checks, board)
+        _report(fit_result, report, checks, board)
 
 
 def _check(model: str | None, each: bool, written: bool, named: bool, tried: tuple[str, ...]) -> None:
@@ -156,10 +156,12 @@ def _joint(
         model = board.winner.model
         options = options | {"bandwidth": board.bandwidth, "fixed": held_in(model)}
     assert model is not None
-    found = board.winner.fit if board else None
-    if found is None:
+    fit_result = board.winner.fit if board else None
+    if fit_result is None:
         progress("identifying", 0.0)
-        found = fit(model, records, **options, progress=lambda step, _: progress("identifying", step / (step + 20.0)))
+        fit_result = fit(
+            model, records, **options, progress=lambda step, _: progress("identifying", step / (step + 20.0))
+        )
         progress("identifying", 1.0)
     for split in splits:
         if all(check.split != split for check in checks):
@@ -168,7 +170,7 @@ def _joint(
                 progress(f"predicting by {split}", done)
 
             checks.append(cross_validate(model, records, split, progress=share, **options))
-    return found, checks
+    return fit_result, checks
 
 
 def _report(fit: Fit, path: Path, checks: list[Validation], board: Leaderboard | None) -> None:
@@ -186,13 +188,13 @@ def _laws(given: tuple[str, ...]) -> str | dict[str, str] | None:
 
 
 def _numbers(given: tuple[str, ...]) -> dict[str, float]:
-    found = {}
+    values = {}
     for name, text in (pairs(given) or {}).items():
         try:
-            found[name] = float(text)
+            values[name] = float(text)
         except ValueError:
             raise InputError(f"--fix {name}={text}: {text!r} is not a number in SI units") from None
-    return found
+    return values
 
 
 def _save(fit: Fit, path: Path, board: Leaderboard | None) -> None:
@@ -209,7 +211,7 @@ def _save(fit: Fit, path: Path, board: Leaderboard | None) -> None:
     damper.save(path)
 
 
-def _told(fit: Fit) -> dict[str, Any]:
+def _as_dict(fit: Fit) -> dict[str, Any]:
     return {
         "model": str(fit.problem.composition),
         "records": [record.name for record in fit.records],

@@ -41,19 +41,19 @@ def command(
 
     motion = ground.motion(file, baseline)
     at = periods or motion_page.TABLE
-    found = measures(motion)
+    motion_measures = measures(motion)
     peaks = spectrum(motion, at, [ratio(each) for each in dampings] or [0.05])
     if report:
         shown = [ratio(each) for each in dampings] or motion_page.DAMPINGS
         motion_page.write_motion_page(motion, report, shown, at)
     if as_json:
-        print_json(_told(motion, found, peaks))
+        print_json(_as_dict(motion, motion_measures, peaks))
         return
     drift = motion_page.drift_in_words(motion)
     print_table(
         f"{motion.name}: {motion.n} samples every {motion.dt:g} s, {motion.duration:g} s",
         ["measure", "value", "unit"],
-        motion_page.measures_rows(found),
+        motion_page.measures_rows(motion_measures),
         notes=[*motion.history, *([f"{drift} (--baseline)"] if drift else [])],
     )
     click.echo()
@@ -62,7 +62,7 @@ def command(
     )
 
 
-def _told(motion: GroundMotion, found: Measures, peaks: Spectrum) -> dict[str, Any]:
+def _as_dict(motion: GroundMotion, motion_measures: Measures, peaks: Spectrum) -> dict[str, Any]:
     return {
         "name": motion.name,
         "source": motion.source,
@@ -70,13 +70,13 @@ def _told(motion: GroundMotion, found: Measures, peaks: Spectrum) -> dict[str, A
         "samples": motion.n,
         "dt_s": motion.dt,
         "duration_s": motion.duration,
-        "pga_m_s2": found.pga,
-        "pgv_m_s": found.pgv,
-        "pgd_m": found.pgd,
-        "arias_m_s": found.arias,
-        "duration_5_95_s": found.duration_5_95,
-        "duration_5_75_s": found.duration_5_75,
-        "cumulative_absolute_velocity_m_s": found.cumulative_absolute_velocity,
+        "pga_m_s2": motion_measures.pga,
+        "pgv_m_s": motion_measures.pgv,
+        "pgd_m": motion_measures.pgd,
+        "arias_m_s": motion_measures.arias,
+        "duration_5_95_s": motion_measures.duration_5_95,
+        "duration_5_75_s": motion_measures.duration_5_75,
+        "cumulative_absolute_velocity_m_s": motion_measures.cumulative_absolute_velocity,
         "spectrum": {
             "damping": peaks.damping,
             "period_s": peaks.periods,

@@ -38,17 +38,17 @@ def command(
     from dampyr import records
 
     places = paths or (records.locate("labcontrol"),)
-    found = gather(places, role, reading, warn=False)
+    record_list = gather(places, role, reading, warn=False)
     absent = [row for path in places if path.is_dir() for row in _without_file(path)]
-    told = [records.describe(record) for record in found]
+    descriptions = [records.describe(record) for record in record_list]
     if as_json:
-        print_json({"records": told, "rows_without_file": absent})
-    elif len(told) == 1 and not absent:
-        _print_one(told[0])
+        print_json({"records": descriptions, "rows_without_file": absent})
+    elif len(descriptions) == 1 and not absent:
+        _print_one(descriptions[0])
     else:
         notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent]
-        print_table(f"{len(told)} records", COLUMNS, [_row(each) for each in told], UNITS, notes=notes)
-        _print_by_input(told)
+        print_table(f"{len(descriptions)} records", COLUMNS, [_row(each) for each in descriptions], UNITS, notes=notes)
+        _print_by_input(descriptions)
 
 
 def _without_file(folder: Path) -> list[dict[str, Any]]:
@@ -60,26 +60,36 @@ def _without_file(folder: Path) -> list[dict[str, Any]]:
     return [{"table": row.table, "row": row.row} for row in rows if row.file is None]
 
 
-def _input(told: dict[str, Any]) -> str | None:
-    if told["input"] is None:
+def _input(description: dict[str, Any]) -> str | None:
+    if description["input"] is None:
         return None
-    low, high = told["input_range"]
-    return f"{low:.5g} {told['input']}" if low == high else f"{low:.3g} to {high:.3g} {told['input']}"
+    low, high = description["input_range"]
+    return f"{low:.5g} {description['input']}" if low == high else f"{low:.3g} to {high:.3g} {description['input']}"
 
 
-def _row(told: dict[str, Any]) -> list[Any]:
-    m, seen = told["measured"], told["overview"]
+def _row(description: dict[str, Any]) -> list[Any]:
+    m, seen = description["measured"], description["overview"]
     stroke = 1e3 * (m.peak_to_peak_m if m else seen.stroke_m)
     speed = 1e3 * (m.peak_speed if m else seen.peak_speed)
     frequency, force = (m.frequency_hz, m.mean_force) if m else (None, None)
-    notes = "; ".join(told["notes"])
-    return [told["name"], told["role"], _input(told), told["duration_s"], frequency, stroke, speed, force, notes]
+    notes = "; ".join(description["notes"])
+    return [
+        description["name"],
+        description["role"],
+        _input(description),
+        description["duration_s"],
+        frequency,
+        stroke,
+        speed,
+        force,
+        notes,
+    ]
 
 
-def _print_by_input(told: list[dict[str, Any]]) -> None:
+def _print_by_input(descriptions: list[dict[str, Any]]) -> None:
     """What was tested at each input, the inputs in rising order; those that vary, and those not known, last."""
     groups: dict[tuple[bool, float], list[dict[str, Any]]] = {}
-    for each in told:
+    for each in descriptions:
         low, high = each["input_range"] or (0.0, 1.0)
         groups.setdefault((low != high, low if low == high else 0.0), []).append(each)
     if len(groups) < 2:
@@ -100,13 +110,13 @@ def _span(values: list[float]) -> str | None:
     return low if low == high else f"{low} to {high}"
 
 
-def _print_one(told: dict[str, Any]) -> None:
+def _print_one(description: dict[str, Any]) -> None:
     """A record in full, one line for each thing known of it."""
     from dampyr.records.record import CHANNELS
 
-    m, q = told["measured"], told["quality"]
-    lines: list[tuple[str, Any]] = [("role", told["role"]), ("input", _input(told))]
-    lines += [("duration", f"{told['duration_s']:.6g} s"), ("samples", f"{q.samples}, every {q.dt:.6g} s")]
+    m, q = description["measured"], description["quality"]
+    lines: list[tuple[str, Any]] = [("role", description["role"]), ("input", _input(description))]
+    lines += [("duration", f"{description['duration_s']:.6g} s"), ("samples", f"{q.samples}, every {q.dt:.6g} s")]
     if m:
         lines += [
             ("motion starts at", f"{m.motion_start:.4g} s"),
@@ -120,11 +130,11 @@ def _print_one(told: dict[str, Any]) -> None:
             ("third harmonic", f"{100 * m.harmonics[3]:.2g} %"),
         ]
     else:
-        lines += _moved(told["overview"])
+        lines += _moved(description["overview"])
     lines += [(f"{channel} step", f"{step:.4g} {CHANNELS[channel]}") for channel, step in q.quantum.items()]
-    lines += [("to look at", note) for note in told["notes"]]
-    lines += list(told["provenance"].items()) + [("done", step) for step in told["history"]]
-    print_table(told["name"], ["", ""], lines)
+    lines += [("to look at", note) for note in description["notes"]]
+    lines += list(description["provenance"].items()) + [("done", step) for step in description["history"]]
+    print_table(description["name"], ["", ""], lines)
 
 
 def _moved(seen: Overview) -> list[tuple[str, Any]]:

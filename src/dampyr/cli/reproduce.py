@@ -50,8 +50,8 @@ def _print(study: Study) -> None:
     from dampyr.studies.raminelli_2020.study import OUTCOMES, artefact_summary
 
     rows = []
-    for name, found in study.artefacts.items():
-        counted = artefact_summary(found)
+    for name, findings in study.artefacts.items():
+        counted = artefact_summary(findings)
         rows.append([name, counted["verdict"], *(counted[kind] for kind in OUTCOMES)])
     notes = [*(f"left out: {each}" for each in study.left_out), f"page: {study.page}"]
     print_table("Raminelli (2020), run again", ["artefact", "verdict", *OUTCOMES], rows, notes=notes)

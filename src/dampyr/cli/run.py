@@ -52,78 +52,78 @@ def command(
     """
     from dampyr import campaigns
 
-    found = campaigns.planned(campaign, rig, seed)
+    plan = campaigns.planned(campaign, rig, seed)
     if report:
         from dampyr.report.plan_page import write_plan_page
 
-        write_plan_page(found, report)
+        write_plan_page(plan, report)
     if dry_run:
-        _tell(found, as_json)
-    for refusal in found.refusals:
+        _tell(plan, as_json)
+    for refusal in plan.refusals:
         click.echo(f"dampyr: {refusal}", err=True)
-    if found.refusals:
+    if plan.refusals:
         return REFUSED
     if not dry_run:
         if out is None:
             raise InputError(
                 "--out is missing; give the folder where the records go, or --dry-run to see the plan only"
             )
-        _perform(found, rig, out, as_json, {"faults": faults, "in_process": in_process, "real_time": real_time})
+        _perform(plan, rig, out, as_json, {"faults": faults, "in_process": in_process, "real_time": real_time})
     return None
 
 
-def _perform(found: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[str, Any]) -> None:
+def _perform(plan: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[str, Any]) -> None:
     from dampyr.campaigns import Control, perform, read_journal
     from dampyr.cli._running import keys, shown, stopped_by_signals
     from dampyr.rig import open_rig
 
     control = Control()
     try:
-        with open_rig(rig, **how) as opened, stopped_by_signals(), shown(found) as show, keys(control):
-            perform(found, opened, out, show, control)
+        with open_rig(rig, **how) as opened, stopped_by_signals(), shown(plan) as show, keys(control):
+            perform(plan, opened, out, show, control)
     finally:
         if (out / "journal.sqlite").is_file():
             tests, events = read_journal(out)
             if as_json:
                 print_json({"folder": str(out), "tests": tests, "events": events})
             elif tests:
-                _summary(found, out, tests)
+                _summary(plan, out, tests)
 
 
-def _summary(found: Plan, out: Path, tests: list[Entry]) -> None:
+def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:
     """What is there now."""
-    words = {test.name: test.words for test in found.tests}
+    words = {test.name: test.words for test in plan.tests}
     rows = [[test.name, words.get(test.name, ""), test.state, test.attempt, test.reason] for test in tests]
     complete = sum(test.state == "complete" for test in tests)
     left = len(tests) - complete
     hint = f"dampyr identify {out}" if not left else "run the same command again to go on"
     print_table(
-        f"{found.campaign.header.name}: {complete} of {len(tests)} tests complete in {out}",
+        f"{plan.campaign.header.name}: {complete} of {len(tests)} tests complete in {out}",
         ["test", "what", "state", "try", "reason"],
         [row for row in rows if row[2] != "complete" or len(rows) <= FEW] or [["all", "", "complete", None, ""]],
         notes=[f"next: {hint}"],
     )
 
 
-def _tell(found: Plan, as_json: bool) -> None:
+def _tell(plan: Plan, as_json: bool) -> None:
     if as_json:
-        print_json(_told(found))
+        print_json(_as_dict(plan))
         return
     from dampyr.report.plan_page import COLUMNS, UNITS, plan_notes, plan_rows
 
-    print_table(_title(found), COLUMNS, plan_rows(found), UNITS, notes=plan_notes(found))
+    print_table(_title(plan), COLUMNS, plan_rows(plan), UNITS, notes=plan_notes(plan))
 
 
-def _title(found: Plan) -> str:
-    minutes = f"{found.duration / 60:.1f} min" if found.duration >= 60 else f"{found.duration:.0f} s"
-    return f"{found.campaign.header.name}: {len(found.tests)} tests on {found.rig.name}, {minutes}"
+def _title(plan: Plan) -> str:
+    minutes = f"{plan.duration / 60:.1f} min" if plan.duration >= 60 else f"{plan.duration:.0f} s"
+    return f"{plan.campaign.header.name}: {len(plan.tests)} tests on {plan.rig.name}, {minutes}"
 
 
-def _told(found: Plan) -> dict[str, Any]:
+def _as_dict(plan: Plan) -> dict[str, Any]:
     return {
-        "campaign": found.campaign.header,
-        "rig": found.rig.name,
-        "duration_s": found.duration,
+        "campaign": plan.campaign.header,
+        "rig": plan.rig.name,
+        "duration_s": plan.duration,
         "tests": [
             {
                 "name": each.name, "kind": each.kind, "step": each.step, "duration_s": each.duration,
@@ -132,8 +132,8 @@ def _told(found: Plan) -> dict[str, Any]:
                 "energy_J": each.energy,
                 "notes": each.notes, "refusal": each.refusal,
             }
-            for each in found.tests
+            for each in plan.tests
         ],
-        "notes": found.notes,
-        "refusals": found.refusals,
+        "notes": plan.notes,
+        "refusals": plan.refusals,
     }  # fmt: skip

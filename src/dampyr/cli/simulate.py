@@ -63,14 +63,14 @@ def command(
     cases = {"no damper": respond(building, shaking)}
     for u in inputs:
         given: dict[str, Any] = {word: u, "allow_extrapolation": allow_extrapolation}
-        found = respond(building, shaking, {place: damper}, **given)
-        cases[found.laws[0] or f"{u:g} {damper.input}"] = found
+        response = respond(building, shaking, {place: damper}, **given)
+        cases[response.laws[0] or f"{u:g} {damper.input}"] = response
     if report:
         from dampyr.report.response_page import write_response_page
 
         write_response_page(cases, report)
     if as_json:
-        print_json({name: _told(r) for name, r in cases.items()})
+        print_json({name: _as_dict(r) for name, r in cases.items()})
         return
     _print(f"{building.name}, {shaking.name}: peaks", cases)
 
@@ -108,7 +108,7 @@ def _damper(card: Path | None) -> Any:
     return raminelli_2020.damper()
 
 
-def _told(response: Response) -> dict[str, Any]:
+def _as_dict(response: Response) -> dict[str, Any]:
     return {
         "peak_displacement_m": response.peak_displacement,
         "peak_drift_m": response.peak_drift,

@@ -55,7 +55,7 @@ def command(
     from dampyr.models import Damper
 
     damper = Damper.load(card)
-    records = gather(paths, role, reading, known=damper.range)
+    records = gather(paths, role, reading, reference_inputs=damper.range)
     _check_names(records)
     predicted = {r.name: prediction(damper, r, allow_extrapolation) for r in records}
     scores = {r.name: compare(r, predicted[r.name], settling) for r in records}
@@ -66,9 +66,9 @@ def command(
         write_validate_page(damper, records, scores, report, card=str(card))
     seen = {name.strip() for name in damper.provenance.get("records", "").split(",")}
     if as_json:
-        told = {name: s.as_dict() | {"fitted_on": name in seen} for name, s in scores.items()}
+        scores_by_record = {name: s.as_dict() | {"fitted_on": name in seen} for name, s in scores.items()}
         by_input = [dict(zip(("input", "records", "mean_l1", "worst_l1"), row)) for row in _by_input(records, scores)]
-        print_json({"card": card, "scores": told, "by_input": by_input, "forces": written})
+        print_json({"card": card, "scores": scores_by_record, "by_input": by_input, "forces": written})
         return
     _print(f"{card}: {damper.composition}", damper, records, scores, seen)
     if written:

@@ -20,29 +20,29 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-MOST_ROWS, MOST_FIGURES, MOST_POINTS = 40, 8, 60
+MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60
 
 
-def write_acceptance_page(found: Sequence[Acceptance], path: Path, reference: str) -> Path:
+def write_acceptance_page(results: Sequence[Acceptance], path: Path, reference: str) -> Path:
     """Write the page and return its path: verdicts, the band with the points, the points outside, what was not judged.
 
     ``reference`` is what the reference is called. Raises :class:`~dampyr.errors.InputError` without any judgement.
     """
-    if not found:
+    if not results:
         raise InputError("there is no judgement to show; judge one record or more")
     sections = [
-        Section("In short", _short(found)),
-        Section("The forces at peak velocity", _forces(found)),
-        Section("How much of the band is used", _used(found)),
-        Section("The points outside", _outside(found)),
+        Section("In short", _short(results)),
+        Section("The forces at peak velocity", _forces(results)),
+        Section("How much of the band is used", _used(results)),
+        Section("The points outside", _outside(results)),
     ]
-    if any(one.unjudged for one in found):
-        sections.append(Section("What was not judged", _open(found)))
+    if any(one.unjudged for one in results):
+        sections.append(Section("What was not judged", _open(results)))
     html = page(
         f"Judged by {reference}",
         sections,
-        subtitle=f"Every whole cycle of {_count(len(found), 'record')}, within {found[0].tolerance} of the reference.",
-        provenance={"reference": reference, "tolerance": str(found[0].tolerance), "offset": _offset(found[0])},
+        subtitle=f"Every whole cycle of {_count(len(results), 'record')}, within {results[0].tolerance} of the reference.",
+        provenance={"reference": reference, "tolerance": str(results[0].tolerance), "offset": _offset(results[0])},
     )
     write_page(path, html)
     return path
@@ -66,19 +66,20 @@ def _verdict(one: Acceptance) -> Verdict:
     return Verdict(one.verdict)
 
 
-def _short(found: Sequence[Acceptance]) -> list[Block]:
+def _short(results: Sequence[Acceptance]) -> list[Block]:
     rows: list[list[Cell]] = []
-    for one in found:
+    for one in results:
         worst = one.worst
         off = None if worst is None or worst.deviation is None else 100 * worst.deviation
         rows.append(
             [one.record, _input(one), _verdict(one), len(one.points), len(one.judged), len(one.outside),
              worst.quantity if worst else None, worst.cycle if worst else None, off]
         )  # fmt: skip
-    what = ", ".join(found[0].quantities)
+    what = ", ".join(results[0].quantities)
     return [
         Text(
-            f"{in_short(found).capitalize()}. Judged in every whole cycle: {what}. One point outside fails a record; a record "
+            f"{in_short(results).capitalize()}. Judged in every whole cycle: {what}. One point outside fails a "
+            "record; a record "
             "of which less than half of the cycles could be judged in one of these has neither passed nor failed."
         ),
         Table(
@@ -91,9 +92,9 @@ def _short(found: Sequence[Acceptance]) -> list[Block]:
     ]
 
 
-def _forces(found: Sequence[Acceptance]) -> list[Block]:
+def _forces(results: Sequence[Acceptance]) -> list[Block]:
     groups: dict[str, list[Acceptance]] = {}
-    for one in sorted(found, key=lambda one: -np.inf if one.input_value is None else one.input_value):
+    for one in sorted(results, key=lambda one: -np.inf if one.input_value is None else one.input_value):
         if one.points:
             groups.setdefault(_input(one), []).append(one)
     blocks: list[Block] = [
@@ -102,10 +103,10 @@ def _forces(found: Sequence[Acceptance]) -> list[Block]:
             f"{name}: forces at the peak velocities of every cycle, extension above and compression below. The band is drawn "
             "through the mean of points of one speed; each point is judged by its own.",
         )
-        for name, some in list(groups.items())[:MOST_FIGURES]
+        for name, some in list(groups.items())[:MAX_FIGURES]
     ]
-    if len(groups) > MOST_FIGURES:
-        blocks.append(Text(f"There are {len(groups)} inputs; the lowest {MOST_FIGURES} are shown."))
+    if len(groups) > MAX_FIGURES:
+        blocks.append(Text(f"There are {len(groups)} inputs; the lowest {MAX_FIGURES} are shown."))
     return blocks or [Text("No record has a whole cycle.")]
 
 
@@ -119,16 +120,16 @@ def _band(some: Sequence[Acceptance]) -> Figure:
     return peak_velocity_band([band(some, "extension"), band(some, "compression")], drawn)
 
 
-def _used(found: Sequence[Acceptance]) -> list[Block]:
-    judged = [one for one in found if one.judged]
+def _used(results: Sequence[Acceptance]) -> list[Block]:
+    judged = [one for one in results if one.judged]
     if not judged:
         return [Text("No point was judged.")]
-    worst = sorted(judged, key=lambda one: -abs(one.worst.used or 0.0) if one.worst else 0.0)[:MOST_ROWS]
+    worst = sorted(judged, key=lambda one: -abs(one.worst.used or 0.0) if one.worst else 0.0)[:MAX_ROWS]
     shown = [one for one in judged if one in worst]
     rows: dict[str, dict[str, list[float]]] = {
         one.record: {q: [p.used or 0.0 for p in one.judged if p.quantity == q] for q in one.quantities} for one in shown
     }
-    few = f" Of {len(judged)} records the {MOST_ROWS} worst are shown." if len(shown) < len(judged) else ""
+    few = f" Of {len(judged)} records the {MAX_ROWS} worst are shown." if len(shown) < len(judged) else ""
     return [
         FigureBlock(
             band_used(rows),
@@ -137,17 +138,17 @@ def _used(found: Sequence[Acceptance]) -> list[Block]:
     ]
 
 
-def _outside(found: Sequence[Acceptance]) -> list[Block]:
-    points = [(one.record, p) for one in found for p in one.outside]
+def _outside(results: Sequence[Acceptance]) -> list[Block]:
+    points = [(one.record, p) for one in results for p in one.outside]
     if not points:
         return [Text("No point lies outside.")]
     points.sort(key=lambda pair: -abs(pair[1].used or 0.0))
     rows: list[list[Cell]] = [
         [name, p.cycle, p.quantity, 1e3 * p.speed, p.measured, p.low, p.high, UNITS[p.quantity],
          None if p.deviation is None else 100 * p.deviation]
-        for name, p in points[:MOST_POINTS]
+        for name, p in points[:MAX_POINTS]
     ]  # fmt: skip
-    more = f" The worst {MOST_POINTS} of {len(points)}." if len(points) > MOST_POINTS else ""
+    more = f" The worst {MAX_POINTS} of {len(points)}." if len(points) > MAX_POINTS else ""
     return [
         Table(
             ("record", "cycle", "quantity", "peak velocity", "measured", "band from", "to", "unit", "off by"),
@@ -159,9 +160,9 @@ def _outside(found: Sequence[Acceptance]) -> list[Block]:
     ]
 
 
-def _open(found: Sequence[Acceptance]) -> list[Block]:
+def _open(results: Sequence[Acceptance]) -> list[Block]:
     rows: list[list[Cell]] = []
-    for one in found:
+    for one in results:
         for reason, count in one.unjudged.items():
             rows.append([one.record, count, sentence(reason)])
     return [

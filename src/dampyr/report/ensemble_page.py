@@ -31,7 +31,7 @@ def write_ensemble_page(
     """Write the page of what `ensemble` or `read_ensemble` gave; ``fragilities`` are drawn in their order."""
     names = ", ".join(str(name) for name in dataset.building_name.values)
     sections = [Section("Peaks", summary_tables(dataset))]
-    sections += [fragility_section(found) for found in fragilities]
+    sections += [fragility_section(fragility) for fragility in fragilities]
     if dataset.sizes["scale"] > 1 and "drift" in dataset:
         sections.append(
             _incremental_section(incremental(dataset, "drift", intensity, fractions=FRACTIONS), fragilities)
@@ -51,12 +51,12 @@ def _sizes(dataset: Any) -> str:
 
 def summary_rows(dataset: Any, shown: Sequence[str] = tuple(SHOWN)) -> tuple[list[str], list[str], list[list[Cell]]]:
     """Columns, units and rows of medians and 84 % fractiles, worst storey, floor and damper."""
-    kept = [q for q in shown if q in dataset and dataset[q].shape[-1]]
-    columns = ["case", "scale"] + [f"{SHOWN[q][0]}, {part}" for q in kept for part in ("median", "84 %")]
-    units = ["", ""] + [SHOWN[q][1] for q in kept for _ in range(2)]
+    quantities = [q for q in shown if q in dataset and dataset[q].shape[-1]]
+    columns = ["case", "scale"] + [f"{SHOWN[q][0]}, {part}" for q in quantities for part in ("median", "84 %")]
+    units = ["", ""] + [SHOWN[q][1] for q in quantities for _ in range(2)]
     rows: list[list[Cell]] = []
     for row in summary(dataset):
-        pairs = [(row.peaks[q] or (None, None), SHOWN[q][2]) for q in kept]
+        pairs = [(row.peaks[q] or (None, None), SHOWN[q][2]) for q in quantities]
         numbers = [None if v is None else factor * v for pair, factor in pairs for v in pair]
         rows.append([row.name, row.scale, *numbers])
     return columns, units, rows
@@ -76,16 +76,16 @@ def summary_tables(dataset: Any) -> list[Table]:
     return [Table(c, rows, units, caption=caption, digits=4) for caption, (c, units, rows) in made if len(c) > 2]
 
 
-def _incremental_section(found: Incremental, fragilities: Sequence[Fragility]) -> Section:
-    axis = axis_of(found.intensity)
+def _incremental_section(analysis: Incremental, fragilities: Sequence[Fragility]) -> Section:
+    axis = axis_of(analysis.intensity)
     limits = {
         f"limit, {1e3 * f.limit:.4g} mm": f.limit for f in fragilities if (f.quantity, f.limit_unit) == ("drift", "m")
     }
-    reach = [np.max(s.fractiles[-1], initial=0.0, where=np.isfinite(s.fractiles[-1])) for s in found.sweeps]
+    reach = [np.max(s.fractiles[-1], initial=0.0, where=np.isfinite(s.fractiles[-1])) for s in analysis.sweeps]
     furthest = MARGIN * float(max(reach)) or None
     blocks: list[Block] = []
-    for s in found.sweeps:
-        names = {f"{100 * p:g} %": s.fractiles[k] for k, p in enumerate(found.fractions)}
+    for s in analysis.sweeps:
+        names = {f"{100 * p:g} %": s.fractiles[k] for k, p in enumerate(analysis.fractions)}
         figure = incremental_curves(s.intensity, s.peaks, s.levels, names, axis, limits=limits, furthest=furthest)
         blocks.append(FigureBlock(figure, _sweep_in_words(s)))
     return Section("Incremental analysis", blocks)
@@ -99,11 +99,11 @@ def _sweep_in_words(s: Any) -> str:
 
 def trust(dataset: Any) -> list[str]:
     """What was measured of the error, and what it does not cover; sentences."""
-    told = dataset.attrs
-    error = f"{100 * told['error_estimate']:.2g} %"
+    attributes = dataset.attrs
+    error = f"{100 * attributes['error_estimate']:.2g} %"
     measured = (
-        f"The largest change of a peak displacement or drift on halving the step was {error}, measured on {told['judged']} of "
-        f"{told['cases']} cases."
+        f"The largest change of a peak displacement or drift on halving the step was {error}, measured on "
+        f"{attributes['judged']} of {attributes['cases']} cases."
     )
     fast = (
         "The accuracy is “fast”: about 0.1 % of the peak in strong motion, up to about 1 % where the motion is small and "
@@ -112,15 +112,15 @@ def trust(dataset: Any) -> list[str]:
     )
     strict = "The accuracy is “strict”, 0.4 of the step of “fast”. Accelerations are less sharp than drifts."
     lost = (
-        f"{told['unbounded']} cases grew without bound; they have no peak, and count as exceeding every limit."
-        if told["unbounded"]
+        f"{attributes['unbounded']} cases grew without bound; they have no peak, and count as exceeding every limit."
+        if attributes["unbounded"]
         else "No case grew without bound."
     )
-    return [measured, fast if told["accuracy"] == "fast" else strict, lost]
+    return [measured, fast if attributes["accuracy"] == "fast" else strict, lost]
 
 
 def _provenance(dataset: Any) -> dict[str, str]:
-    scales, told = dataset.scale.values, dataset.attrs
+    scales, attributes = dataset.scale.values, dataset.attrs
     names = [str(name) for name in dataset.motion_name.values]
     shown = ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
     span = f"{scales.min():g} to {scales.max():g}" if scales.size > 1 else f"{scales[0]:g}"
@@ -128,5 +128,5 @@ def _provenance(dataset: Any) -> dict[str, str]:
         "dampyr": dampyr.__version__,
         "motions": shown,
         "scales": f"{scales.size}, {span}",
-        "accuracy": f"{told['accuracy']}, {told['precision_bits']} bits",
+        "accuracy": f"{attributes['accuracy']}, {attributes['precision_bits']} bits",
     }

@@ -79,8 +79,8 @@ def _short(fit: Fit, checks: Sequence[Validation]) -> Section:
         ],
     ]
     for one in checks:
-        told = f"L1 {100 * mean_l1(one):.2g} % on average, {len(one.scores)} records, split by {one.split}"
-        rows.append(["predicts records it never saw", told])
+        summary = f"L1 {100 * mean_l1(one):.2g} % on average, {len(one.scores)} records, split by {one.split}"
+        rows.append(["predicts records it never saw", summary])
     if not checks:
         rows.append(["predicts records it never saw", "not tried here (dampyr identify --predict)"])
     rows.append(["errors", f"by {fit.clusters}; {_unsure(fit)}"])
@@ -94,22 +94,22 @@ def _short(fit: Fit, checks: Sequence[Validation]) -> Section:
 
 
 def _inputs(fit: Fit) -> str:
-    found = fit.residuals
-    values = [f"{group.input_value:.5g}" for group in found.groups]
+    residuals = fit.residuals
+    values = [f"{group.input_value:.5g}" for group in residuals.groups]
     if len(values) > 8:
-        return f"{len(values)} values from {values[0]} to {values[-1]} {found.unit}"
-    return f"{', '.join(values)} {found.unit}"
+        return f"{len(values)} values from {values[0]} to {values[-1]} {residuals.unit}"
+    return f"{', '.join(values)} {residuals.unit}"
 
 
 def _unsure(fit: Fit) -> str:
     """How many parameters are well known, and how many are not."""
-    known = [
+    precise = [
         abs(fit.stderr[name]) <= 0.1 * abs(value)
         for name, value in fit.parameters.items()
         if np.isfinite(fit.stderr[name])
     ]
-    blind = len(fit.parameters) - len(known)
-    text = f"{sum(known)} of {len(fit.parameters)} parameters have a standard error of 10 % or less"
+    blind = len(fit.parameters) - len(precise)
+    text = f"{sum(precise)} of {len(fit.parameters)} parameters have a standard error of 10 % or less"
     text = f"{text}, of {blind} it is not known" if blind else text
     if not fit.within_records:
         return text

@@ -36,8 +36,8 @@ def parameter_table(fit: Fit) -> Table:
                 value * factor,
                 None if name in fit.within_records else low * factor,
                 None if name in fit.within_records else high * factor,
-                _told(fit.stderr[name], factor),
-                _told(fit.naive_stderr[name], factor),
+                _format_error(fit.stderr[name], factor),
+                _format_error(fit.naive_stderr[name], factor),
                 unit,
                 *([fit.error_holds(name)] if fit.within_records else []),
             ]
@@ -66,7 +66,7 @@ def _caption(fit: Fit) -> str:
     )
 
 
-def _told(error: float, factor: float) -> float | str:
+def _format_error(error: float, factor: float) -> float | str:
     if math.isnan(error):
         return "at its limit"
     return error * factor if math.isfinite(error) else "not determined"
@@ -103,10 +103,10 @@ def _pairs_in_words(pairs: list[tuple[str, str, float]]) -> str:
 def _strongest_in_words(fit: Fit, names: list[str]) -> str:
     """Where no pair is strong."""
     pairs = strong_pairs(fit.correlation, names, 0.0)
-    told = (
+    strongest = (
         f"; the strongest are {pairs[0][0]} and {pairs[0][1]} ({pairs[0][2]:.2f})".replace("(-", "(−") if pairs else ""
     )
-    return f"No two parameters are correlated beyond ±{MARKED:g}{told}."
+    return f"No two parameters are correlated beyond ±{MARKED:g}{strongest}."
 
 
 def _unknown_in_words(names: list[str]) -> str:

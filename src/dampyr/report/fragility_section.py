@@ -12,7 +12,7 @@ from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text,
 from dampyr.structures import Curve, Fragility
 
 LEVEL = 0.9
-MOST = 6
+MAX_CURVES = 6
 FULL = 3.3  # standard deviations above the median
 COLUMNS = ("case", "median", "from", "to", "beta", "direct median", "direct beta", "cases", "exceed", "without bound")
 FEW = " From fewer than 40 motions the band is too narrow away from the median."
@@ -27,47 +27,49 @@ def axis_of(intensity: str) -> Axis:
     return {"pga": PGA, "sa": SA, "scale": SCALE}.get(intensity, Axis("intensity, your measure", "its unit"))
 
 
-def limit_in_words(found: Fragility) -> str:
+def limit_in_words(fragility: Fragility) -> str:
     """Such as ``drift above 12 mm``, ``drift above 1 % of the height``."""
     value, unit = {
-        "m": (1e3 * found.limit, "mm"),
-        "": (100 * found.limit, "% of the height"),
-        "m/s^2": (found.limit, "m/s²"),
-    }.get(found.limit_unit, (found.limit, found.limit_unit))
-    return f"{found.quantity} above {value:.4g} {unit}"
+        "m": (1e3 * fragility.limit, "mm"),
+        "": (100 * fragility.limit, "% of the height"),
+        "m/s^2": (fragility.limit, "m/s²"),
+    }.get(fragility.limit_unit, (fragility.limit, fragility.limit_unit))
+    return f"{fragility.quantity} above {value:.4g} {unit}"
 
 
-def fragility_rows(found: Fragility) -> list[list[Cell]]:
+def fragility_rows(fragility: Fragility) -> list[list[Cell]]:
     """One row for each curve, in the order of `COLUMNS`; None where there is no number."""
-    axis = axis_of(found.intensity)
+    axis = axis_of(fragility.intensity)
     rows: list[list[Cell]] = []
-    for c in found.curves:
+    for c in fragility.curves:
         numbers = [float(axis.of(v)) for v in (c.theta, *c.theta_band(LEVEL))]
         direct = [float(axis.of(c.direct.theta)), c.direct.beta]
-        told: list[Cell] = [None if np.isnan(v) else float(v) for v in (*numbers, c.beta, *direct)]
-        rows.append([c.name, *told, int(c.of.sum()), int(c.exceeding.sum()), c.unbounded])
+        cells: list[Cell] = [None if np.isnan(v) else float(v) for v in (*numbers, c.beta, *direct)]
+        rows.append([c.name, *cells, int(c.of.sum()), int(c.exceeding.sum()), c.unbounded])
     return rows
 
 
-def fragility_units(found: Fragility) -> list[str]:
+def fragility_units(fragility: Fragility) -> list[str]:
     """Units of the columns."""
-    unit = axis_of(found.intensity).unit
+    unit = axis_of(fragility.intensity).unit
     return ["", unit, unit, unit, "", unit, "", "", "", ""]
 
 
-def remarks(found: Fragility) -> list[str]:
+def remarks(fragility: Fragility) -> list[str]:
     """What the cases do not tell, and how curves compare."""
-    told = [f"{c.name}: no curve; {c.reason}" for c in found.curves if not c.found]
-    told += [f"{c.name}: no band; {c.no_band}" for c in found.curves if c.found and c.no_band]
-    told += [f"{c.name}: no direct estimate; {c.direct.reason}" for c in found.curves if c.found and c.direct.reason]
-    told += [_censored(c) for c in found.curves if c.capacities.above or c.capacities.below]
-    first = found.curves[0]
-    for c in found.curves[1:]:
-        if first.found and c.found:
-            ratio, low, high = found.ratio(c.name, first.name, LEVEL)
+    notes = [f"{c.name}: no curve; {c.reason}" for c in fragility.curves if not c.exists]
+    notes += [f"{c.name}: no band; {c.no_band}" for c in fragility.curves if c.exists and c.no_band]
+    notes += [
+        f"{c.name}: no direct estimate; {c.direct.reason}" for c in fragility.curves if c.exists and c.direct.reason
+    ]
+    notes += [_censored(c) for c in fragility.curves if c.capacities.above or c.capacities.below]
+    first = fragility.curves[0]
+    for c in fragility.curves[1:]:
+        if first.exists and c.exists:
+            ratio, low, high = fragility.ratio(c.name, first.name, LEVEL)
             band = "" if np.isnan(low) else f" (90 % band {low:.3g} to {high:.3g})"
-            told.append(f"{c.name}: its median is {ratio:.3g} times that of {first.name}{band}")
-    return told
+            notes.append(f"{c.name}: its median is {ratio:.3g} times that of {first.name}{band}")
+    return notes
 
 
 def _censored(c: Curve) -> str:
@@ -77,28 +79,30 @@ def _censored(c: Curve) -> str:
     return f"{c.name}: of {all_} sweeps {' and '.join(parts)}"
 
 
-def fragility_section(found: Fragility) -> Section:
+def fragility_section(fragility: Fragility) -> Section:
     """A section for one limit."""
     caption = (
         f"Lognormal curves of largest likelihood; the band holds {100 * LEVEL:g} % of a bootstrap over the "
-        f"{found.motions} motions (seed {found.seed}); points are the shares that were counted."
-        + (FEW if found.motions < 40 else "")
+        f"{fragility.motions} motions (seed {fragility.seed}); points are the shares that were counted."
+        + (FEW if fragility.motions < 40 else "")
     )
     table = Table(
         COLUMNS,
-        fragility_rows(found),
-        fragility_units(found),
+        fragility_rows(fragility),
+        fragility_units(fragility),
         caption=f"Median with its {100 * LEVEL:g} % band, and beta, the standard deviation of the logarithm. {DIRECT}",
         digits=4,
     )
-    notes = "\n\n".join(sentence(each) for each in remarks(found))
+    notes = "\n\n".join(sentence(each) for each in remarks(fragility))
     text: list[Block] = [Text(notes)] if notes else []
-    return Section(f"Fragility: {limit_in_words(found)}", [*_figures(found, caption), table, *text])
+    return Section(f"Fragility: {limit_in_words(fragility)}", [*_figures(fragility, caption), table, *text])
 
 
-def _figures(found: Fragility, caption: str) -> list[Block]:
-    axis = axis_of(found.intensity)
-    parts: list[Sequence[Curve]] = [found.curves[k : k + MOST] for k in range(0, len(found.curves), MOST)]
+def _figures(fragility: Fragility, caption: str) -> list[Block]:
+    axis = axis_of(fragility.intensity)
+    parts: list[Sequence[Curve]] = [
+        fragility.curves[k : k + MAX_CURVES] for k in range(0, len(fragility.curves), MAX_CURVES)
+    ]
     return [
         FigureBlock(fragility_curves({c.name: _fragile(c, _reach(part)) for c in part}, axis), caption)
         for part in parts
@@ -107,13 +111,13 @@ def _figures(found: Fragility, caption: str) -> list[Block]:
 
 def _reach(curves: Sequence[Curve]) -> float:
     """How far a figure goes: to where the last curve is nearly 1, at most as far as the motions."""
-    most = max(float(c.levels.max()) for c in curves)
+    max_level = max(float(c.levels.max()) for c in curves)
     full = [c.theta * np.exp(FULL * c.beta) for c in curves]
-    return most if np.isnan(full).any() else float(min(most, max(full)))
+    return max_level if np.isnan(full).any() else float(min(max_level, max(full)))
 
 
 def _fragile(c: Curve, reach: float) -> Fragile:
     x = np.linspace(0.0, reach, 301)[1:]
     at, share, _ = c.shares()
     near = at <= reach
-    return Fragile(x, c.at(x) if c.found else None, c.band(x, LEVEL), (at[near], share[near]))
+    return Fragile(x, c.at(x) if c.exists else None, c.band(x, LEVEL), (at[near], share[near]))

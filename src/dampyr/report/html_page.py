@@ -72,13 +72,13 @@ def page(
 
 def _name_tables(sections: Sequence[dict[str, Any]]) -> None:
     """One name per table, for those who hear it: its caption, with its section and a count where that is there twice."""
-    known: set[str] = set()
+    used_names: set[str] = set()
     for section in sections:
         for block in section["blocks"]:
             if block["kind"] == "table":
                 tries = _names_of(block["caption"] or section["title"], section["title"])
-                block["label"] = next(name for name in tries if name not in known)
-                known.add(block["label"])
+                block["label"] = next(name for name in tries if name not in used_names)
+                used_names.add(block["label"])
 
 
 def _names_of(name: str, section: str) -> Iterator[str]:
@@ -88,8 +88,8 @@ def _names_of(name: str, section: str) -> Iterator[str]:
 
 
 def _keep_figures(named: Sequence[tuple[str, Section]]) -> None:
-    found = [(anchor, b.figure) for anchor, section in named for b in section.blocks if isinstance(b, FigureBlock)]
-    for number, (anchor, figure) in enumerate(found, 1):
+    figures = [(anchor, b.figure) for anchor, section in named for b in section.blocks if isinstance(b, FigureBlock)]
+    for number, (anchor, figure) in enumerate(figures, 1):
         keep(figure, number, anchor)
 
 
@@ -121,15 +121,15 @@ def _template() -> Any:
 
 def _anchors(titles: Sequence[str]) -> list[str]:
     """One id per title, readable in an address and never twice."""
-    found: list[str] = []
+    anchors: list[str] = []
     for title in titles:
         plain = unicodedata.normalize("NFKD", title).encode("ascii", "ignore").decode().lower()
         anchor = base = re.sub(r"[^a-z0-9]+", "-", plain).strip("-") or "section"
         number = 2
-        while anchor in found:
+        while anchor in anchors:
             anchor, number = f"{base}-{number}", number + 1
-        found.append(anchor)
-    return found
+        anchors.append(anchor)
+    return anchors
 
 
 def _block(block: Block, prefix: str) -> dict[str, Any]:

@@ -41,34 +41,34 @@ def write_motion_page(
     return write_page(path, html)
 
 
-def measures_rows(found: Measures) -> list[tuple[str, float, str]]:
+def measures_rows(motion_measures: Measures) -> list[tuple[str, float, str]]:
     """Words, value and unit as people read them."""
     return [
-        ("peak acceleration", found.pga, "m/s²"),
-        ("peak acceleration", found.pga / STANDARD_GRAVITY, "g"),
-        ("peak velocity", 1e3 * found.pgv, "mm/s"),
-        ("peak displacement", 1e3 * found.pgd, "mm"),
-        ("Arias intensity", found.arias, "m/s"),
-        ("significant duration, 5 to 95 %", found.duration_5_95, "s"),
-        ("significant duration, 5 to 75 %", found.duration_5_75, "s"),
-        ("cumulative absolute velocity", found.cumulative_absolute_velocity, "m/s"),
+        ("peak acceleration", motion_measures.pga, "m/s²"),
+        ("peak acceleration", motion_measures.pga / STANDARD_GRAVITY, "g"),
+        ("peak velocity", 1e3 * motion_measures.pgv, "mm/s"),
+        ("peak displacement", 1e3 * motion_measures.pgd, "mm"),
+        ("Arias intensity", motion_measures.arias, "m/s"),
+        ("significant duration, 5 to 95 %", motion_measures.duration_5_95, "s"),
+        ("significant duration, 5 to 75 %", motion_measures.duration_5_75, "s"),
+        ("cumulative absolute velocity", motion_measures.cumulative_absolute_velocity, "m/s"),
     ]
 
 
-def measures_table(found: Measures) -> Table:
+def measures_table(motion_measures: Measures) -> Table:
     """The measures, one in each row."""
-    rows: list[list[Cell]] = [list(row) for row in measures_rows(found)]
+    rows: list[list[Cell]] = [list(row) for row in measures_rows(motion_measures)]
     caption = "Exact for acceleration linear between the samples, g = 9.80665 m/s². Velocity and displacement start from rest."
     return Table(("measure", "value", "unit"), rows, align=("left", "right", "left"), caption=caption)
 
 
-def spectrum_rows(found: Spectrum) -> list[list[float]]:
+def spectrum_rows(spectra: Spectrum) -> list[list[float]]:
     """Damping in per cent, period, Sd in mm, pseudo-velocity in mm/s, Sa in m/s² and in g; ``found`` has both axes."""
     return [
-        [100 * found.damping[i], T, 1e3 * found.displacement[i, j], 1e3 * found.pseudo_velocity[i, j],
-         found.pseudo_acceleration[i, j], found.pseudo_acceleration[i, j] / STANDARD_GRAVITY]
-        for i in range(len(found.damping))
-        for j, T in enumerate(found.periods)
+        [100 * spectra.damping[i], T, 1e3 * spectra.displacement[i, j], 1e3 * spectra.pseudo_velocity[i, j],
+         spectra.pseudo_acceleration[i, j], spectra.pseudo_acceleration[i, j] / STANDARD_GRAVITY]
+        for i in range(len(spectra.damping))
+        for j, T in enumerate(spectra.periods)
     ]  # fmt: skip
 
 
@@ -83,9 +83,9 @@ SPECTRUM_COLUMNS = (
 SPECTRUM_UNITS = ("%", "s", "mm", "mm/s", "m/s²", "g")
 
 
-def spectrum_table(found: Spectrum) -> Table:
+def spectrum_table(spectra: Spectrum) -> Table:
     """The spectrum in numbers."""
-    rows: list[list[Cell]] = [list(map(float, row)) for row in spectrum_rows(found)]
+    rows: list[list[Cell]] = [list(map(float, row)) for row in spectrum_rows(spectra)]
     caption = "Peaks inside the step, up to the last sample; displacement relative to the ground."
     return Table(SPECTRUM_COLUMNS, rows, SPECTRUM_UNITS, caption=caption, digits=4)
 
@@ -107,10 +107,10 @@ def _histories(motion: GroundMotion) -> FigureBlock:
 
 
 def _spectra(motion: GroundMotion, dampings: Sequence[float]) -> list[FigureBlock]:
-    found = spectrum(motion, damping=dampings)
+    spectra = spectrum(motion, damping=dampings)
     names = [f"{100 * each:g} %" for each in dampings]
-    acceleration = response_spectrum(found.periods, dict(zip(names, found.pseudo_acceleration)))
-    displacement = response_spectrum(found.periods, dict(zip(names, found.displacement)), SPECTRAL_DISPLACEMENT)
+    acceleration = response_spectrum(spectra.periods, dict(zip(names, spectra.pseudo_acceleration)))
+    displacement = response_spectrum(spectra.periods, dict(zip(names, spectra.displacement)), SPECTRAL_DISPLACEMENT)
     return [
         FigureBlock(acceleration, "Pseudo-acceleration of an oscillator over its period, for each damping."),
         FigureBlock(displacement, "Its displacement relative to the ground."),

@@ -30,9 +30,9 @@ def write_plan_page(plan: Plan, path: Path) -> Path:
         sections.append(Section("Within what the rig can do", [_envelope(plan.rig, moving)]))
     sections.append(Section("One test of each kind", [_drive(each) for each in _firsts(plan)]))
     header = plan.campaign.header
-    told = {"operator": header.operator, "note": header.note, "dampyr": dampyr.__version__}
+    provenance = {"operator": header.operator, "note": header.note, "dampyr": dampyr.__version__}
     subtitle = f"{len(plan.tests)} tests on {plan.rig.name}, {plan.duration / 60:.1f} min"
-    html = page(header.name, sections, subtitle=subtitle, provenance={k: v for k, v in told.items() if v})
+    html = page(header.name, sections, subtitle=subtitle, provenance={k: v for k, v in provenance.items() if v})
     return write_page(path, html)
 
 
@@ -85,8 +85,8 @@ def largest_amplitude(rig: RigSettings, frequency: np.ndarray, force: float) -> 
     omega = 2 * np.pi * frequency
     speed = rig.actuator.free_speed - rig.actuator.droop * (force + rig.table.friction)
     lagging = np.hypot(1.0, omega * rig.actuator.lag)
-    most = np.minimum(np.maximum(speed, 0.0) / lagging, rig.limits.speed) / omega
-    return np.asarray(np.minimum(most, 0.5 * rig.limits.stroke - STROKE_MARGIN))
+    max_amplitude = np.minimum(np.maximum(speed, 0.0) / lagging, rig.limits.speed) / omega
+    return np.asarray(np.minimum(max_amplitude, 0.5 * rig.limits.stroke - STROKE_MARGIN))
 
 
 def _columns(places: list[tuple[float, float]]) -> tuple[list[float], list[float]]:
@@ -94,11 +94,11 @@ def _columns(places: list[tuple[float, float]]) -> tuple[list[float], list[float
 
 
 def _firsts(plan: Plan) -> list[PlannedTest]:
-    found: dict[str, PlannedTest] = {}
+    first_tests: dict[str, PlannedTest] = {}
     for each in plan.tests:
         if each.drive.reversals is None and each.peak_speed > 0:
-            found.setdefault(each.kind, each)
-    return list(found.values())
+            first_tests.setdefault(each.kind, each)
+    return list(first_tests.values())
 
 
 def _drive(each: PlannedTest) -> FigureBlock:

@@ -43,12 +43,12 @@ def mean_l1(validation: Validation) -> float:
 
 def _split(fit: Fit, validation: Validation) -> list[Block]:
     what = f"Split by {validation.split}: {SPLITS.get(validation.split, validation.split)}"
-    known = validation.scores
-    if not known:
+    record_scores = validation.scores
+    if not record_scores:
         return [Text(f"{what}. No part was predicted."), _parts(validation)]
-    fitted = by_input(fit.records, {name: fit.scores[name].l1 for name in known if name in fit.scores})
+    fitted = by_input(fit.records, {name: fit.scores[name].l1 for name in record_scores if name in fit.scores})
     means = {name: float(np.mean(values)) for name, values in fitted.items()}
-    predicted = by_input(fit.records, {name: one.l1 for name, one in known.items()})
+    predicted = by_input(fit.records, {name: one.l1 for name, one in record_scores.items()})
     references = {"mean of the fit that has seen them": means} if means else None
     return [
         FigureBlock(scores(predicted, references), f"{what}. L1 ratio of each predicted record, by input."),
@@ -56,7 +56,7 @@ def _split(fit: Fit, validation: Validation) -> list[Block]:
             ("record", "part", "predicted L1", "fitted L1", "predicted NRMSE", "beyond what that damper was fitted on"),
             _rows(fit, validation),
             ("", "", "%", "%", "%", ""),
-            caption=f"{what}; {len(known)} records predicted, mean L1 {100 * mean_l1(validation):.2f} %. "
+            caption=f"{what}; {len(record_scores)} records predicted, mean L1 {100 * mean_l1(validation):.2f} %. "
             "A record is predicted by a damper that was not fitted on any record of its part.",
             digits=3,
         ),

@@ -18,11 +18,11 @@ SHOWN = {
 
 def range_section(fit: Fit) -> Section:
     """The calibrated ranges, and amplitude against frequency of the records that made them."""
-    found = fit.residuals
+    residuals = fit.residuals
     groups = {}
-    for group in found.groups:
-        members = [r for r in found.records if r.name in group.records]
-        name = f"{group.input_value:.5g} {found.unit}"
+    for group in residuals.groups:
+        members = [r for r in residuals.records if r.name in group.records]
+        name = f"{group.input_value:.5g} {residuals.unit}"
         groups[name] = ([r.frequency for r in members], [0.5 * r.stroke for r in members])
     blocks: list[Block] = []
     if fit.damper is None:

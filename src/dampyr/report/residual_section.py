@@ -11,25 +11,27 @@ from dampyr.identification.directions import SIDES, Group
 from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
 
-MOST_PANELS = 6
+MAX_PANELS = 6
 
 
-def residual_section(found: Residuals) -> Section:
+def residual_section(residuals: Residuals) -> Section:
     """The analysis in words, figures and tables."""
-    return Section("What the model leaves", [*_words(found), *_directions(found), *_memory(found), *_sizes(found)])
+    return Section(
+        "What the model leaves", [*_words(residuals), *_directions(residuals), *_memory(residuals), *_sizes(residuals)]
+    )
 
 
-def _words(found: Residuals) -> list[Block]:
-    told = warnings_of(found)
+def _words(residuals: Residuals) -> list[Block]:
+    warning_texts = warnings_of(residuals)
     blocks: list[Block] = [
         Text(
             "The residual is measured less modelled force, over every sample that was fitted. A model that holds all there is "
             "to know leaves noise alone: the same in both directions, without memory, and of one size everywhere.\n\n"
-            + " ".join(sentence(text) for text in findings(found))
+            + " ".join(sentence(text) for text in findings(residuals))
         )
     ]
-    if told:
-        blocks.append(Text("\n\n".join(f"Warning: {text}." for text in told)))
+    if warning_texts:
+        blocks.append(Text("\n\n".join(f"Warning: {text}." for text in warning_texts)))
     criterion = (
         f"A record counts as misfit where its residual's correlation time exceeds {MISFIT_INTERVALS:g} sampling intervals, or "
         f"its rms exceeds {MISFIT_NOISE:g} times the noise, that is the rms of the differences of successive residuals over √2."
@@ -37,15 +39,15 @@ def _words(found: Residuals) -> list[Block]:
     return [*blocks, Text(criterion)]
 
 
-def _groups(found: Residuals) -> dict[str, Group]:
+def _groups(residuals: Residuals) -> dict[str, Group]:
     """By input while a page can hold that, else all records as one."""
-    if len(found.groups) > MOST_PANELS:
-        return {"all records": found.whole}
-    return {f"{group.input_value:.5g} {found.unit}": group for group in found.groups}
+    if len(residuals.groups) > MAX_PANELS:
+        return {"all records": residuals.whole}
+    return {f"{group.input_value:.5g} {residuals.unit}": group for group in residuals.groups}
 
 
-def _directions(found: Residuals) -> list[Block]:
-    groups = _groups(found)
+def _directions(residuals: Residuals) -> list[Block]:
+    groups = _groups(residuals)
     panels = {
         name: {branch: (c.velocity, c.lower, c.median, c.upper) for branch, c in group.curves.items()}
         for name, group in groups.items()
@@ -72,36 +74,36 @@ def _directions(found: Residuals) -> list[Block]:
     ]
 
 
-def _memory(found: Residuals) -> list[Block]:
+def _memory(residuals: Residuals) -> list[Block]:
     return [
         FigureBlock(
-            memory([(r.lags, r.autocorrelation) for r in found.records], found.correlation_time),
+            memory([(r.lags, r.autocorrelation) for r in residuals.records], residuals.correlation_time),
             "How much of the residual is still there some time later. Noise would fall to 0 at once; what comes again in each "
             "cycle is the model's.",
         )
     ]
 
 
-def _sizes(found: Residuals) -> list[Block]:
+def _sizes(residuals: Residuals) -> list[Block]:
     shown = {}
-    for group in found.groups:
-        members = [r for r in found.records if r.name in group.records]
+    for group in residuals.groups:
+        members = [r for r in residuals.records if r.name in group.records]
         columns = zip(*((r.input_value, r.stroke, r.frequency, r.relative) for r in members), strict=True)
-        shown[f"{group.input_value:.5g} {found.unit}"] = tuple(columns)
+        shown[f"{group.input_value:.5g} {residuals.unit}"] = tuple(columns)
     rows: list[list[Cell]] = [
         [r.name, f"{r.input_value:.5g}", 1e3 * r.stroke, r.frequency, r.rms, 100 * r.relative, r.noise, r.correlation_time,
          round(r.effective), 100 * r.repeats, r.misfit]
-        for r in found.records
+        for r in residuals.records
     ]  # fmt: skip
     return [
         FigureBlock(
-            residual_sizes(shown, VOLTAGE if found.unit == "V" else CURRENT),  # type: ignore[arg-type]
+            residual_sizes(shown, VOLTAGE if residuals.unit == "V" else CURRENT),  # type: ignore[arg-type]
             "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
         ),
         Table(
             ("record", "input", "stroke", "freq.", "rms", "rel.", "noise", "τ", "like", "repeats", "misfit"),
             rows,
-            ("", found.unit, "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
+            ("", residuals.unit, "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
             caption="The residual of each record. Rel.: rms over the force's spread. τ: correlation time. Like: as many "
             "independent samples. Repeats: the share of its variance that comes again after one cycle.",
             digits=3,

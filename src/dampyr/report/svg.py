@@ -48,8 +48,8 @@ def inline_svg(fig: Figure, alt: str, prefix: str) -> str:
 def _unique_ids(svg: str, prefix: str) -> str:
     """Drop the ids that nothing refers to and put ``prefix`` before the others."""
     used = set(_REFERENCE.findall(svg))
-    svg = _ID.sub(lambda found: f' id="{prefix}-{found[1]}"' if found[1] in used else "", svg)
-    return _REFERENCE.sub(lambda found: found[0].replace("#", f"#{prefix}-"), svg)
+    svg = _ID.sub(lambda match: f' id="{prefix}-{match[1]}"' if match[1] in used else "", svg)
+    return _REFERENCE.sub(lambda match: match[0].replace("#", f"#{prefix}-"), svg)
 
 
 def _themed(svg: str) -> str:

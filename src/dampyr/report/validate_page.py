@@ -37,15 +37,15 @@ def write_validate_page(
     Raises :class:`~dampyr.errors.InputError` where a record has no score.
     """
     _check(records, scores)
-    known = {record.name: scores[record.name] for record in records}
+    record_scores = {record.name: scores[record.name] for record in records}
     seen = seen_by(damper, records)
     html = page(
         f"Validated: {card}",
         [
-            Section("In short", _short(records, known, seen)),
-            Section("Scores", _scores(records, known, seen)),
+            Section("In short", _short(records, record_scores, seen)),
+            Section("Scores", _scores(records, record_scores, seen)),
             Section("What lies outside its calibrated range", _outside(damper, records)),
-            *(_record(damper, records, known, words, name) for words, name in extremes(known)),
+            *(_record(damper, records, record_scores, words, name) for words, name in extremes(record_scores)),
         ],
         subtitle=f"{damper.composition}: a free run along each of {len(records)} records, of which only the offset is taken.",
         provenance={"card": card, **damper.provenance},
@@ -56,9 +56,9 @@ def write_validate_page(
 
 def seen_by(damper: Damper, records: Sequence[Record]) -> dict[str, bool | None]:
     """Whether the damper was fitted on each record, by the names on its card; None where the card names no records."""
-    told = damper.provenance.get("records", "")
-    names = {name.strip() for name in told.split(",")} - {""}
-    counted = len(names) == 1 and told.strip().endswith(" records") and told.split()[0].isdigit()
+    names_text = damper.provenance.get("records", "")
+    names = {name.strip() for name in names_text.split(",")} - {""}
+    counted = len(names) == 1 and names_text.strip().endswith(" records") and names_text.split()[0].isdigit()
     if counted or not names:
         return {record.name: None for record in records}
     return {record.name: record.name in names for record in records}
@@ -126,9 +126,9 @@ def _outside(damper: Damper, records: Sequence[Record]) -> list[Block]:
     groups: dict[str, tuple[list[float], list[float]]] = {}
     for record in records:
         stroke, frequency = motion(record)
-        known = groups.setdefault(next(iter(by_input([record], {record.name: 0.0}))), ([], []))
-        known[0].append(frequency)
-        known[1].append(0.5 * stroke)
+        group = groups.setdefault(next(iter(by_input([record], {record.name: 0.0}))), ([], []))
+        group[0].append(frequency)
+        group[1].append(0.5 * stroke)
         rows += [[record.name, *row] for row in beyond(damper, record)]
     blocks: list[Block] = [range_table(damper)]
     if rows:
@@ -144,12 +144,12 @@ def _outside(damper: Damper, records: Sequence[Record]) -> list[Block]:
 
 def beyond(damper: Damper, record: Record) -> list[list[Cell]]:
     """What of a record lies outside the damper's range: quantity, what it reaches, from, to, unit; a row for each."""
-    found: list[list[Cell]] = []
+    rows: list[list[Cell]] = []
     u = record.voltage if record.input == "V" else record.current
     low, high = damper.range
     for value in sorted({float(np.min(u)), float(np.max(u))}) if u is not None else []:
         if not low - 1e-9 <= value <= high + 1e-9:
-            found.append(["voltage" if damper.input == "V" else "current", value, low, high, damper.input])
+            rows.append(["voltage" if damper.input == "V" else "current", value, low, high, damper.input])
     reached = {
         "displacement": 0.5 * float(np.ptp(record.displacement)),
         "velocity": float(np.max(np.abs(_velocity(damper, record)))),
@@ -159,8 +159,8 @@ def beyond(damper: Damper, record: Record) -> list[list[Cell]]:
         value = reached.get(name, float("nan"))
         if value > SLACK * high or value < low / SLACK:
             words, unit, factor = SHOWN[name]
-            found.append([words, value * factor, low * factor, high * factor, unit])
-    return found
+            rows.append([words, value * factor, low * factor, high * factor, unit])
+    return rows
 
 
 def _velocity(damper: Damper, record: Record) -> Array:

@@ -117,8 +117,8 @@ def _matrix(letter: str, values: ArrayLike) -> Array:
 def _check_sizes(building: Building) -> None:
     sizes = {letter: len(getattr(building, letter)) for letter in "MCK"}
     if len(set(sizes.values())) > 1:
-        found = ", ".join(f"{letter} {size}x{size}" for letter, size in sizes.items())
-        raise InputError(f"the matrices differ in size ({found}); M, C and K must have one row per floor each")
+        sizes_text = ", ".join(f"{letter} {size}x{size}" for letter, size in sizes.items())
+        raise InputError(f"the matrices differ in size ({sizes_text}); M, C and K must have one row per floor each")
 
 
 _SIGNS = (("M", "greater than", "masses"), ("K", "at least", "stiffnesses"), ("C", "at least", "dashpots"))

@@ -41,10 +41,12 @@ class Condensed(Building):
 
     def recover(self, motion: ArrayLike) -> Array:
         """Displacements or velocities (m, T) of all degrees of freedom, from those (k, T) of a response."""
-        kept = np.asarray(motion, dtype=float)
-        if kept.ndim not in (1, 2) or len(kept) != self.n:
-            raise InputError(f"a motion of shape {kept.shape} is no motion of {self.n} floors; pass one row for each")
-        return self.T @ kept
+        reduced_motion = np.asarray(motion, dtype=float)
+        if reduced_motion.ndim not in (1, 2) or len(reduced_motion) != self.n:
+            raise InputError(
+                f"a motion of shape {reduced_motion.shape} is no motion of {self.n} floors; pass one row for each"
+            )
+        return self.T @ reduced_motion
 
 
 def condense(
@@ -66,10 +68,10 @@ def condense(
     """
     m, c, k = _matrices(M, C, K)
     labels = _labels(floors, len(k))
-    kept = _kept(keep, labels, name)
-    left = [i for i in range(len(k)) if i not in kept]
-    T = _recovery(k, kept, left, labels)
-    made = Building(_reduced(T, m), _reduced(T, c), _reduced(T, k), name, [labels[i] for i in kept])
+    retained = _retained_indices(keep, labels, name)
+    left = [i for i in range(len(k)) if i not in retained]
+    T = _recovery(k, retained, left, labels)
+    made = Building(_reduced(T, m), _reduced(T, c), _reduced(T, k), name, [labels[i] for i in retained])
     pushed = np.asarray(np.linalg.solve(made.M, T.T @ m @ _influence(influence, len(k))), dtype=np.float64)
     errors = _frequency_errors(made, m, k)
     exact = not (np.any(m[left]) or np.any(c[left]))
@@ -84,10 +86,10 @@ def _reduced(T: Array, matrix: Array) -> Array:
 
 
 def _matrices(*given: ArrayLike) -> list[Array]:
-    found = [_square(letter, values) for letter, values in zip("MCK", given, strict=True)]
-    if len({len(each) for each in found}) > 1:
+    matrices = [_square(letter, values) for letter, values in zip("MCK", given, strict=True)]
+    if len({len(each) for each in matrices}) > 1:
         raise InputError("M, C and K differ in size; they must have one row per degree of freedom each")
-    return found
+    return matrices
 
 
 def _influence(values: ArrayLike | None, size: int) -> Array:
@@ -106,13 +108,13 @@ def _square(letter: str, values: ArrayLike) -> Array:
     return array
 
 
-def _kept(keep: Sequence[int | str], labels: tuple[str, ...], name: str) -> list[int]:
-    kept = [counted(labels, each, name) - 1 for each in keep]
-    if not kept or -1 in kept or len(set(kept)) != len(kept):
+def _retained_indices(keep: Sequence[int | str], labels: tuple[str, ...], name: str) -> list[int]:
+    retained = [counted(labels, each, name) - 1 for each in keep]
+    if not retained or -1 in retained or len(set(retained)) != len(retained):
         raise InputError(
             f"keep = {list(keep)} is not allowed; give different floors of {name}, the ground not among them"
         )
-    return kept
+    return retained
 
 
 def _labels(floors: Sequence[str], size: int) -> tuple[str, ...]:
@@ -122,9 +124,9 @@ def _labels(floors: Sequence[str], size: int) -> tuple[str, ...]:
     return labels
 
 
-def _recovery(k: Array, kept: list[int], left: list[int], labels: tuple[str, ...]) -> Array:
-    T = np.zeros((len(k), len(kept)))
-    T[kept] = np.eye(len(kept))
+def _recovery(k: Array, retained: list[int], left: list[int], labels: tuple[str, ...]) -> Array:
+    T = np.zeros((len(k), len(retained)))
+    T[retained] = np.eye(len(retained))
     if left:
         block = k[left][:, left]
         values = np.linalg.eigvalsh(block)
@@ -133,7 +135,7 @@ def _recovery(k: Array, kept: list[int], left: list[int], labels: tuple[str, ...
                 f"what is left out ({', '.join(labels[i] for i in left)}) is not held by springs: its stiffness has "
                 f"the eigenvalue {values[0]:g}, which must be greater than 0; keep more, or add the springs"
             )
-        T[left] = -np.linalg.solve(block, k[left][:, kept])
+        T[left] = -np.linalg.solve(block, k[left][:, retained])
     return T
 
 
@@ -150,12 +152,12 @@ def _frequency_errors(made: Building, m: Array, k: Array) -> Array:
 
 
 def _warn(name: str, damped: bool, errors: Array) -> None:
-    known = np.nan_to_num(errors)
-    worst = int(np.argmax(known))
+    finite_errors = np.nan_to_num(errors)
+    worst = int(np.argmax(finite_errors))
     lost = "mass and damping" if damped else "mass"
     warnings.warn(
         f"{name}: what was left out has {lost}, so the condensed building is not exact: frequency 1 "
-        f"rises by {100 * known[0]:.2g} %, the worst, frequency {worst + 1}, by {100 * known[worst]:.2g} %; "
+        f"rises by {100 * finite_errors[0]:.2g} %, the worst, frequency {worst + 1}, by {100 * finite_errors[worst]:.2g} %; "
         "keep more where that matters",
         DampyrWarning,
         stacklevel=3,

@@ -50,7 +50,7 @@ def label(building: Building, place: Any) -> str:
     return "-".join(GROUND[0] if k == 0 else building.floors[k - 1] for k in there)
 
 
-def told(place: int | tuple[int, int]) -> str:
+def describe_place(place: int | tuple[int, int]) -> str:
     """A place inside a sentence: "in storey 1", "between floors 0 and 2"."""
     return f"in storey {place}" if isinstance(place, int) else f"between floors {place[0]} and {place[1]}"
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.models.piecewise_laws import table
-from dampyr.structures.connection import told
+from dampyr.structures.connection import describe_place
 from dampyr.structures.control_law import lag_of, settings
 from dampyr.structures.sites import Site
 from dampyr.structures.workspace import Control
@@ -20,12 +20,12 @@ Array = NDArray[np.float64]
 def control(sites: tuple[Site, ...], kinds: list[int], gains: Array, step: float) -> Control:
     """The laws of the sites for steps of ``step`` seconds; ``kinds`` and ``gains`` (N, 2n + 1) as the kernel knows them."""
     count, tables = len(sites), [table(site.damper, static=False) for site in sites]
-    most = max(1, *(len(settings(site.law)) for site in sites if site.law))
+    max_settings = max(1, *(len(settings(site.law)) for site in sites if site.law))
     depth = [max(c.shape[axis] for _, c in tables) for axis in range(3)]
-    found = Control(
+    controllers = Control(
         kind=np.array(kinds),
         gains=gains,
-        settings=np.zeros((count, most)),
+        settings=np.zeros((count, max_settings)),
         every=np.zeros(count, dtype=np.int64),
         decay=np.zeros((count, 4)),
         command=np.zeros(count),
@@ -35,32 +35,32 @@ def control(sites: tuple[Site, ...], kinds: list[int], gains: Array, step: float
         coefficients=np.zeros((count, *depth)),
     )
     for d, site in enumerate(sites):
-        found.level[d] = found.command[d] = site.law.low if site.law else site.input_value
+        controllers.level[d] = controllers.command[d] = site.law.low if site.law else site.input_value
         if site.law:
-            _fill(found, d, site, step)
+            _fill(controllers, d, site, step)
             knots, coefficients = tables[d]
-            found.knots[d, : knots.shape[0], : knots.shape[1]] = knots
-            found.coefficients[d][tuple(map(slice, coefficients.shape))] = coefficients
-    return found
+            controllers.knots[d, : knots.shape[0], : knots.shape[1]] = knots
+            controllers.coefficients[d][tuple(map(slice, coefficients.shape))] = coefficients
+    return controllers
 
 
-def _fill(found: Control, d: int, site: Site, step: float) -> None:
+def _fill(controllers: Control, d: int, site: Site, step: float) -> None:
     """The clock, the settings and the coil of one law."""
     lag, numbers = lag_of(site.law, site.damper), settings(site.law)
-    found.every[d] = round(site.law.period / step)
-    found.settings[d, : len(numbers)] = numbers
+    controllers.every[d] = round(site.law.period / step)
+    controllers.settings[d, : len(numbers)] = numbers
     if lag > 0:
-        found.decay[d] = np.exp(-np.arange(1, 5) * 0.25 * step / lag)
+        controllers.decay[d] = np.exp(-np.arange(1, 5) * 0.25 * step / lag)
 
 
-def check_reached(sites: tuple[Site, ...], found: Control) -> None:
+def check_reached(sites: tuple[Site, ...], controllers: Control) -> None:
     """Raise InputError where a law asked for an input outside its own bounds."""
-    for site, (low, high) in zip(sites, found.reached, strict=True):
+    for site, (low, high) in zip(sites, controllers.reached, strict=True):
         if site.law is None or low > high:
             continue
         slack = 1e-9 * max(abs(site.law.low), abs(site.law.high), 1.0)
         if not site.law.low - slack <= low <= high <= site.law.high + slack:
             raise InputError(
-                f"the law {told(site.place)} asked for {low if low < site.law.low else high:g}; it must stay between its "
-                f"low = {site.law.low:g} and high = {site.law.high:g}"
+                f"the law {describe_place(site.place)} asked for {low if low < site.law.low else high:g}; it must "
+                f"stay between its low = {site.law.low:g} and high = {site.law.high:g}"
             )

@@ -21,16 +21,16 @@ from dampyr.models.codegen.formula import read
 from dampyr.models.part import quantities
 
 Array = NDArray[np.float64]
-SHELF = "dampyr.structures.control"
+REGISTRY = "dampyr.structures.control"
 SENSED = ("signal", "stroke", "rate", "force")
 NEEDED = ("low", "high", "period", "lag")
 SHORTEST_LAG = 2e-5
-MOST_PARTS = 400  # of a sample of the motion, at the ends of which laws may decide
+MAX_PARTS = 400  # of a sample of the motion, at the ends of which laws may decide
 
 
 def control_laws() -> list[str]:
     """The names of the laws on the shelf ``dampyr.structures.control``."""
-    return registry.names(SHELF)
+    return registry.names(REGISTRY)
 
 
 def control_law(name: str, **settings: Any) -> Any:
@@ -43,16 +43,16 @@ def control_law(name: str, **settings: Any) -> Any:
 
     Raises :class:`~dampyr.errors.InputError` for a name, a setting or a value that is not allowed.
     """
-    cls = _class(registry.member(SHELF, name))
-    known = {field.name: field for field in fields(cls)}
+    cls = _class(registry.member(REGISTRY, name))
+    allowed = {field.name: field for field in fields(cls)}
     settings = {"low": 0.0} | settings
-    unknown = [key for key in settings if key not in known]
+    unknown = [key for key in settings if key not in allowed]
     if unknown:
-        raise InputError(f"{unknown[0]!r} is no setting of {name}; it has {', '.join(known)}")
-    missing = [key for key, field in known.items() if field.default is MISSING and key not in settings]
+        raise InputError(f"{unknown[0]!r} is no setting of {name}; it has {', '.join(allowed)}")
+    missing = [key for key, field in allowed.items() if field.default is MISSING and key not in settings]
     if missing:
         raise InputError(f"{name} needs {missing[0]}; write {missing[0]}=, a number")
-    law = cls(**{key: _number(name, known[key], value) for key, value in settings.items()})
+    law = cls(**{key: _number(name, allowed[key], value) for key, value in settings.items()})
     _check_order(law)
     return law
 
@@ -86,13 +86,13 @@ def _name(law: Any) -> str:
     return _module(law).__name__.rpartition(".")[2]
 
 
-def told(law: Any, unit: str = "") -> str:
+def describe_law(law: Any, unit: str = "") -> str:
     """A law in short, for labels: its name, its inputs, and the settings that are not the usual ones."""
-    found = f"{_name(law)} {law.low:g} to {law.high:g} {unit}".rstrip()
+    description = f"{_name(law)} {law.low:g} to {law.high:g} {unit}".rstrip()
     other = [field for field in fields(law) if field.name not in ("low", "high")]
     changed = [field for field in other if getattr(law, field.name) != field.default]
     words = [f"{field.name} {_short(getattr(law, field.name))}{_unit(law, field.name)}" for field in changed]
-    return ", ".join([found, *words])
+    return ", ".join([description, *words])
 
 
 def _short(value: Any) -> str:
@@ -118,15 +118,15 @@ def values_at(law: Any, damper: Any, allow_extrapolation: bool = False) -> Array
     constant delay.
     """
     _check_order(law)
-    found: Array = damper.values(np.linspace(law.low, law.high, 201), False, allow_extrapolation)
+    values: Array = damper.values(np.linspace(law.low, law.high, 201), False, allow_extrapolation)
     lag_of(law, damper)
     k = damper.composition.delay
-    if k is not None and np.ptp(found[:, k]) > 0:
+    if k is not None and np.ptp(values[:, k]) > 0:
         raise InputError(
             f"the delay of this damper changes with its input, which {_name(law)} cannot follow; "
             'give it a constant delay, or leave it out with .without("delay")'
         )
-    return found
+    return values
 
 
 def _check_order(law: Any) -> None:
@@ -155,29 +155,29 @@ def lag_of(law: Any, damper: Any) -> float:
 
 def parts(laws: Iterable[Any], dt: float) -> int:
     """The least number of steps in a sample of a motion, ``dt`` s, that lets every law decide at the end of a step."""
-    found = 1
+    count = 1
     for law in laws:
-        ratio = Fraction(law.period / dt).limit_denominator(MOST_PARTS)
+        ratio = Fraction(law.period / dt).limit_denominator(MAX_PARTS)
         if ratio == 0 or abs(float(ratio) * dt / law.period - 1) > 1e-9:
             raise InputError(
                 f"the period {law.period:g} s of {_name(law)} does not fit the motion's {dt:g} s; take a multiple of {dt:g} s "
                 f"or of a whole part of it, such as {dt / math.ceil(dt / law.period):.6g} s"
             )
-        found = math.lcm(found, ratio.denominator)
-    if found > MOST_PARTS:
+        count = math.lcm(count, ratio.denominator)
+    if count > MAX_PARTS:
         raise InputError(
-            f"the periods of the laws and the motion's {dt:g} s meet only in {found} parts of it, of which "
-            f"{MOST_PARTS} are allowed; take periods that are multiples of one another"
+            f"the periods of the laws and the motion's {dt:g} s meet only in {count} parts of it, of which "
+            f"{MAX_PARTS} are allowed; take periods that are multiples of one another"
         )
-    return found
+    return count
 
 
 def gains(law: Any, building: Any, row: Array) -> Array:
     """What the law senses of a building, (2n + 1,)."""
-    found = np.ascontiguousarray(_module(law).gains(law, building, row), dtype=float)
-    if found.shape != (2 * building.n + 1,) or not np.all(np.isfinite(found)):
-        raise InputError(f"the gains of {_name(law)} must be {2 * building.n + 1} finite numbers, not {found!r}")
-    return found
+    values = np.ascontiguousarray(_module(law).gains(law, building, row), dtype=float)
+    if values.shape != (2 * building.n + 1,) or not np.all(np.isfinite(values)):
+        raise InputError(f"the gains of {_name(law)} must be {2 * building.n + 1} finite numbers, not {values!r}")
+    return values
 
 
 def settings(law: Any) -> Array:
@@ -194,14 +194,14 @@ def source(laws: tuple[Any, ...]) -> tuple[str, list[int]]:
 
     All laws of the shelf are in it, so that what is compiled once serves every one of them.
     """
-    classes = _shelf()
+    classes = _law_classes()
     classes += tuple(c for c in dict.fromkeys(type(law) for law in laws if law) if c not in classes)
     return _text(classes), [classes.index(type(law)) if law else -1 for law in laws]
 
 
 @lru_cache(maxsize=1)
-def _shelf() -> tuple[type, ...]:
-    return tuple(_class(module) for _, module in registry.members(SHELF))
+def _law_classes() -> tuple[type, ...]:
+    return tuple(_class(module) for _, module in registry.members(REGISTRY))
 
 
 @lru_cache(maxsize=16)

@@ -88,11 +88,11 @@ def _factors(a: float, b: float, ratios: Array) -> tuple[float, float]:
 
 
 def _refuse_feeding(alpha: float, beta: float, omega: Array, modes: tuple[int, int]) -> None:
-    found = 0.5 * (alpha + beta * omega**2)  # the ratio times the frequency, which may be 0
-    worst = int(np.argmin(found))
-    if found[worst] < -1e-12 * np.max(np.abs(found)):
+    scaled_ratios = 0.5 * (alpha + beta * omega**2)  # the ratio times the frequency, which may be 0
+    worst = int(np.argmin(scaled_ratios))
+    if scaled_ratios[worst] < -1e-12 * np.max(np.abs(scaled_ratios)):
         raise InputError(
             f"these ratios of modes {modes[0]} and {modes[1]} give mode {worst + 1} the ratio "
-            f"{found[worst] / omega[worst]:.3g}, which feeds it; choose ratios closer together, "
+            f"{scaled_ratios[worst] / omega[worst]:.3g}, which feeds it; choose ratios closer together, "
             "or method='modal'"
         )

@@ -107,19 +107,19 @@ def run(
         store.close()
         if own:
             pool.shutdown(cancel_futures=True)
-    found = store.dataset()
-    warn_of(found)
-    return found
+    dataset = store.dataset()
+    warn_of(dataset)
+    return dataset
 
 
 def completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> Iterator[Shard]:
     """Shards as they are done, no more than a few per worker under way."""
-    most = IN_FLIGHT * (os.cpu_count() or 1)
+    max_running = IN_FLIGHT * (os.cpu_count() or 1)
     left, running = iter(waiting), set[Future[Shard]]()
     while True:
         for k in left:
             running.add(pool.submit(run_shard, k, shards, what))
-            if len(running) >= most:
+            if len(running) >= max_running:
                 break
         if not running:
             return
@@ -128,11 +128,11 @@ def completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> I
             yield future.result()
 
 
-def warn_of(found: Any) -> None:
+def warn_of(dataset: Any) -> None:
     """Warn of cases that grew without bound."""
-    if found.attrs["unbounded"]:
+    if dataset.attrs["unbounded"]:
         warnings.warn(
-            f"{found.attrs['unbounded']} cases grew without bound and have no peaks; check delays, signs and inputs",
+            f"{dataset.attrs['unbounded']} cases grew without bound and have no peaks; check delays, signs and inputs",
             DampyrWarning,
             stacklevel=4,
         )

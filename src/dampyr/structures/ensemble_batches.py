@@ -34,8 +34,8 @@ from dampyr.structures.sites import LEVELS, Site, laws_of
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-LONGEST_STEP = 0.005
-MOST_STEPS = 1_000_000  # of a case under control laws
+MAX_STEP = 0.005
+MAX_STEP_COUNT = 1_000_000  # of a case under control laws
 JUDGED = ("displacement", "drift")
 
 
@@ -82,15 +82,15 @@ class Member:
 
 def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
     """The lines by what one engine can take; the last of a key is None where no engine can."""
-    found: dict[tuple[Any, ...], list[Member]] = {}
-    known: dict[tuple[int, int, int], tuple[tuple[Site, ...], float]] = {}
+    groups: dict[tuple[Any, ...], list[Member]] = {}
+    cached: dict[tuple[int, int, int], tuple[tuple[Site, ...], float]] = {}
     for row, number in enumerate(lines):
         b, d, u, k = cases.line(number)
-        if (b, d, u) not in known:
+        if (b, d, u) not in cached:
             sites = tuple(map(_without_nothing, cases.sites_of(b, d, u)))
             share = 1.0 if laws_of(sites) else STEPS[cases.accuracy]  # under laws the step is found, not given
-            known[b, d, u] = sites, share * longest_step(cases.buildings[b], sites)
-        sites, step = known[b, d, u]
+            cached[b, d, u] = sites, share * max_step(cases.buildings[b], sites)
+        sites, step = cached[b, d, u]
         dt = cases.motions[k].dt
         fitting = parts(laws_of(sites), dt)
         m = fitting * max(1, math.ceil(dt / step / fitting * (1 - 1e-9)))
@@ -100,8 +100,8 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
             (site.composition, site.values) for site in sites
         )
         key = (b, rows, compositions, dt, together, m if takes(compositions) and not laws_of(sites) else None)
-        found.setdefault(key, []).append(Member(row, b, sites, k, m))
-    return found
+        groups.setdefault(key, []).append(Member(row, b, sites, k, m))
+    return groups
 
 
 def _without_nothing(site: Site) -> Site:
@@ -112,9 +112,9 @@ def _without_nothing(site: Site) -> Site:
     return replace(site, damper=site.damper.without("delay"), values=np.delete(site.values, k))
 
 
-def longest_step(building: Building, sites: tuple[Site, ...]) -> float:
+def max_step(building: Building, sites: tuple[Site, ...]) -> float:
     """The longest step (s) that the rule allows."""
-    step = LONGEST_STEP
+    step = MAX_STEP
     for site in sites:
         by_x, by_v = rest_slopes(site) if site.law is None else steepest(site)
         [row] = connections(building, (site,))
@@ -132,8 +132,8 @@ def longest_step(building: Building, sites: tuple[Site, ...]) -> float:
 
 def steepest(site: Site) -> tuple[float, float]:
     """The largest of `rest_slopes` over the inputs that the law of a site may take."""
-    found = [rest_slopes(replace(site, values=site.between(k / (LEVELS - 1)))) for k in range(LEVELS)]
-    return max(by_x for by_x, _ in found), max(by_v for _, by_v in found)
+    slopes = [rest_slopes(replace(site, values=site.between(k / (LEVELS - 1)))) for k in range(LEVELS)]
+    return max(by_x for by_x, _ in slopes), max(by_v for _, by_v in slopes)
 
 
 SMALL_STROKE, SMALL_RATE = 1e-9, 1e-9  # m, m/s
@@ -154,14 +154,14 @@ def rest_slopes(site: Site) -> tuple[float, float]:
 def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done: Shard) -> None:
     m, scales = kind[-1], len(cases.scales)
     made = _made(cases, kind, members[0].sites, m)
-    lot = Batch.of(cases, sorted(members, key=lambda member: cases.motions[member.motion].n))
-    for first in range(0, len(members) * scales, made.most):
-        who, scale = np.divmod(np.arange(first, min(first + made.most, len(members) * scales)), scales)
-        found = lot.march(made, who, cases.scales[scale])
-        _store(lot.rows[who], scale, found, done)
+    batch = Batch.of(cases, sorted(members, key=lambda member: cases.motions[member.motion].n))
+    for first in range(0, len(members) * scales, made.max_histories):
+        who, scale = np.divmod(np.arange(first, min(first + made.max_histories, len(members) * scales)), scales)
+        peaks = batch.march(made, who, cases.scales[scale])
+        _store(batch.rows[who], scale, peaks, done)
         if first == 0:
-            few, finer = slice(made.text.lanes), _made(cases, kind, members[0].sites, 2 * m)
-            _judge({q: v[few] for q, v in found.items()}, lot.march(finer, who[few], cases.scales[scale[few]]), done)
+            few, finer = slice(made.text.block_width), _made(cases, kind, members[0].sites, 2 * m)
+            _judge({q: v[few] for q, v in peaks.items()}, batch.march(finer, who[few], cases.scales[scale[few]]), done)
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +193,7 @@ class Batch:
 
 
 _ENGINES: OrderedDict[tuple[Any, ...], Engine] = OrderedDict()
-MOST_ENGINES, _LOCK = 64, Lock()
+MAX_ENGINES, _LOCK = 64, Lock()
 
 
 def _made(cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int) -> Engine:
@@ -206,7 +206,7 @@ def _made(cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int) 
             make = gpu_engine if cases.device == "gpu" else engine
             rows = connections(building, sites)
             _ENGINES[key] = make(building, rows, compositions, dt, m, cases.quantities, cases.precision, together)
-            while len(_ENGINES) > MOST_ENGINES:
+            while len(_ENGINES) > MAX_ENGINES:
                 _ENGINES.popitem(last=False)
         return _ENGINES[key]
 
@@ -219,10 +219,10 @@ def _rest(sites: tuple[Site, ...]) -> Array:
     return np.array([along(site.composition, t, still, still, site.values)[0] for site in sites])
 
 
-def _store(rows: Integers, scales: Integers, found: dict[str, Array], done: Shard) -> None:
-    good = np.all([np.isfinite(values).all(axis=1) for values in found.values()], axis=0)
+def _store(rows: Integers, scales: Integers, peaks: dict[str, Array], done: Shard) -> None:
+    good = np.all([np.isfinite(values).all(axis=1) for values in peaks.values()], axis=0)
     done.unbounded += int(np.sum(~good))
-    for quantity, values in found.items():
+    for quantity, values in peaks.items():
         values[~good] = np.nan
         done.values[quantity][rows, scales, : values.shape[1]] = values
 
@@ -251,23 +251,23 @@ def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
             except InputError:
                 done.unbounded += 1
                 continue
-            found = _peaks(made.out, member.sites, building)
-            _store(np.array([member.row]), np.array([s]), {q: found[q] for q in cases.quantities if q in found}, done)
+            peaks = _peaks(made.out, member.sites, building)
+            _store(np.array([member.row]), np.array([s]), {q: peaks[q] for q in cases.quantities if q in peaks}, done)
             done.general += 1
             if number == 0 and s == 0 and not laws_of(member.sites):
-                _judge(found, _peaks(once(2 * member.m).out, member.sites, building), done)
+                _judge(peaks, _peaks(once(2 * member.m).out, member.sites, building), done)
 
 
 def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Run:
     """A case under control laws, its step halved until the peaks stand still: where a decision falls the other way the
     response is another one, so that no step given beforehand is small enough for all cases."""
-    made = refined(once, motion, ACCURACIES[accuracy], m, MOST_STEPS)
+    made = refined(once, motion, ACCURACIES[accuracy], m, MAX_STEP_COUNT)
     done.error, done.judged = max(done.error, made.error or 0.0), done.judged + 1
     return made
 
 
 def _peaks(out: Any, sites: tuple[Site, ...], building: Building) -> dict[str, Array]:
-    found = {
+    peaks = {
         "displacement": out.displacement_peak,
         "drift": out.drift_peak,
         "acceleration": out.acceleration_peak,
@@ -275,4 +275,4 @@ def _peaks(out: Any, sites: tuple[Site, ...], building: Building) -> dict[str, A
         "stroke": np.abs(out.state[:, : building.n] @ connections(building, sites).T).max(axis=0, initial=0.0),
         "energy": out.work[-1, 2:],
     }
-    return {quantity: np.array(values)[None] for quantity, values in found.items()}
+    return {quantity: np.array(values)[None] for quantity, values in peaks.items()}

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, sa
 from dampyr.structures.building import Building
-from dampyr.structures.control_law import is_control_law, told
+from dampyr.structures.control_law import describe_law, is_control_law
 from dampyr.structures.ensemble_grid import AXES, Cases
 
 Array = NDArray[np.float64]
@@ -128,7 +128,7 @@ def _sa(motion: GroundMotion, period: float) -> float:
 def _input_name(u: Any, unit: str) -> str:
     """A number with its unit, a law in words, nothing for the bare building."""
     if is_control_law(u):
-        return told(u, unit)
+        return describe_law(u, unit)
     return "" if u is None or u != u else f"{u:g} {unit}"
 
 

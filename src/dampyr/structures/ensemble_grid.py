@@ -28,7 +28,7 @@ from dampyr.structures.sites import Site, place
 Array = NDArray[np.float64]
 STEPS = {"fast": 1.0, "strict": 0.4}  # of the longest step that the rule allows
 CASES_PER_SHARD = 8192
-SHARDS, FEWEST_CASES, FEWEST_UNDER_LAWS = 32, 2048, 8  # shards to share out, where each has so many cases or more
+SHARDS, MIN_CASES, MIN_CASES_UNDER_LAWS = 32, 2048, 8  # shards to share out, where each has so many cases or more
 AXES = ("building", "damper", "input", "motion", "scale")
 
 
@@ -85,8 +85,8 @@ class Cases:
         """Into how many pieces the work is cut by default: so many that cores end together, each worth its beginning."""
         if self.device == "gpu":
             return min(self.lines, -(-self.size // (8 * CASES_PER_SHARD)))
-        fewest = FEWEST_UNDER_LAWS if any(map(is_control_law, self.inputs)) else FEWEST_CASES
-        return min(self.lines, max(-(-self.size // CASES_PER_SHARD), min(SHARDS, self.size // fewest)))
+        min_cases = MIN_CASES_UNDER_LAWS if any(map(is_control_law, self.inputs)) else MIN_CASES
+        return min(self.lines, max(-(-self.size // CASES_PER_SHARD), min(SHARDS, self.size // min_cases)))
 
     def lines_of(self, shard: int, shards: int) -> range:
         """The lines of one of ``shards`` pieces."""
@@ -143,7 +143,7 @@ def cases(
         raise InputError("both voltages= and currents= are given; a damper takes one of the two")
     kind = "voltage" if currents is None else "current"
     inputs = voltages if currents is None else currents
-    found = Cases(
+    grid = Cases(
         _several("buildings", buildings, Building),
         tuple(_placement(entry) for entry in _list(dampers)),
         (None,) if inputs is None else _inputs(kind + "s", inputs),
@@ -151,43 +151,43 @@ def cases(
         np.array(_numbers("scales", scales)),
         kind,
         accuracy,
-        _known_quantities(quantities),
+        _check_quantities(quantities),
         precision,
         allow_extrapolation,
         device,
     )
-    _check(found)
-    return found
+    _check(grid)
+    return grid
 
 
-def _check(found: Cases) -> None:
-    if found.accuracy not in STEPS:
-        raise InputError(f"accuracy = {found.accuracy!r} is not allowed; write 'fast' or 'strict'")
-    if found.device not in ("cpu", "gpu"):
-        raise InputError(f"device = {found.device!r} is not allowed; write 'cpu' or 'gpu'")
-    laws = [u for u in found.inputs if is_control_law(u)]
-    if found.device == "gpu" and laws:
+def _check(grid: Cases) -> None:
+    if grid.accuracy not in STEPS:
+        raise InputError(f"accuracy = {grid.accuracy!r} is not allowed; write 'fast' or 'strict'")
+    if grid.device not in ("cpu", "gpu"):
+        raise InputError(f"device = {grid.device!r} is not allowed; write 'cpu' or 'gpu'")
+    laws = [u for u in grid.inputs if is_control_law(u)]
+    if grid.device == "gpu" and laws:
         raise InputError("device = 'gpu' runs constant inputs only; run control laws with device = 'cpu'")
-    if found.device == "gpu" and (why := missing()):
+    if grid.device == "gpu" and (why := missing()):
         raise InputError(f"device = 'gpu': {why}")
-    if found.precision not in (32, 64):
-        raise InputError(f"precision = {found.precision!r} bits is not allowed; write 64 or 32")
-    for b in range(len(found.buildings)):
-        for d in range(len(found.placements)):
+    if grid.precision not in (32, 64):
+        raise InputError(f"precision = {grid.precision!r} bits is not allowed; write 64 or 32")
+    for b in range(len(grid.buildings)):
+        for d in range(len(grid.placements)):
             for u in range(
-                len(found.inputs) if b == 0 else 1
+                len(grid.inputs) if b == 0 else 1
             ):  # an input's range is the damper's, whatever the building
-                found.sites_of(b, d, u)
+                grid.sites_of(b, d, u)
     for law in laws:
-        for building in found.buildings:
-            _check_law(law, building, found)
+        for building in grid.buildings:
+            _check_law(law, building, grid)
 
 
-def _check_law(law: Any, building: Building, found: Cases) -> None:
+def _check_law(law: Any, building: Building, grid: Cases) -> None:
     """A law must find its gains wherever a damper stands, and decide at the ends of steps of every motion."""
-    for where in {each for placement in found.placements for each, _ in _dampers_of(placement)}:
+    for where in {each for placement in grid.placements for each, _ in _dampers_of(placement)}:
         gains(law, building, row(building, where))
-    for dt in {motion.dt for motion in found.motions}:
+    for dt in {motion.dt for motion in grid.motions}:
         parts((law,), dt)
 
 
@@ -230,7 +230,7 @@ def _numbers(name: str, given: ArrayLike) -> tuple[float, ...]:
     return tuple(float(v) for v in values)
 
 
-def _known_quantities(given: Sequence[str]) -> tuple[str, ...]:
+def _check_quantities(given: Sequence[str]) -> tuple[str, ...]:
     listed = (given,) if isinstance(given, str) else tuple(given)
     unknown = [quantity for quantity in listed if quantity not in QUANTITIES]
     if unknown or not listed:

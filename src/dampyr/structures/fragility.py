@@ -56,7 +56,7 @@ class Curve:
     no_band: str = ""
 
     @property
-    def found(self) -> bool:
+    def exists(self) -> bool:
         """Whether there is a curve."""
         return not self.reason
 
@@ -117,10 +117,10 @@ class Fragility:
         one, other = self[name], self[to]
         with np.errstate(invalid="ignore"):
             drawn = one.draws[:, 0] / other.draws[:, 0]
-        kept = drawn[np.isfinite(drawn)]
-        if one.no_band or other.no_band or kept.size < LEAST_SHARE * drawn.size:
+        finite = drawn[np.isfinite(drawn)]
+        if one.no_band or other.no_band or finite.size < LEAST_SHARE * drawn.size:
             return one.theta / other.theta, math.nan, math.nan
-        low, high = _middle(kept, level)
+        low, high = _middle(finite, level)
         return one.theta / other.theta, float(low), float(high)
 
     def to_xarray(self) -> Any:
@@ -139,9 +139,9 @@ class Fragility:
             "unbounded": [c.unbounded for c in self.curves],
             "reason": [c.reason for c in self.curves],
         }
-        told = ("quantity", "limit", "limit_unit", "intensity", "unit", "motions", "seed")
+        names = ("quantity", "limit", "limit_unit", "intensity", "unit", "motions", "seed")
         coordinates = {"curve": [c.name for c in self.curves]}
-        attributes = {name: getattr(self, name) for name in told}
+        attributes = {name: getattr(self, name) for name in names}
         return xarray.Dataset({k: ("curve", v) for k, v in rows.items()}, coordinates, attributes)
 
 
@@ -178,14 +178,14 @@ def fragility(
         raise InputError(f"limit = {limit!r} is not allowed; it must be greater than 0")
     if draws < 0:
         raise InputError(f"draws = {draws!r} is not allowed; it must be 0 (no bands) or more")
-    found = groups(dataset, quantity, storey, intensity, by, height)
+    case_groups = groups(dataset, quantity, storey, intensity, by, height)
     motions = dataset.sizes["motion"]
     weights = (
         np.random.default_rng(seed).multinomial(motions, np.full(motions, 1.0 / motions), size=draws).astype(float)
     )
     named = intensity if isinstance(intensity, str) else "your measure"
     return Fragility(
-        tuple(_curve(group, float(limit), weights) for group in found),
+        tuple(_curve(group, float(limit), weights) for group in case_groups),
         quantity,
         float(limit),
         "" if height is not None else UNITS[quantity],
@@ -205,7 +205,7 @@ def _curve(group: Group, limit: float, weights: Array) -> Curve:
     reached = capacities(group, limit)
     direct = by_capacity(*reached.points()) if group.peaks.shape[-1] > 1 else none("one scale only; run several")
     drawn = np.full((len(weights), 2), np.nan)
-    if curve.found and len(group.intensity) > 1:
+    if curve.exists and len(group.intensity) > 1:
         for k, weight in enumerate(weights):
             one = fit_binomial(*count.of(weight))
             drawn[k] = one.theta, one.beta
@@ -216,7 +216,7 @@ def _curve(group: Group, limit: float, weights: Array) -> Curve:
 
 
 def _why_no_band(curve: Lognormal, drawn: Array, motions: int) -> str:
-    if not curve.found:
+    if not curve.exists:
         return curve.reason
     if motions < 2:
         return "one motion only: nothing tells how motions differ"

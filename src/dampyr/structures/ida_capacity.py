@@ -22,7 +22,7 @@ class Capacities:
     kind: Array
 
     @property
-    def known(self) -> int:
+    def observed(self) -> int:
         """How many lie inside the scales."""
         return int((self.kind == REACHED).sum())
 

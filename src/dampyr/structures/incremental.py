@@ -87,18 +87,18 @@ def incremental(
         raise InputError(
             "this ensemble has one scale; an incremental analysis needs several, such as scales=np.linspace(...)"
         )
-    asked = tuple(float(p) for p in fractions)
-    if not asked or not all(0 < p < 1 for p in asked):
+    requested = tuple(float(p) for p in fractions)
+    if not requested or not all(0 < p < 1 for p in requested):
         raise InputError(f"fractions = {tuple(fractions)} is not allowed; each must lie between 0 and 1, as in 0.5")
-    found = groups(dataset, quantity, storey, intensity, by, height)
+    case_groups = groups(dataset, quantity, storey, intensity, by, height)
     named = intensity if isinstance(intensity, str) else "your measure"
     return Incremental(
-        tuple(_sweep(group, asked) for group in found),
+        tuple(_sweep(group, requested) for group in case_groups),
         quantity,
         "" if height is not None else UNITS[quantity],
         named,
         INTENSITIES.get(named, ""),
-        asked,
+        requested,
     )
 
 
@@ -119,13 +119,13 @@ def _sweep(group: Group, fractions: tuple[float, ...]) -> Sweep:
 
 def _between(levels: Array, x: Array, peaks: Array) -> Array:
     """Linear between the scales; NaN next to a case that grew without bound, but not at a scale that did not."""
-    found = np.interp(levels, x, peaks)
+    interpolated = np.interp(levels, x, peaks)
     exact = np.searchsorted(x, levels)
     here = np.minimum(exact, len(x) - 1)
-    return np.where(x[here] == levels, peaks[here], found)
+    return np.where(x[here] == levels, peaks[here], interpolated)
 
 
 def _fractiles(at: Array, fractions: tuple[float, ...]) -> Array:
     filled = np.where(np.isnan(at), BEYOND, at)
-    found = np.quantile(filled, fractions, axis=0)
-    return np.where(found > BEYOND * 1e-6, np.inf, found)
+    quantiles = np.quantile(filled, fractions, axis=0)
+    return np.where(quantiles > BEYOND * 1e-6, np.inf, quantiles)

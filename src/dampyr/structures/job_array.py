@@ -21,7 +21,7 @@ from dampyr.records.self_contained import check_contained
 from dampyr.structures.ensemble import Progress, completed, warn_of
 from dampyr.structures.ensemble_coordinates import Labels
 from dampyr.structures.ensemble_grid import Cases
-from dampyr.structures.store import FORMAT, TOLD, attributes, describe, read_ensemble, room
+from dampyr.structures.store import DIAGNOSTICS, FORMAT, allocate_dataset, attributes, describe, read_ensemble
 
 Array = NDArray[np.float64]
 NAME = re.compile(r"part-(\d+)-of-(\d+)\.h5")
@@ -47,11 +47,11 @@ def write_part(
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"part-{part:0{len(str(parts))}d}-of-{parts}.h5"
     if path.exists():
-        _check_kept(path, what)
+        _check_existing(path, what)
         return path
-    values, told = _compute(what, part - 1, parts, executor, progress)
-    with whole_file(path) as beside:
-        _write(beside, what, part, parts, values, told)
+    values, diagnostics = _compute(what, part - 1, parts, executor, progress)
+    with whole_file(path) as temporary:
+        _write(temporary, what, part, parts, values, diagnostics)
     return path
 
 
@@ -61,35 +61,35 @@ def _compute(
     each = max(1, -(-what.shards() // parts))  # shards of a part, which together are exactly its lines
     lines = what.lines_of(index, parts)
     values = {q: np.full((len(lines), len(what.scales), what.width(q)), np.nan) for q in what.quantities}
-    told, done = [], 0
+    diagnostics, done = [], 0
     pool = executor or ThreadPoolExecutor(os.cpu_count())
     try:
         for shard in completed(pool, what, each * parts, list(range(index * each, (index + 1) * each))):
             rows = slice(shard.lines.start - lines.start, shard.lines.stop - lines.start)
-            for quantity, found in shard.values.items():
-                values[quantity][rows] = found
-            told.append([getattr(shard, name) for name in TOLD])
+            for quantity, shard_values in shard.values.items():
+                values[quantity][rows] = shard_values
+            diagnostics.append([getattr(shard, name) for name in DIAGNOSTICS])
             done += len(shard.lines) * len(what.scales)
             if progress:
                 progress(done, len(lines) * len(what.scales))
     finally:
         if executor is None:
             pool.shutdown(cancel_futures=True)
-    return values, np.array(told, dtype=float)
+    return values, np.array(diagnostics, dtype=float)
 
 
-def _write(path: Path, what: Cases, part: int, parts: int, values: dict[str, Array], told: Array) -> None:
+def _write(path: Path, what: Cases, part: int, parts: int, values: dict[str, Array], diagnostics: Array) -> None:
     import h5py
 
     with h5py.File(path, "w") as file:
         describe(file, what, Labels.of(what))
         file.attrs["part"], file.attrs["parts"] = part, parts
-        file["told"] = told
-        for quantity, found in values.items():
-            file[quantity] = found
+        file["told"] = diagnostics
+        for quantity, array in values.items():
+            file[quantity] = array
 
 
-def _check_kept(path: Path, what: Cases) -> None:
+def _check_existing(path: Path, what: Cases) -> None:
     with _opened(path) as file:
         if file.attrs.get("digest") != what.digest:
             raise FileError(path, "is a part of another ensemble; choose another folder, or remove it")
@@ -112,58 +112,60 @@ def collect(folder: str | Path, out: str | Path | None = None) -> Any:
                 raise FileError(path, f"does not belong to {paths[0].name}: its cases are others; compute it again")
     if out is not None:
         _write_whole(Path(out), paths, shapes)
-        found = read_ensemble(out)
+        dataset = read_ensemble(out)
     else:
         values = {quantity: np.empty(shape) for quantity, shape in shapes.items()}
-        found = labels.dataset(values, attributes(_joined(paths, values), *made, int(np.prod(labels.shape))))
-    warn_of(found)
-    return found
+        dataset = labels.dataset(values, attributes(_joined(paths, values), *made, int(np.prod(labels.shape))))
+    warn_of(dataset)
+    return dataset
 
 
 def _joined(paths: Sequence[Path], values: Mapping[str, Any]) -> Array:
     """Put what the parts hold into ``values`` (arrays or datasets), a part at a time; what was told of all shards."""
-    told, first = [], 0
+    diagnostics, first = [], 0
     for path in paths:
         with _opened(path) as file:
-            told.append(file["told"][:])
+            diagnostics.append(file["told"][:])
             for quantity, all_rows in values.items():
                 rows = file[quantity][:]
                 all_rows[first : first + len(rows)] = rows
             first += len(rows)
-    return np.concatenate(told)
+    return np.concatenate(diagnostics)
 
 
 def _write_whole(out: Path, paths: Sequence[Path], shapes: Mapping[str, tuple[int, ...]]) -> None:
     """A file as the ensemble itself would have written, for `read_ensemble`."""
     import h5py
 
-    with whole_file(out) as beside, h5py.File(beside, "w") as file:
+    with whole_file(out) as temporary, h5py.File(temporary, "w") as file:
         with _opened(paths[0]) as first:
             for name in ("format", "digest", "quantities", "accuracy", "precision"):
                 file.attrs[name] = first.attrs[name]
             file["labels"] = first["labels"].asstr()[()]
-        told = _joined(paths, {quantity: room(file, quantity, shape) for quantity, shape in shapes.items()})
-        file.attrs["shards"] = len(told)
-        file["told"], file["done"] = told, np.ones(len(told), dtype=bool)
+        diagnostics = _joined(
+            paths, {quantity: allocate_dataset(file, quantity, shape) for quantity, shape in shapes.items()}
+        )
+        file.attrs["shards"] = len(diagnostics)
+        file["told"], file["done"] = diagnostics, np.ones(len(diagnostics), dtype=bool)
 
 
 def _all_there(folder: Path) -> list[Path]:
     named = {path: NAME.fullmatch(path.name) for path in sorted(folder.glob("part-*-of-*.h5"))}
-    found = {(int(name[1]), int(name[2])): path for path, name in named.items() if name}
-    if not found:
+    part_paths = {(int(name[1]), int(name[2])): path for path, name in named.items() if name}
+    if not part_paths:
         raise InputError(f"{folder} holds no part of an ensemble; compute them first, each with its own number")
-    counts = sorted({parts for _, parts in found})
+    counts = sorted({parts for _, parts in part_paths})
     if len(counts) > 1:
         raise InputError(
             f"{folder} holds parts of {' and of '.join(map(str, counts))}; keep those of one division and remove the others"
         )
     parts = counts[0]
-    missing = [k for k in range(1, parts + 1) if (k, parts) not in found]
+    missing = [k for k in range(1, parts + 1) if (k, parts) not in part_paths]
     if missing:
         raise InputError(
             f"{folder}: {len(missing)} of {parts} parts are missing: {ranges(missing)}; compute them first"
         )
-    return [found[k, parts] for k in range(1, parts + 1)]
+    return [part_paths[k, parts] for k in range(1, parts + 1)]
 
 
 def ranges(numbers: Sequence[int]) -> str:

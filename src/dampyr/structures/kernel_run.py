@@ -79,10 +79,12 @@ def _governed(building: Building, sites: tuple[Site, ...]) -> Any:
     kernel = bind(march, tuple(site.composition for site in sites), text)
     rows = connections(building, sites)
     nothing = np.zeros(2 * building.n + 1)
-    told = np.array([gains(s.law, building, row) if s.law else nothing for s, row in zip(sites, rows, strict=True)])
+    law_gains = np.array(
+        [gains(s.law, building, row) if s.law else nothing for s, row in zip(sites, rows, strict=True)]
+    )
 
     def run(ag: Array, m: int, step: float, linear: Linear, memory: Sites, work: Any, out: Output) -> None:
-        governors = control(sites, kinds, told, step)
+        governors = control(sites, kinds, law_gains, step)
         kernel(ag, m, step, FORCES_TO, linear, memory, governors, work, out)
         check_reached(sites, governors)
 
@@ -97,7 +99,7 @@ def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
     pull = np.ascontiguousarray(building.influence @ building.M)
     acceleration = np.ascontiguousarray(np.hstack([a[n:], b[n:]]))
     damping = np.array(building.C)
-    return Linear(exact.half, exact.whole, exact.known, exact.unknown, acceleration, damping, pull, by_storey, rows)
+    return Linear(exact.half, exact.whole, exact.explicit, exact.unknown, acceleration, damping, pull, by_storey, rows)
 
 
 def _memory(sites: tuple[Site, ...], step: float, start: float = 0.0) -> Sites:

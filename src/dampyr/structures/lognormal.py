@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-MOST_STEPS = 60
+MAX_ITERATIONS = 60
 TOLERANCE = 1e-10  # of the Newton decrement, in units of log-likelihood
 Parts = tuple[Array, Array, Array]  # log-likelihood of each point, its slope and its curvature by z
 
@@ -39,7 +39,7 @@ class Lognormal:
     reason: str = ""
 
     @property
-    def found(self) -> bool:
+    def exists(self) -> bool:
         """Whether there is a curve."""
         return not self.reason
 
@@ -77,20 +77,20 @@ def fit_binomial(x: Array, yes: Array, cases: Array) -> Lognormal:
 
 def by_capacity(x: Array, kind: Array, weight: Array) -> Lognormal:
     """The curve of capacities ``x``: known (``kind`` 0), greater than x (+1), or less than x (-1); [Baker2015]_, eq. 7."""
-    known = kind == 0
-    if weight[known].sum() < 2 or np.ptp(np.log(x[known & (weight > 0)])) == 0:
+    observed = kind == 0
+    if weight[observed].sum() < 2 or np.ptp(np.log(x[observed & (weight > 0)])) == 0:
         return none("fewer than two different capacities are known; refine or widen the scales")
     y = np.log(x)
 
     def parts(z: Array) -> Parts:
         above, below = _tail(-z), _tail(z)
         right = kind > 0
-        value = np.select([known, right], [-0.5 * z**2, above[0]], below[0])
-        slope = np.select([known, right], [-z, -above[1]], below[1])
-        curve = np.select([known, right], [-np.ones_like(z), above[2]], below[2])
+        value = np.select([observed, right], [-0.5 * z**2, above[0]], below[0])
+        slope = np.select([observed, right], [-z, -above[1]], below[1])
+        curve = np.select([observed, right], [-np.ones_like(z), above[2]], below[2])
         return weight * value, weight * slope, weight * curve
 
-    return _top(y, parts, float(weight[known].sum()))
+    return _top(y, parts, float(weight[observed].sum()))
 
 
 def _tail(z: Array) -> Parts:
@@ -102,22 +102,24 @@ def _tail(z: Array) -> Parts:
     return value, ratio, -ratio * (z + ratio)
 
 
-def _top(y: Array, parts: Callable[[Array], Parts], known: float = 0.0) -> Lognormal:
+def _top(y: Array, parts: Callable[[Array], Parts], observed_weight: float = 0.0) -> Lognormal:
     """Newton's way to the largest sum of ``parts(a + b y)`` + ``known`` log b, with steps halved while they lead down."""
     centre, spread = float(y.mean()), float(y.std()) or 1.0
     u = (y - centre) / spread  # so that a and b are of the size of 1
 
     def value(p: Array) -> float:
-        if known and p[1] <= 0:
+        if observed_weight and p[1] <= 0:
             return -math.inf
-        return float(parts(p[0] + p[1] * u)[0].sum()) + (known * math.log(p[1]) if known else 0.0)
+        return float(parts(p[0] + p[1] * u)[0].sum()) + (observed_weight * math.log(p[1]) if observed_weight else 0.0)
 
     p, now = np.array([0.0, 1.0]), value(np.array([0.0, 1.0]))
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_ITERATIONS):
         _, slope, curve = parts(p[0] + p[1] * u)
-        gradient = np.array([slope.sum(), slope @ u + (known / p[1] if known else 0.0)])
+        gradient = np.array([slope.sum(), slope @ u + (observed_weight / p[1] if observed_weight else 0.0)])
         off = float(curve @ u)
-        hessian = np.array([[curve.sum(), off], [off, curve @ u**2 - (known / p[1] ** 2 if known else 0.0)]])
+        hessian = np.array(
+            [[curve.sum(), off], [off, curve @ u**2 - (observed_weight / p[1] ** 2 if observed_weight else 0.0)]]
+        )
         try:
             step = np.linalg.solve(-hessian, gradient)
         except np.linalg.LinAlgError:
@@ -130,7 +132,7 @@ def _top(y: Array, parts: Callable[[Array], Parts], known: float = 0.0) -> Logno
         p = p + size * step
         now = value(p)
     else:
-        return none(f"the likelihood has no top within {MOST_STEPS} steps: the cases hardly tell a curve")
+        return none(f"the likelihood has no top within {MAX_ITERATIONS} steps: the cases hardly tell a curve")
     return _curve(p, centre, spread)
 
 

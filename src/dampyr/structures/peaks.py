@@ -49,15 +49,15 @@ def groups(
     bare, fitted = np.flatnonzero(names == BARE), np.flatnonzero(names != BARE)
     if ALONG[quantity] == "site":
         bare = bare[:0]  # no damper has no force
-    found: list[Group] = []
+    result: list[Group] = []
     for b in _split(dataset, "building", by):
         if bare.size:
-            found.append(Group(_name(dataset, by, b, None, None), _pooled(worst, b, bare[:1], [0]), strength[b[0]]))
+            result.append(Group(_name(dataset, by, b, None, None), _pooled(worst, b, bare[:1], [0]), strength[b[0]]))
         for d in [[k] for k in fitted] if "damper" in by else [fitted] if fitted.size else []:
             for u in _split(dataset, "input", by):
-                found.append(Group(_name(dataset, by, b, d, u), _pooled(worst, b, d, u), strength[b[0]]))
+                result.append(Group(_name(dataset, by, b, d, u), _pooled(worst, b, d, u), strength[b[0]]))
     _check_pooled_intensities(strength, by)
-    return found
+    return result
 
 
 def _split(dataset: Any, dim: str, by: Sequence[str]) -> list[list[int]]:

@@ -39,7 +39,7 @@ class Propagator:
 
     half: Array
     whole: Array
-    known: Array
+    explicit: Array
     unknown: Array
 
 

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
-from dampyr.structures.connection import label, told
+from dampyr.structures.connection import describe_place, label
+from dampyr.structures.control_law import describe_law as told_law
 from dampyr.structures.control_law import lag_of, parts
-from dampyr.structures.control_law import told as told_law
 from dampyr.structures.kernel_run import Run, connections, drifts, runner
 from dampyr.structures.linear_response import largest
 from dampyr.structures.response import Energy, Response
@@ -30,8 +30,8 @@ from dampyr.structures.workspace import Output
 Array = NDArray[np.float64]
 
 ACCURACIES = {"strict": 2e-4, "fast": 1e-3}
-LONGEST_STEP = 0.005
-MOST_STEPS = 20_000_000
+MAX_STEP = 0.005
+MAX_STEP_COUNT = 20_000_000
 
 
 def respond(
@@ -101,7 +101,7 @@ def _division(motion: GroundMotion, step: float, sites: tuple[Site, ...]) -> int
         if 0 < site.delay < motion.dt / m * (1 - 1e-9):
             raise InputError(
                 f"step = {step:g} s is longer than the delay of {site.delay:g} s "
-                f"of the damper {told(site.place)}; "
+                f"of the damper {describe_place(site.place)}; "
                 "take a step of at most the delay"
             )
     if m % (fitting := parts(laws_of(sites), motion.dt)):
@@ -116,9 +116,7 @@ def _first_division(building: Building, motion: GroundMotion, sites: tuple[Site,
     """The first, coarse division of a sample: twice the step of the rule, so that the first halving
     meets the rule."""
     lags = (lag_of(site.law, site.damper) for site in sites if site.law)
-    step = min(
-        [2 * LONGEST_STEP, motion.dt, *(s.delay for s in sites if s.delay > 0), *(lag for lag in lags if lag > 0)]
-    )
+    step = min([2 * MAX_STEP, motion.dt, *(s.delay for s in sites if s.delay > 0), *(lag for lag in lags if lag > 0)])
     if sites:
         slopes = _rest_slopes(run, sites)
         rows = connections(building, sites)
@@ -133,18 +131,18 @@ def _first_division(building: Building, motion: GroundMotion, sites: tuple[Site,
 def _rest_slopes(run: Any, sites: tuple[Site, ...]) -> Array:
     """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take."""
     inputs = range(LEVELS) if any(site.law for site in sites) else range(1)
-    found = [np.abs(run(1, samples=1, start=k / (LEVELS - 1)).out.rest_slopes) for k in inputs]
-    return np.asarray(np.max(found, axis=0))
+    slopes = [np.abs(run(1, samples=1, start=k / (LEVELS - 1)).out.rest_slopes) for k in inputs]
+    return np.asarray(np.max(slopes, axis=0))
 
 
-def refined(run: Any, motion: GroundMotion, tolerance: float, m: int, most: int | None = None) -> Run:
+def refined(run: Any, motion: GroundMotion, tolerance: float, m: int, max_step_count: int | None = None) -> Run:
     """Halve the step until the peaks stand still, or until there would be more than ``most`` steps."""
-    most = most or MOST_STEPS
+    max_step_count = max_step_count or MAX_STEP_COUNT
     coarse = run(m)
     while True:
         m *= 2
-        if m * len(motion.acceleration) > most:
-            reason = f"{m} steps per sample would pass {most} steps"
+        if m * len(motion.acceleration) > max_step_count:
+            reason = f"{m} steps per sample would pass {max_step_count} steps"
             return Run(coarse.out, coarse.step, tolerance, coarse.error, reason)
         fine = run(m)
         error = _change(coarse.out, fine.out)
@@ -220,7 +218,7 @@ def _outside(site: Site, row: Array, out: Output, dt: float) -> list[str]:
         limit = site.damper.ranges.get(name, (0.0, math.inf))[1]
         if value > 1.01 * limit:
             notes.append(
-                f"the damper {told(site.place)} reaches a {name} of {value:.4g} {unit}; "
+                f"the damper {describe_place(site.place)} reaches a {name} of {value:.4g} {unit}; "
                 f"it was calibrated up to {limit:.4g} {unit}"
             )
     return notes
@@ -241,7 +239,7 @@ def _warn(response: Response, sites: tuple[Site, ...]) -> None:
     for site, work in zip(sites, response.energy.dampers, strict=True):
         if work[-1] < -scale:
             warnings.warn(
-                f"the damper {told(site.place)} fed {-work[-1]:.3g} J into "
+                f"the damper {describe_place(site.place)} fed {-work[-1]:.3g} J into "
                 "the building over the whole motion; "
                 "check its delay and the sign of its force",
                 DampyrWarning,

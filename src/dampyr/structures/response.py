@@ -120,12 +120,12 @@ class Response:
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
     def _attributes(self) -> dict[str, Any]:
-        known = {
+        attributes = {
             "scheme": self.scheme,
             "step_s": self.step,
             "converged": int(self.converged),
             "title": self.title,
         }
         if self.error_estimate is not None:
-            known["error_estimate"] = self.error_estimate
-        return known
+            attributes["error_estimate"] = self.error_estimate
+        return attributes

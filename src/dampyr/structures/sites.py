@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from dampyr.errors import ExtrapolationWarning, InputError
 from dampyr.models.damper import INPUTS
 from dampyr.structures.building import Building
-from dampyr.structures.connection import normal, told
+from dampyr.structures.connection import describe_place, normal
 from dampyr.structures.control_law import is_control_law, values_at
 
 Array = NDArray[np.float64]
@@ -90,20 +90,20 @@ def _by_place(building: Building, value: Any) -> Any:
     """A mapping of inputs with its places written in one way; (1, 2) and storey 2 are the same."""
     if not isinstance(value, Mapping):
         return value
-    found: dict[Any, Any] = {}
+    inputs_by_place: dict[Any, Any] = {}
     for key, u in value.items():
         there = normal(building, key)
-        if there in found:
-            raise InputError(f"two inputs are given for the place {told(there)}; give one")
-        found[there] = u
-    return found
+        if there in inputs_by_place:
+            raise InputError(f"two inputs are given for the place {describe_place(there)}; give one")
+        inputs_by_place[there] = u
+    return inputs_by_place
 
 
 def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolation: bool) -> Site:
     for needed in ("values", "composition"):
         if not hasattr(damper, needed):
             raise InputError(
-                f"the place {told(there)} holds a {type(damper).__name__}; put a dampyr.models.Damper there"
+                f"the place {describe_place(there)} holds a {type(damper).__name__}; put a dampyr.models.Damper there"
             )
     u = _input(there, damper, voltage, current)
     law = u if is_control_law(u) else None
@@ -115,7 +115,7 @@ def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolati
     delay = 0.0 if where is None else float(values[where])
     if 0 < delay < SHORTEST_DELAY:
         raise InputError(
-            f"the damper {told(there)} has a delay of {delay:g} s, below the "
+            f"the damper {describe_place(there)} has a delay of {delay:g} s, below the "
             f"{SHORTEST_DELAY:g} s that can be resolved; set it to 0"
         )
     storey, floors = (there, None) if isinstance(there, int) else (0, there)
@@ -132,17 +132,17 @@ def _input(there: Any, damper: Any, voltage: Any, current: Any) -> Any:
     if value is None and other is not None:
         wrong = INPUTS["A" if kind == "V" else "V"]
         raise InputError(
-            f"{wrong}= is given, but the damper {told(there)} takes a {INPUTS[kind]}; write {INPUTS[kind]}="
+            f"{wrong}= is given, but the damper {describe_place(there)} takes a {INPUTS[kind]}; write {INPUTS[kind]}="
         )
     if value is None:
         raise InputError(
-            f"the damper {told(there)} has no {INPUTS[kind]}; write {INPUTS[kind]}=, a number in {kind} (0 is one)"
+            f"the damper {describe_place(there)} has no {INPUTS[kind]}; write {INPUTS[kind]}=, a number in {kind} (0 is one)"
         )
     if is_control_law(value):
         return value
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise InputError(
-            f"{INPUTS[kind]} = {value!r} {told(there)} is not a finite number; write a constant in {kind}, or a "
+            f"{INPUTS[kind]} = {value!r} {describe_place(there)} is not a finite number; write a constant in {kind}, or a "
             'control law, such as control_law("on_off", high=...)'
         )
     return float(value)

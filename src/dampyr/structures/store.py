@@ -18,7 +18,7 @@ from dampyr.structures.ensemble_grid import Cases
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"
 MAPPED = 2**28  # bytes of a quantity from which it stays in the file
-TOLD = ("error", "judged", "unbounded", "general")
+DIAGNOSTICS = ("error", "judged", "unbounded", "general")
 
 
 class Store:
@@ -33,7 +33,7 @@ class Store:
             self.values: dict[str, Any] = {q: np.full(self._shape(q), np.nan) for q in what.quantities}
         else:
             self._open(self.path)
-        self.told = np.zeros((self.shards, len(TOLD))) if self.file is None else self.file["told"][:]
+        self.told = np.zeros((self.shards, len(DIAGNOSTICS))) if self.file is None else self.file["told"][:]
 
     def _shape(self, quantity: str) -> tuple[int, int, int]:
         return self.what.lines, len(self.what.scales), self.what.width(quantity)
@@ -43,7 +43,7 @@ class Store:
 
         try:
             if not path.exists():
-                with whole_file(path) as beside, h5py.File(beside, "w") as file:
+                with whole_file(path) as temporary, h5py.File(temporary, "w") as file:
                     self._prepare(file)
             with h5py.File(path, "r") as file:
                 check_contained(path, file)
@@ -59,9 +59,9 @@ class Store:
 
     def _prepare(self, file: Any) -> None:
         for quantity in self.what.quantities:
-            room(file, quantity, self._shape(quantity))
+            allocate_dataset(file, quantity, self._shape(quantity))
         file["done"] = np.zeros(self.shards, dtype=bool)
-        file["told"] = np.zeros((self.shards, len(TOLD)))
+        file["told"] = np.zeros((self.shards, len(DIAGNOSTICS)))
         describe(file, self.what, self.labels)
         file.attrs["shards"] = self.shards
 
@@ -75,7 +75,7 @@ class Store:
         """Keep a shard; it counts as done only after its values are written."""
         for quantity, values in shard.values.items():
             self.values[quantity][shard.lines.start : shard.lines.stop] = values
-        self.told[shard.number] = [getattr(shard, name) for name in TOLD]
+        self.told[shard.number] = [getattr(shard, name) for name in DIAGNOSTICS]
         if self.file is not None:
             self.file["told"][shard.number] = self.told[shard.number]
             self.file.flush()
@@ -97,7 +97,7 @@ class Store:
         return self.labels.dataset(dict(self.values), attributes(self.told, *made, self.what.size))
 
 
-def room(file: Any, quantity: str, shape: tuple[int, ...]) -> Any:
+def allocate_dataset(file: Any, quantity: str, shape: tuple[int, ...]) -> Any:
     """A dataset of NaN that lies in one piece at its full length from the beginning: a kill can only leave NaN in it."""
     import h5py
 
@@ -125,11 +125,11 @@ def describe(file: Any, what: Cases, labels: Labels) -> None:
     file.attrs["precision"] = what.precision
 
 
-def attributes(told: Array, accuracy: str, precision: int, size: int) -> dict[str, Any]:
+def attributes(diagnostics: Array, accuracy: str, precision: int, size: int) -> dict[str, Any]:
     """What was measured, from the rows of `TOLD` of all shards."""
-    sums = dict(zip(TOLD[1:], told[:, 1:].sum(axis=0)))
+    sums = dict(zip(DIAGNOSTICS[1:], diagnostics[:, 1:].sum(axis=0)))
     return {
-        "error_estimate": float(told[:, 0].max(initial=0.0)),
+        "error_estimate": float(diagnostics[:, 0].max(initial=0.0)),
         "judged": int(sums["judged"]),
         "unbounded": int(sums["unbounded"]),
         "one_by_one": int(sums["general"]),

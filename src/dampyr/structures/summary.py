@@ -33,12 +33,15 @@ def summary(dataset: Any) -> list[Row]:
     chosen = range(scales.size) if scales.size <= SHOWN else [int(np.argmin(np.abs(scales - 1.0)))]
     quantities = [str(q) for q in dataset.data_vars if dataset[q].shape[-1]]
     unit = np.ones(dataset.sizes["motion"])
-    found = {q: {group.name: group for group in groups(dataset, q, "worst", unit, BY)} for q in quantities}
+    groups_by_quantity = {q: {group.name: group for group in groups(dataset, q, "worst", unit, BY)} for q in quantities}
     rows = []
-    for name, group in max(found.values(), key=len).items():
+    for name, group in max(groups_by_quantity.values(), key=len).items():
         for s in chosen:
             lost = int(np.isnan(group.peaks[..., s]).sum())
-            peaks = {q: _two(found[q][name].peaks[..., s]) if name in found[q] else None for q in quantities}
+            peaks = {
+                q: _two(groups_by_quantity[q][name].peaks[..., s]) if name in groups_by_quantity[q] else None
+                for q in quantities
+            }
             rows.append(Row(name, float(scales[s]), group.peaks[..., s].size, lost, peaks))
     return rows
 

@@ -26,7 +26,7 @@ def _unbound(*_: Any) -> Any:
 
 advance = force = slopes = _unbound
 
-MOST_ITERATIONS = 40
+MAX_ITERATIONS = 40
 SMALL = 1e-4  # forces far below the largest so far need not be found to many digits
 
 
@@ -61,11 +61,11 @@ def correct(unknown: Any, raw: Any, k: Any, inertance: Any, delays: Any, g: Any,
     for r in range(2 * n):
         d = r % n
         row = d if r < n else 3 * n + d
-        known = delays[d] > 0.0
-        residual[r] = 0.0 if known else raw[r] - g[r]
+        delayed = delays[d] > 0.0
+        residual[r] = 0.0 if delayed else raw[r] - g[r]
         for c in range(2 * n):
             slope = k[r, 0] * unknown[row, c] + k[r, 1] * unknown[row + n, c] + inertance[d] * unknown[row + 2 * n, c]
-            jacobian[r, c] = (1.0 if r == c else 0.0) - (0.0 if known else slope)
+            jacobian[r, c] = (1.0 if r == c else 0.0) - (0.0 if delayed else slope)
     solve(jacobian, residual)
     for r in range(2 * n):
         g[r] += residual[r]
@@ -153,7 +153,7 @@ def forecast(lin: Any, sites: Any, w: Any, now: Any, ag0: float, ag1: float, ste
         for i in range(n):
             w.start[d] += lin.connections[d, i] * now.z[i]
             w.start[count + d] += lin.connections[d, i] * now.z[n + i]
-    times(lin.known, w.u, w.base)
+    times(lin.explicit, w.u, w.base)
 
 
 def move(unknown: Any, base: Any, g: Any, y: Any) -> None:
@@ -168,7 +168,7 @@ def settle(lin: Any, sites: Any, w: Any, h: float, tol: float, out: Any) -> None
     misfit, scale = 0.0, 0.0
     for d in range(sites.delays.shape[0]):
         scale = max(scale, SMALL * out.force_peak[d])
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         move(lin.unknown, w.base, w.g, w.y)
         evaluate(sites.states, w.states, w.start, w.y, h, sites.params, w.raw, w.slope)
         misfit = off_by(w.raw, w.g, sites.delays, scale)

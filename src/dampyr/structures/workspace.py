@@ -15,7 +15,7 @@ class Linear(NamedTuple):
 
     half: Any  # (2n, 2n + 2 + 3N), see propagator
     whole: Any  # the same, over the whole step
-    known: Any  # (6N, 2n + 2 + N)
+    explicit: Any  # (6N, 2n + 2 + N)
     unknown: Any  # (6N, 2N)
     acceleration: Any  # (n, 2n + N): absolute acceleration from the state and the forces
     damping: Any  # (n, n)

@@ -124,7 +124,7 @@ def demo(folder: str | Path, progress: Progress = lambda stage, done: None) -> D
     out = Path(folder)
     fitted, held_out = _measured(out / "records", progress)
     progress("identifying", 0.0)
-    found = fit(
+    fit_result = fit(
         MODEL,
         fitted,
         LAWS,
@@ -133,16 +133,16 @@ def demo(folder: str | Path, progress: Progress = lambda stage, done: None) -> D
         progress=lambda k, _: progress("identifying", min(k / 40, 1.0)),
     )
     progress("identifying", 1.0)
-    if found.damper is None:
-        raise RuntimeError(f"the demonstration's fit gave no damper: {found.reason}")
-    found.damper.save(out / "damper.toml")
+    if fit_result.damper is None:
+        raise RuntimeError(f"the demonstration's fit gave no damper: {fit_result.reason}")
+    fit_result.damper.save(out / "damper.toml")
     scores, predictions = {}, {}
     for k, record in enumerate(held_out):
         progress("validating on tests it never saw", k / len(held_out))
-        scores[record.name] = score(found.damper, record)
-        predictions[record.name] = prediction(found.damper, record)
+        scores[record.name] = score(fit_result.damper, record)
+        predictions[record.name] = prediction(fit_result.damper, record)
     progress("validating on tests it never saw", 1.0)
-    result = Demo(out, fitted, held_out, found, scores, predictions, _building(found.damper, progress))
+    result = Demo(out, fitted, held_out, fit_result, scores, predictions, _building(fit_result.damper, progress))
     progress("writing the report", 0.0)
     from dampyr.studies.demo_page import write_report
 

@@ -47,10 +47,10 @@ def write_report(demo: Demo, path: Path) -> Path:
 def _tests(demo: Demo) -> Section:
     rows = []
     for record in demo.fitted + demo.held_out:
-        found = measure(record)
+        measured = measure(record)
         rows.append(
-            [record.name, record.input_value, 1e3 * found.peak_to_peak_m, found.frequency_hz, 1e3 * found.peak_speed,
-             found.mean_force, "held out" if record.role == "validation" else "fitted"]
+            [record.name, record.input_value, 1e3 * measured.peak_to_peak_m, measured.frequency_hz, 1e3 * measured.peak_speed,
+             measured.mean_force, "held out" if record.role == "validation" else "fitted"]
         )  # fmt: skip
     return Section(
         "The tests",

@@ -49,15 +49,15 @@ def pairs(folder: str | Path, settings: RigSettings | None = None) -> list[Pair]
 def _pair(records: Sequence[Record], settings: RigSettings, voltage: float, top: int) -> Pair:
     drive = Reversals(duty=top / 255, half_period=top * SLOPES[voltage], pause=PAUSE)
     ours = open_loop(settings, drive, voltage)
-    found = [(r, characteristics(r)) for r in records if abs(float(np.mean(r.voltage)) - voltage) < 0.01]  # type: ignore[arg-type]
-    if not found:
+    matches = [(r, characteristics(r)) for r in records if abs(float(np.mean(r.voltage)) - voltage) < 0.01]  # type: ignore[arg-type]
+    if not matches:
         raise InputError(f"the folder has no record at {voltage:g} V; give the folder of the original campaign")
     period = 2 * (drive.half_period + drive.pause)
-    record, theirs = min(found, key=lambda each: abs(each[1].period - period))
+    record, theirs = min(matches, key=lambda each: abs(each[1].period - period))
     return Pair(voltage, top, record, ours, theirs, characteristics(ours))
 
 
-def table(found: Sequence[Pair]) -> list[dict[str, float | str]]:
+def table(pairs: Sequence[Pair]) -> list[dict[str, float | str]]:
     """A row for each pair and number: measured and simulated, in the units of people."""
     factors = {
         "stroke": ("mm", 1e3), "peak_speed": ("mm/s", 1e3), "third": ("%", 100.0), "others": ("%", 100.0),
@@ -66,12 +66,12 @@ def table(found: Sequence[Pair]) -> list[dict[str, float | str]]:
     return [
         {"voltage": pair.voltage, "top": pair.top, "what": name.replace("_", " "), "unit": unit,
          "measured": getattr(pair.theirs, name) * factor, "simulated": getattr(pair.ours, name) * factor}
-        for pair in found
+        for pair in pairs
         for name, (unit, factor) in factors.items()
     ]  # fmt: skip
 
 
-def figure(found: Sequence[Pair], top: int = TOPS[0]) -> Figure:
+def figure(pairs: Sequence[Pair], top: int = TOPS[0]) -> Figure:
     """The pairs of one top of the duty, a row for each voltage."""
     from dampyr.figures.side_by_side import Motion, side_by_side
 
@@ -82,12 +82,12 @@ def figure(found: Sequence[Pair], top: int = TOPS[0]) -> Figure:
         level = x - 0.5 * (cycle.min() + cycle.max())
         rising = np.flatnonzero((level[:-1] < 0) & (level[1:] >= 0) & (t[1:] > moving))
         start = t[rising[0]]
-        kept = (t >= start) & (t < start + SHOWN * period)
-        return Motion(t[kept] - start, level[kept], record.force[kept])
+        window = (t >= start) & (t < start + SHOWN * period)
+        return Motion(t[window] - start, level[window], record.force[window])
 
     rows = [
         (f"{p.voltage:g} V, {p.measured.name}", cut(p.measured, p.theirs.period), cut(p.simulated, p.theirs.period))
-        for p in found
+        for p in pairs
         if p.top == top
     ]
     return side_by_side(rows)

@@ -66,11 +66,11 @@ def _curve(one: Any) -> dict[str, Any]:
     """A curve over the peak ground acceleration, m/s2, with its band and what was counted."""
     x = np.linspace(0.0, float(one.levels.max()), 121)[1:]
     at, share, _ = one.shares()
-    low, high = one.band(x, BAND) if one.found else (None, None)
+    low, high = one.band(x, BAND) if one.exists else (None, None)
     return {
         "name": one.name,
         "x": x,
-        "y": one.at(x) if one.found else None,
+        "y": one.at(x) if one.exists else None,
         "low": low,
         "high": high,
         "counted": {"x": at, "y": share},

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.models.codegen.composition import Composition
-from dampyr.structures.batch.branchless_math import LANES
+from dampyr.structures.batch.branchless_math import BLOCK_WIDTH
 from dampyr.structures.batch.damper_step import Half, half_step
 from dampyr.structures.batch.loop_fission import Loops
 from dampyr.structures.batch.modal import Step
@@ -34,7 +34,7 @@ WRITTEN_OUT_UP_TO = 4  # coordinates
 class Rows:
     """Which row of a block, ``lanes`` wide, holds what: names in the order in which they were asked for."""
 
-    lanes: int
+    block_width: int
     names: list[str] = field(default_factory=list)
 
     def __getitem__(self, name: str) -> int:
@@ -43,7 +43,7 @@ class Rows:
         return self.names.index(name)
 
     def at(self, name: str) -> str:
-        return f"b[{self[name] * self.lanes} + l]"
+        return f"b[{self[name] * self.block_width} + l]"
 
     def run(self, letter: str, size: int) -> int:
         """The first of ``size`` rows that follow each other."""
@@ -62,19 +62,19 @@ class Text:
     step: Step
     compositions: tuple[Composition, ...]
     quantities: tuple[str, ...]
-    lanes: int = LANES
+    block_width: int = BLOCK_WIDTH
     wide: str = ""
     coefficients: list[float] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
-    kept: dict[str, str] = field(default_factory=dict)
+    updates: dict[str, str] = field(default_factory=dict)
     peaks: dict[tuple[str, int], str] = field(default_factory=dict)
     cuts: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         from dampyr.structures.batch.building_step import Large, Small
 
-        self.rows = Rows(self.lanes, ["low", "high"])  # the ground's acceleration about a step
-        self.wide = self.wide or str(self.lanes)
+        self.rows = Rows(self.block_width, ["low", "high"])  # the ground's acceleration about a step
+        self.wide = self.wide or str(self.block_width)
         self.size, self.sites = self.step.end.shape[0], len(self.compositions)
         self.unknown = [f"g{r}" for r in range(2 * self.sites)]
         self.frame = (Small if self.size <= WRITTEN_OUT_UP_TO else Large)(self)
@@ -94,7 +94,7 @@ class Text:
 
     def keep(self, name: str, value: str) -> None:
         """What a history carries to its next step."""
-        self.kept[name] = value
+        self.updates[name] = value
         self.rows[name]
 
     def number(self, value: float) -> str:
@@ -255,7 +255,7 @@ class Text:
 
     def loops(self, places: dict[str, str]) -> list[str]:
         """The lines as loops over the lanes."""
-        written = Loops(self.lines, [0, *self.cuts, len(self.lines)], self.kept, self.rows, places).written()
+        written = Loops(self.lines, [0, *self.cuts, len(self.lines)], self.updates, self.rows, places).written()
         return [line for loop in written for line in loop]
 
     def _source(self) -> str:
@@ -269,7 +269,7 @@ class Text:
                 *numbers,
                 "for i in range(first, last):",
                 "    part = zero",
-                f"    for l in range({self.lanes}):",
+                f"    for l in range({self.block_width}):",
                 *(
                     f"        {self.rows.at(name)} = g[i + {k}, who[l]]*scale[l]"
                     for k, name in enumerate(("low", "high"))

@@ -20,7 +20,7 @@ from numpy.polynomial import Chebyshev, Polynomial
 
 from dampyr.models.codegen.kernels import named
 
-LANES = 64  # of a block in double precision; one in single has twice as many, and the same bytes
+BLOCK_WIDTH = 64  # of a block in double precision; one in single has twice as many, and the same bytes
 LN2, LOG2E = math.log(2.0), 1.0 / math.log(2.0)
 LOW, HIGH = math.sqrt(0.5) - 1.0, math.sqrt(2.0) - 1.0
 RADIUS = 0.5 * LN2 + 1e-9  # of the polynomial of the exponential
@@ -75,8 +75,8 @@ def constants(precision: int) -> dict[str, Any]:
 def exp_coefficients(degree: int) -> list[float]:
     """Of r^2 to r^6 in exp(r): ``degree`` is that of what follows 1 + r, divided by r^2."""
     t = Polynomial([1.0 / math.factorial(k + 2) for k in range(12)])
-    found = Chebyshev.interpolate(t, degree, domain=[-RADIUS, RADIUS]).convert(kind=Polynomial).coef
-    return [*map(float, found), *[0.0] * (4 - degree)]
+    coefficients = Chebyshev.interpolate(t, degree, domain=[-RADIUS, RADIUS]).convert(kind=Polynomial).coef
+    return [*map(float, coefficients), *[0.0] * (4 - degree)]
 
 
 real, whole = np.float64, np.int64  # all of these are bound by `functions`

@@ -37,10 +37,10 @@ class Small:
 
     def before(self) -> None:
         """The motion that the unknown forces do not touch."""
-        text, known = self.text, [*self.state, "a0", "a1", *(f"f{d}" for d in range(self.text.sites))]
+        text, terms = self.text, [*self.state, "a0", "a1", *(f"f{d}" for d in range(self.text.sites))]
         text.emit(*GROUND)
         for i in range(text.size):
-            text.emit(f"k{i} = {text.sum(text.step.end[i, : len(known)], known)}")
+            text.emit(f"k{i} = {text.sum(text.step.end[i, : len(terms)], terms)}")
         for r in range(2 * text.sites):
             text.emit(f"be{r} = {text.sum(text.step.sites[r], [f'k{i}' for i in range(text.size)])}")
 
@@ -92,8 +92,8 @@ class Large:
         self.a, self.f = text.rows.run("~a", 2), text.rows.run("f", N) if N else 0
         self.be = text.rows.run("~be", 2 * N) if N else 0
         self.g = text.rows.run("~g", 2 * N) if N else 0
-        beside = np.kron(np.eye(size // 2), np.ones((2, 2))) == 0
-        self.pairs = not np.any(text.step.end[:, :size][beside])
+        off_block = np.kron(np.eye(size // 2), np.ones((2, 2))) == 0
+        self.pairs = not np.any(text.step.end[:, :size][off_block])
 
     def before(self) -> None:
         """Nothing: it stands in `body`."""
@@ -126,16 +126,16 @@ class Large:
         shared = {f"be{r}": f"~be{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
         dampers = text.loops(shared) if N else []
         width = size + 2 + N
-        known, unknown = text.step.end[:, :width], text.step.end[:, width:]
+        explicit, unknown = text.step.end[:, :width], text.step.end[:, width:]
         ground = [f"{name} = {text.rows.at(name)}" for name in ("low", "high")]
-        lines = [f"for l in range({text.lanes}):", *(f"    {line}" for line in [*ground, *GROUND])]
-        lines += [f"    b[{(self.a + j) * text.lanes} + l] = a{j}" for j in range(2)]
+        lines = [f"for l in range({text.block_width}):", *(f"    {line}" for line in [*ground, *GROUND])]
+        lines += [f"    b[{(self.a + j) * text.block_width} + l] = a{j}" for j in range(2)]
         others = [self.a, self.a + 1, *(self.f + d for d in range(N))]
         if self.pairs:
-            lines += self._pairs(known[:, :size])
-            lines += self._product(known[:, size:], others, self.k, start=self.k)
+            lines += self._pairs(explicit[:, :size])
+            lines += self._product(explicit[:, size:], others, self.k, start=self.k)
         else:
-            lines += self._product(known, [*range(self.z, self.z + size), *others], self.k)
+            lines += self._product(explicit, [*range(self.z, self.z + size), *others], self.k)
         if N:
             for part in (0, N):  # strokes, then rates: each takes half of the modes' coordinates
                 rows = text.step.sites[part : part + N]
@@ -190,7 +190,7 @@ class Large:
             some = columns[at : at + TOGETHER]
             first = self._stored(matrix[:, at : at + TOGETHER])
             rows = {"x": self._row(target)} if at or start is None else {"x": self._row(target), "y": self._row(start)}
-            terms = [f"q{k}*b[{row * self.text.lanes} + l]" for k, row in enumerate(some)]
+            terms = [f"q{k}*b[{row * self.text.block_width} + l]" for k, row in enumerate(some)]
             terms += ["x[l]"] if at else ["y[l]"] if start is not None else []
             given = [f"q{k} = c[{first} + r*{len(some)} + {k}]" for k in range(len(some))]
             lines += self._loop(len(matrix), rows, given, [f"x[l] = {' + '.join(terms) or 'zero'}"])
@@ -209,7 +209,7 @@ class Large:
 
     def _row(self, first: int, apart: int = 1) -> str:
         """Row ``first`` of a block, then every next one as r counts."""
-        wide = self.text.lanes
+        wide = self.text.block_width
         return f"b[r*{apart * wide} + {first * wide} : r*{apart * wide} + {(first + 1) * wide}]"
 
     def _loop(self, count: int, rows: dict[str, str], given: list[str], lines: list[str]) -> list[str]:
@@ -218,6 +218,6 @@ class Large:
             f"for r in range({count}):",
             *(f"    {name} = {row}" for name, row in rows.items()),
             *(f"    {line}" for line in given),
-            f"    for l in range({self.text.lanes}):",
+            f"    for l in range({self.text.block_width}):",
             *(f"        {line}" for line in lines),
         ]

@@ -59,8 +59,8 @@ def _in_series(
 
 def _body(composition: Composition, name: str) -> list[ast.stmt]:
     tree = ast.parse(composition.source())
-    found = next(f for f in tree.body if isinstance(f, ast.FunctionDef) and f.name == f"{name}_0")
-    return found.body
+    function = next(f for f in tree.body if isinstance(f, ast.FunctionDef) and f.name == f"{name}_0")
+    return function.body
 
 
 def _targets(line: ast.stmt) -> list[str]:

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from dampyr.models.codegen.composition import Composition
 from dampyr.structures.batch.assemble import Text
-from dampyr.structures.batch.branchless_math import LANES
+from dampyr.structures.batch.branchless_math import BLOCK_WIDTH
 from dampyr.structures.batch.modal import basis_of, step
 from dampyr.structures.batch.run_blocks import compiled
 from dampyr.structures.building import Building
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-MOST_SITES = 3  # Newton's matrix is written out
+MAX_SITES = 3  # Newton's matrix is written out
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class Engine:
     precision: int
     m: int
     together: bool = False
-    most: ClassVar[int] = 16 * LANES
+    max_histories: ClassVar[int] = 16 * BLOCK_WIDTH
 
     def run(
         self,
@@ -59,18 +59,18 @@ class Engine:
         self, motions: Sequence[Array], scales: Array, ends: Integers, t: Array, c: Array, block: Array, steps: Array
     ) -> Array:
         """The block as each history left it at its end (rows, count), as many histories at a time as there are lanes."""
-        wide, kind = self.text.lanes, block.dtype.type
-        found, here = np.empty((block.shape[0], len(ends))), _aligned(block.shape[0] * wide, kind)
-        lanes = here.reshape(-1, wide)
+        wide, kind = self.text.block_width, block.dtype.type
+        final_block, here = np.empty((block.shape[0], len(ends))), _aligned(block.shape[0] * wide, kind)
+        batch = here.reshape(-1, wide)
         late, ring = any(map(self.text.late, range(self.text.sites))), np.empty((0, 0))
         for k, ground in enumerate(grounds(motions, scales, wide, kind)):
             some = slice(k * wide, (k + 1) * wide)
             count = len(ends[some])
-            lanes[:, :count], lanes[:, count:] = block[:, some], block[:, :1]
+            batch[:, :count], batch[:, count:] = block[:, some], block[:, :1]
             if late or k == 0:
-                ring = self._ring(lanes, steps)
-            self._march(ends[some], ground, t, c, lanes, ring, found[:, some])
-        return found
+                ring = self._ring(batch, steps)
+            self._march(ends[some], ground, t, c, batch, ring, final_block[:, some])
+        return final_block
 
     def _march(
         self,
@@ -78,17 +78,17 @@ class Engine:
         ground: tuple[Array, Integers, Array],
         t: Array,
         c: Array,
-        lanes: Array,
+        batch: Array,
         ring: Array,
-        found: Array,
+        final_block: Array,
     ) -> None:
         """The histories of one block, each to its end."""
         kernel = compiled(self.text.source, self.compositions, self.precision, self.together)
-        first, mask, lasts = 0, ring.shape[1] // self.text.lanes - 1, sorted(set(ends.tolist()))
+        first, mask, lasts = 0, ring.shape[1] // self.text.block_width - 1, sorted(set(ends.tolist()))
         for last in lasts:
-            kernel(first, last - 1, self.m, *ground, t, c, lanes.reshape(-1), ring, mask)
+            kernel(first, last - 1, self.m, *ground, t, c, batch.reshape(-1), ring, mask)
             ended = slice(len(ends)) if len(lasts) == 1 else np.flatnonzero(ends == last)
-            found[:, ended] = lanes[:, ended]
+            final_block[:, ended] = batch[:, ended]
             first = last - 1
 
     def _block(self, values: Sequence[Array], rest: Array, steps: Array, kind: type) -> Array:
@@ -113,14 +113,14 @@ class Engine:
                 ring[d, :wide] = block[self.text.rows[f"R{d}"]]
         return ring
 
-    def _read(self, found: Array) -> dict[str, Array]:
+    def _read(self, final_block: Array) -> dict[str, Array]:
         text = self.text
         read: dict[str, list[Array]] = {quantity: [] for quantity in text.quantities}
         for (quantity, _), name in text.peaks.items():
-            last = found[text.rows[text.frame.latest(name)]]
-            read[quantity].append(np.maximum(found[text.rows[name]], np.abs(last)))
+            last = final_block[text.rows[text.frame.latest(name)]]
+            read[quantity].append(np.maximum(final_block[text.rows[name]], np.abs(last)))
         if "energy" in read:
-            read["energy"] = [found[text.rows[f"E{d}"]] for d in range(text.sites)]
+            read["energy"] = [final_block[text.rows[f"E{d}"]] for d in range(text.sites)]
         return {quantity: np.stack(rows, axis=1) for quantity, rows in read.items() if rows}
 
 
@@ -130,10 +130,10 @@ LINE = 64  # bytes of a line of a core's cache, which eight numbers of a row sho
 def _aligned(size: int, kind: type) -> Array:
     """An uninitialised array that begins on a line of the cache."""
     width = np.dtype(kind).itemsize
-    room: Array = np.empty(size + LINE // width, kind)
-    first = -room.ctypes.data % LINE // width
-    found: Array = room[first : first + size]
-    return found
+    buffer: Array = np.empty(size + LINE // width, kind)
+    first = -buffer.ctypes.data % LINE // width
+    aligned: Array = buffer[first : first + size]
+    return aligned
 
 
 def grounds(motions: Sequence[Array], scales: Array, wide: int, kind: type) -> Iterator[tuple[Array, Integers, Array]]:
@@ -141,11 +141,11 @@ def grounds(motions: Sequence[Array], scales: Array, wide: int, kind: type) -> I
     its scale, 0 where no history is."""
     number = {id(motion): k for k, motion in enumerate(motions)}
     which = np.array([number[id(motion)] for motion in motions])
-    columns, known = np.empty((0, 0)), which[:0]
+    columns, previous = np.empty((0, 0)), which[:0]
     for first in range(0, len(motions), wide):
         different, here = np.unique(which[first : first + wide], return_inverse=True)
-        if not np.array_equal(different, known):
-            known, columns = different, np.zeros((max(len(motions[k]) for k in different), len(different)), kind)
+        if not np.array_equal(different, previous):
+            previous, columns = different, np.zeros((max(len(motions[k]) for k in different), len(different)), kind)
             for column, k in zip(columns.T, different, strict=True):
                 column[: len(motions[k])] = motions[k]
         who = np.zeros(wide, np.int64)
@@ -170,7 +170,7 @@ def engine(
     (`dampyr.structures.batch.bouc_wen_branchless.holds`).
     """
     one = step(building, connections, dt / m, basis_of(building))
-    text = Text(one, compositions, quantities, LANES * 64 // precision)
+    text = Text(one, compositions, quantities, BLOCK_WIDTH * 64 // precision)
     made = Engine(text, compositions, precision, m, together)
     compiled(text.source, compositions, precision, together)  # by one thread, before several ask for it
     return made
@@ -178,7 +178,7 @@ def engine(
 
 def takes(compositions: Sequence[Composition]) -> bool:
     """Whether the lanes can march these dampers: few, without a mass of their own."""
-    return len(compositions) <= MOST_SITES and not any(map(_asks_for_acceleration, compositions))
+    return len(compositions) <= MAX_SITES and not any(map(_asks_for_acceleration, compositions))
 
 
 def _asks_for_acceleration(composition: Composition) -> bool:

@@ -28,7 +28,7 @@ from dampyr.structures.building import Building
 
 Array = NDArray[np.float64]
 THREADS = 128  # in a block of the card
-MOST = 16384  # histories in a launch: what bounds the memory on the card
+MAX_HISTORIES = 16384  # histories in a launch: what bounds the memory on the card
 
 
 def missing() -> str:
@@ -43,7 +43,7 @@ def missing() -> str:
 class GpuEngine(Engine):
     """An engine that takes as many histories at a time as the card holds."""
 
-    most: ClassVar[int] = MOST
+    max_histories: ClassVar[int] = MAX_HISTORIES
 
     def _launch(
         self, motions: Sequence[Array], scales: Array, ends: Integers, t: Array, c: Array, block: Array, steps: Array
@@ -85,8 +85,8 @@ def _source(text: Text) -> str:
     rows = text.rows.names
     given = [f"{name} = b[{k}, l]" for k, name in enumerate(rows) if not name.startswith("~")]
     numbers = [f"c{k} = c[{k}]" for k in range(text.frame.named)]
-    names, values = ", ".join(text.kept), ", ".join(text.kept.values())
-    stored = [f"b[{rows.index(name)}, l] = {name}" for name in text.kept]
+    names, values = ", ".join(text.updates), ", ".join(text.updates.values())
+    stored = [f"b[{rows.index(name)}, l] = {name}" for name in text.updates]
     inner = [*text.lines, f"{names} = {values}", "part = part + share"]
     lines = [
         "def history(ends, m, g, who, scale, t, c, b, w, mask):",
@@ -115,7 +115,7 @@ def _compiled(source: str, compositions: tuple[Composition, ...], precision: int
     numbers.visit(tree)
     plain = (*MATH, "exp", "tanh", "copysign", "floor")
     names: dict[str, Any] = {name: getattr(math, name) for name in plain}
-    names |= {name: kind(value) for name, value in (CONSTANTS | numbers.found | {"eighth": 0.125}).items()}
+    names |= {name: kind(value) for name, value in (CONSTANTS | numbers.exists | {"eighth": 0.125}).items()}
     names |= {"real": kind, "tiny": constants(precision)["tiny"], "cuda": cuda}
     for part in (ast.unparse(ast.fix_missing_locations(tree)), EIGHTH):
         exec(compile(part, "<parts>", "exec"), names)

@@ -16,7 +16,7 @@ class Loops:
 
     lines: list[str]
     cuts: list[int]
-    kept: dict[str, str]
+    updates: dict[str, str]
     rows: Any
     places: dict[str, str] = field(default_factory=dict)
 
@@ -34,7 +34,7 @@ class Loops:
         return [self._loop(k, made) for k in range(len(self.parts))]
 
     def _loop(self, k: int, made: set[str]) -> list[str]:
-        late = [(row, value) for row, value in self.kept.items() if self._stored_in(row, value) == k]
+        late = [(row, value) for row, value in self.updates.items() if self._stored_in(row, value) == k]
         handed = {value for _, value in late} - self.writes[k]
         needed = sorted((self.reads[k] | handed) & (set(self.rows.names) | made | set(self.places)))
         loads = [f"    {name} = {self.rows.at(self._place(name))}" for name in needed]
@@ -42,22 +42,27 @@ class Loops:
         passed = sorted(self.writes[k] & (later | set(self.places)))
         stores = [f"    {self.rows.at(self._place(name))} = {name}" for name in passed]
         stores += [f"    {self.rows.at(row)} = {value}" for row, value in late]
-        return [f"for l in range({self.rows.lanes}):", *loads, *("    " + line for line in self.parts[k]), *stores]
+        return [
+            f"for l in range({self.rows.block_width}):",
+            *loads,
+            *("    " + line for line in self.parts[k]),
+            *stores,
+        ]
 
     def _handed(self, k: int) -> set[str]:
-        return {v for row, v in self.kept.items() if self._stored_in(row, v) == k} - self.writes[k]
+        return {v for row, v in self.updates.items() if self._stored_in(row, v) == k} - self.writes[k]
 
     def _place(self, name: str) -> str:
         """The row of a name: one of its own, or a passing one."""
         if name in self.places:
             return self.places[name]
-        return name if name in self.kept or not any(name in w for w in self.writes) else f"~{name}"
+        return name if name in self.updates or not any(name in w for w in self.writes) else f"~{name}"
 
     def _stored_in(self, row: str, value: str) -> int:
         """The first loop after which nothing asks for the old value."""
         made = max((k for k, names in enumerate(self.writes) if value in names), default=0)
-        asked = [k for k, names in enumerate(self.reads) if row in names]
-        return max([made, *asked])
+        readers = [k for k, names in enumerate(self.reads) if row in names]
+        return max([made, *readers])
 
 
 def _used(lines: list[str]) -> tuple[set[str], set[str]]:

@@ -59,8 +59,8 @@ def _clean(end: Array, basis: Array | None) -> Array:
     """Blocks of two on the diagonal: what rounding leaves beside them is nothing."""
     if basis is not None:
         size = len(end)
-        beside = np.kron(np.eye(size // 2), np.ones((2, 2))) == 0
-        end[:, :size][beside] = 0.0
+        off_block = np.kron(np.eye(size // 2), np.ones((2, 2))) == 0
+        end[:, :size][off_block] = 0.0
     return end
 
 

@@ -42,7 +42,7 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
     names |= (
         {"floor": math.floor, "real": kind}
         | branchless_math.functions(precision)
-        | {name: kind(value) for name, value in numbers.found.items()}
+        | {name: kind(value) for name, value in numbers.exists.items()}
     )
     exec(compile(ast.fix_missing_locations(tree), "<parts>", "exec"), names)
     key = hashlib.sha256(f"{text}{precision}".encode()).hexdigest()[:16]
@@ -59,15 +59,15 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
 
 def _straight(tree: ast.Module, name: str) -> bool:
     """Whether a formula runs straight through, so that writing it into the kernel lets eight lanes run at a time."""
-    found = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == name)
-    return not any(isinstance(node, ast.For | ast.While) for node in ast.walk(found)) and len(found.body) < 12
+    function = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == name)
+    return not any(isinstance(node, ast.For | ast.While) for node in ast.walk(function)) and len(function.body) < 12
 
 
 class Numbers(ast.NodeTransformer):
     """Names in the place of numbers, so that their precision can be chosen."""
 
     def __init__(self) -> None:
-        self.found: dict[str, float] = {}
+        self.exists: dict[str, float] = {}
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.Subscript:
         return node
@@ -75,6 +75,6 @@ class Numbers(ast.NodeTransformer):
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
         if not isinstance(node.value, float):
             return node
-        name = f"number_{len(self.found)}"
-        self.found[name] = node.value
+        name = f"number_{len(self.exists)}"
+        self.exists[name] = node.value
         return ast.Name(name, ast.Load())

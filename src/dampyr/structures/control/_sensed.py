@@ -17,9 +17,9 @@ def absolute(building: Building, row: Array) -> Array:
     """Factors (2n + 1,) that make the absolute velocity of a damper's upper floor of the state and the ground's velocity;
     positive where it lengthens the damper."""
     upper = int(np.flatnonzero(row)[-1])
-    found = np.zeros(2 * building.n + 1)
-    found[building.n + upper], found[-1] = row[upper], row[upper] * building.influence[upper]
-    return found
+    factors = np.zeros(2 * building.n + 1)
+    factors[building.n + upper], factors[-1] = row[upper], row[upper] * building.influence[upper]
+    return factors
 
 
 def weighted(building: Building, weights: Sequence[float]) -> Array:

@@ -13,7 +13,7 @@ def rig(published: Published, campaign: Campaign | None) -> Part:
     """Table A.2: the actuator's speed without load against the speeds in the records."""
     quantity = "speed of the actuator (published: without load; ours: the highest in the records, under load)"
     if campaign is None or not campaign.tests:
-        found = unchecked(
+        finding = unchecked(
             "Table A.2", quantity, published.actuator_speed, "mm/s", f"needs the files; get them with {FETCH}"
         )
     else:
@@ -23,5 +23,5 @@ def rig(published: Published, campaign: Campaign | None) -> Part:
         times = speed / published.actuator_speed
         reason = f"{fastest.record.name} moves at {times:.3g} times the printed speed; allowed: 1.1 times"
         outcome: Outcome = "agrees" if possible else "differs"
-        found = Finding("Table A.2", quantity, published.actuator_speed, speed, "mm/s", outcome, reason)
-    return Part("Table A.2: the rig", [found], [findings_table([found])])
+        finding = Finding("Table A.2", quantity, published.actuator_speed, speed, "mm/s", outcome, reason)
+    return Part("Table A.2: the rig", [finding], [findings_table([finding])])

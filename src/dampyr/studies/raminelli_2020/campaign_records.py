@@ -98,7 +98,7 @@ def _joint(tests: list[Test], progress: Progress) -> Fit | None:
         return None
     stage = "one model for all records"
     progress(stage, 0.0)
-    found = fit(
+    fit_result = fit(
         JOINT,
         records,
         laws=JOINT_LAWS,
@@ -107,14 +107,14 @@ def _joint(tests: list[Test], progress: Progress) -> Fit | None:
         progress=lambda k, _: progress(stage, min(k / 20, 1.0)),
     )
     progress(stage, 1.0)
-    return found
+    return fit_result
 
 
 def crossing_slopes(record: Record, plastic: PlasticRegion) -> Array:
     """a/kw in 1/m, (m,): (2.7) by the two samples next to each zero of theta, at each passage after a turning point."""
     assert record.velocity is not None
-    found, points = cycles(record), turning_points(record)
-    points = points[(points >= found[0][0]) & (points <= found[-1][1])]
+    cycle_bounds, points = cycles(record), turning_points(record)
+    points = points[(points >= cycle_bounds[0][0]) & (points <= cycle_bounds[-1][1])]
     theta = record.force - plastic.offset - plastic.kx * record.velocity
     slopes = []
     for first, last in pairwise(points):

@@ -26,10 +26,10 @@ PICTURE = "the text has the caption only, its figure is a picture; ours is drawn
 def chapter_2(published: Published) -> Part:
     """Figs. 2.2 to 2.4 and the example of section 2.4."""
     loop = bouc_wen_loop(published.bouc_wen)
-    found, erratum, block = figure_2_2(published.bouc_wen, loop)
+    figure_findings, erratum, block = figure_2_2(published.bouc_wen, loop)
     sampled = Branch.of(published.example, 0.0)
     exact = limit_cycle(sampled.x, sampled.force, sampled.velocity)
-    findings = [*found, *step_2(published.example, sampled), *example(published.example, exact)]
+    findings = [*figure_findings, *step_2(published.example, sampled), *example(published.example, exact)]
     findings += [unchecked(f"Figure {k}", "the curve", None, "", PICTURE) for k in ("2.2", "2.3", "2.4")]
     blocks = [block, *_example_figures(published.example, sampled, exact), findings_table(findings)]
     return Part("Chapter 2: the method on numbers", findings, blocks, [erratum, _zero_by_zero(sampled)])
@@ -129,7 +129,7 @@ def step_2(example: Example, branch: Branch) -> list[Finding]:
         judge(where, f"velocity {at_T}", example.velocity_T, 100 * branch.velocity[k], "cm/s"),
         judge(where, "force at 0", example.force_0, branch.force[0], "N"),
         judge(where, f"force {at_T}", example.force_T, branch.force[k], "N"),
-        judge(where, "kx by (2.5), from those four", example.kx_found, kx, "N s/cm"),
+        judge(where, "kx by (2.5), from those four", example.kx_identified, kx, "N s/cm"),
     ]
 
 
@@ -163,20 +163,20 @@ def as_published(steps: str, example: Example, exact: LimitCycle) -> list[Findin
     ]
     at_rho = [Candidate(tuned.rho / 100, f"that of the sample nearest to θ = 0, {shift} (chosen for it)")]
     none = f"no phase of the sampling gives it; {band}"
-    found = (
+    comparisons = (
         ("a of Step 4", example.a, exact.a, tuned.a, "N/cm", at_a),
-        ("ρ of Step 5", example.rho_found, exact.rho, tuned.rho, "1/cm", at_rho),
+        ("ρ of Step 5", example.rho_identified, exact.rho, tuned.rho, "1/cm", at_rho),
     )
     by_sample = "from the sample nearest to θ = 0, x*1 as printed"
     return [
         *(
             judge(steps, f"{name}, exact", p, e / 100, unit, candidates=c, otherwise=none)
-            for name, p, e, _, unit, c in found
+            for name, p, e, _, unit, c in comparisons
         ),
         judge(
             steps, f"a of Step 4, {by_sample}, phase chosen to meet ρ", example.a, tuned.a / 100, "N/cm", otherwise=none
         ),
-        judge(steps, f"kw of Step 5, {by_sample}", example.kw_found, tuned.kw, "N"),
+        judge(steps, f"kw of Step 5, {by_sample}", example.kw_identified, tuned.kw, "N"),
     ]
 
 
@@ -192,8 +192,8 @@ def _nearest(example: Example, phase: float) -> LimitCycle:
 def _meeting(example: Example, phases: Array, trials: list[LimitCycle]) -> float:
     """The phase at which the nearest sample gives the rho nearest to the printed one."""
 
-    def gap(phase: float, known: LimitCycle | None = None) -> float:
-        return (known or _nearest(example, phase)).rho / 100 - float(example.rho_found)
+    def gap(phase: float, cycle: LimitCycle | None = None) -> float:
+        return (cycle or _nearest(example, phase)).rho / 100 - float(example.rho_identified)
 
     gaps = np.array([gap(phase, trial) for phase, trial in zip(phases, trials, strict=True)])
     best = float(phases[np.argmin(np.abs(gaps))])

@@ -44,8 +44,8 @@ def figures_4(published: Published, campaign: Campaign | None) -> Part:
     findings += rising_force(campaign)
     errata: list[Erratum] = []
     for test in campaign.validation[:1]:
-        found, erratum = figure_4_3(published, test)
-        findings += found
+        figure_findings, erratum = figure_4_3(published, test)
+        findings += figure_findings
         errata.append(erratum)
         blocks += [_history(published, test), _loops(published, "Figure 4.4 again", test)]
     if not campaign.validation:
@@ -114,9 +114,9 @@ def figure_4_3(published: Published, test: Test) -> tuple[list[Finding], Erratum
 
 
 def _span(test: Test) -> slice:
-    found = cycles(test.record)
-    first = max(0, min(len(found) // 2, len(found) - SHOWN_CYCLES))
-    return slice(found[first][0], found[min(first + SHOWN_CYCLES, len(found)) - 1][1] + 1)
+    cycle_bounds = cycles(test.record)
+    first = max(0, min(len(cycle_bounds) // 2, len(cycle_bounds) - SHOWN_CYCLES))
+    return slice(cycle_bounds[first][0], cycle_bounds[min(first + SHOWN_CYCLES, len(cycle_bounds)) - 1][1] + 1)
 
 
 def _loops(published: Published, title: str, test: Test) -> FigureBlock:

@@ -62,13 +62,13 @@ def _means(values: Array) -> list[Candidate]:
 
 def _spreads(values: Array) -> list[Candidate]:
     """The deviations without one row, and with one row counted as zero."""
-    found = []
+    candidates = []
     for k in range(values.size):
         rest = np.delete(values, k)
-        found.append(Candidate(float(rest.std(ddof=1)), f"the deviation of the rows without row {k + 1}"))
+        candidates.append(Candidate(float(rest.std(ddof=1)), f"the deviation of the rows without row {k + 1}"))
         zeroed = float(np.append(rest, 0.0).std(ddof=1))
-        found.append(Candidate(zeroed, f"the deviation with row {k + 1} counted as 0"))
-    return found
+        candidates.append(Candidate(zeroed, f"the deviation with row {k + 1} counted as 0"))
+    return candidates
 
 
 def tables(published: Published, campaign: Campaign | None) -> list[Part]:
@@ -82,7 +82,7 @@ def _table(published: Published, table: str, campaign: Campaign | None) -> Part:
     for row in rows:
         test = campaign.test(table, row.row) if campaign else None
         by_row.append((row, test, _row(published, row, test, campaign)))
-    findings = [finding for _, _, found in by_row for finding in found]
+    findings = [finding for _, _, row_findings in by_row for finding in row_findings]
     means = group_means(table, [(row, test) for row, test, _ in by_row if test is not None])
     title = f"Table {table}: {published.printed_voltages[table].text} V"
     errata = _repeated(table, rows)
@@ -134,7 +134,7 @@ def _motion(where: str, row: Row, test: Test, published: Published, campaign: Ca
     """Printed against measured displacement and frequency; a printed value that another test has is named."""
     ours = {"displacement": 1e3 * test.measured.peak_to_peak_m, "frequency": test.measured.frequency_hz}
     assert campaign is not None
-    found = []
+    findings = []
     for name, unit in (("displacement", "mm"), ("frequency", "Hz")):
         theirs = float(getattr(row, name))
         other = [
@@ -145,19 +145,19 @@ def _motion(where: str, row: Row, test: Test, published: Published, campaign: Ca
         if name == "displacement":
             whole = 1e3 * float(np.ptp(test.record.displacement))
             why += f"; over the whole record, which drifts, {whole:.4g} mm" if said else ""
-        found.append(judge(where, f"row {row.row}: {name}", theirs, ours[name], unit, MOTION, (), why))
-    return found
+        findings.append(judge(where, f"row {row.row}: {name}", theirs, ours[name], unit, MOTION, (), why))
+    return findings
 
 
 def _coefficients(where: str, row: Row, test: Test) -> list[Finding]:
     """kx, kw and rho of the modified method against the printed ones."""
-    found = []
+    findings = []
     for name in PARAMETERS:
         ours = getattr(test.plastic, name) / TO_SI[name]
         why = _why_rho(row, test) if name == "rho" else _why_force(row, test)
         quantity = f"row {row.row}: {LETTER[name]}"
-        found.append(judge(where, quantity, getattr(row, name), ours, UNITS[name], COEFFICIENT, (), why))
-    return found
+        findings.append(judge(where, quantity, getattr(row, name), ours, UNITS[name], COEFFICIENT, (), why))
+    return findings
 
 
 def _why_force(row: Row, test: Test) -> str:
@@ -187,7 +187,7 @@ def _why_rho(row: Row, test: Test) -> str:
 
 def group_means(table: str, pairs: Sequence[tuple[Row, Test]]) -> list[Finding]:
     """The means over the rows that have a file: printed, modified, with least squares in the reason."""
-    found = []
+    findings = []
     for name in PARAMETERS:
         if not pairs:
             break
@@ -199,16 +199,18 @@ def group_means(table: str, pairs: Sequence[tuple[Row, Test]]) -> list[Finding]:
         if name == "rho":
             why += f", two samples around θ = 0 (median over turning points) {float(np.mean(spans)):.4g}"
         quantity = f"mean of {LETTER[name]} over {len(pairs)} rows"
-        found.append(judge(f"Table {table}", quantity, theirs, ours, UNITS[name], COEFFICIENT, (), why))
-    return found
+        findings.append(judge(f"Table {table}", quantity, theirs, ours, UNITS[name], COEFFICIENT, (), why))
+    return findings
 
 
 def _motion_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
     rows: list[list[Cell]] = []
-    for row, test, found in by_row:
+    for row, test, row_findings in by_row:
         measured = (1e3 * test.measured.peak_to_peak_m, test.measured.frequency_hz) if test else (None, None)
         name = test.record.name if test else None
-        rows.append([row.row, name, row.displacement, measured[0], row.frequency, measured[1], _verdict(found[:2])])
+        rows.append(
+            [row.row, name, row.displacement, measured[0], row.frequency, measured[1], _verdict(row_findings[:2])]
+        )
     columns = ("row", "file", "displacement", "measured", "frequency", "measured ", "verdict")
     units = ("", "", "mm", "mm", "Hz", "Hz", "")
     return Table(columns, rows, units, caption="The motion: printed, and measured over whole cycles.")
@@ -216,8 +218,8 @@ def _motion_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> T
 
 def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
     rows: list[list[Cell]] = []
-    for row, test, found in by_row:
-        cells: list[Cell] = [row.row, _verdict(found[2:])]
+    for row, test, row_findings in by_row:
+        cells: list[Cell] = [row.row, _verdict(row_findings[2:])]
         for name in PARAMETERS:
             cells.append(getattr(row, name))
             cells.append(getattr(test.plastic, name) / TO_SI[name] if test else None)
@@ -232,12 +234,12 @@ def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -
     return Table(columns, rows, units, caption=caption, digits=4)
 
 
-def _verdict(found: Sequence[Finding]) -> Verdict:
+def _verdict(findings: Sequence[Finding]) -> Verdict:
     """One verdict for a row, naming what differs; `_reasons` says why."""
-    kind = overall(found)
+    kind = overall(findings)
     if kind == "cannot be checked":
         return Verdict(kind, "no file")
-    return Verdict(kind, ", ".join(_name(f) for f in found if f.verdict == "differs"))
+    return Verdict(kind, ", ".join(_name(f) for f in findings if f.verdict == "differs"))
 
 
 def _name(finding: Finding) -> str:
@@ -247,7 +249,7 @@ def _name(finding: Finding) -> str:
 def _reasons(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
     """Why rows differ, one line for each number that does."""
     rows: list[list[Cell]] = [
-        [row.row, _name(f), f.reason] for row, _, found in by_row for f in found if f.verdict == "differs"
+        [row.row, _name(f), f.reason] for row, _, row_findings in by_row for f in row_findings if f.verdict == "differs"
     ]
     return Table(("row", "number", "what differs, and why"), rows)
 

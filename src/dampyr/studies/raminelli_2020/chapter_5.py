@@ -53,13 +53,15 @@ def chapter_5(published: Published, data: Path | None = None) -> Part:
 
 def laboratory_motion(motion: GroundMotion, data: Path | None) -> list[Finding]:
     """Figure 5.1 is a picture; the laboratory's own file of the motion, where it lies beside the data, is the built-in one."""
-    known = [folder / MOTION_FILE for folder in (data, data.parent, data.parent / "ground-motions")] if data else []
-    found = next((path for path in known if path.is_file()), None)
+    candidates = (
+        [folder / MOTION_FILE for folder in (data, data.parent, data.parent / "ground-motions")] if data else []
+    )
+    motion_path = next((path for path in candidates if path.is_file()), None)
     curve = unchecked("Figure 5.1", "the curve", None, "", PICTURE)
-    if found is None:
+    if motion_path is None:
         missing = f"the laboratory's {MOTION_FILE} is not beside the data"
         return [curve, unchecked("Figure 5.1", "the motion's samples", None, "", missing)]
-    theirs = np.trim_zeros(np.asarray(read(found, units="g").acceleration))
+    theirs = np.trim_zeros(np.asarray(read(motion_path, units="g").acceleration))
     ours = np.trim_zeros(np.asarray(motion.acceleration))
     same = theirs.shape == ours.shape
     reason = f"{theirs.size} samples in {MOTION_FILE}, {ours.size} in the built-in motion, zeros at the ends aside"
@@ -76,11 +78,11 @@ def run_cases(published: Published, motion: GroundMotion, damper: Damper) -> tup
     high = float(published.highest_voltage)
     voltages: dict[str, float | None] = {CASE[0]: None, CASE[1]: 0.0, f"{CASE[2]}, {high:g} V": high}
     voltages |= {f"{v:g} V": v for v in ALSO}
-    found, notes = {}, []
+    responses, notes = {}, []
     for name, voltage in voltages.items():
-        found[name], said = _shake(motion, damper, voltage)
+        responses[name], said = _shake(motion, damper, voltage)
         notes += [f"{name}: {each}" for each in said]
-    return found, notes
+    return responses, notes
 
 
 def _shake(motion: GroundMotion, damper: Damper, voltage: float | None) -> tuple[Response, list[str]]:
@@ -120,12 +122,12 @@ def peaks(published: Published, names: list[str], ours: list[float], slip: Mappi
         "scaled by as much would give it, and the text names no scale",
         *(_slip_words(slip, published.peaks[k], f"case {k + 1}") for k in (1, 2)),
     ]
-    found = []
+    findings = []
     for name, theirs, value, why in zip(names, published.peaks, ours, reasons):
-        found.append(
+        findings.append(
             judge("Figure 5.4", f"peak of the first floor, {name}", theirs, value, "mm", PERCENT, otherwise=why)
         )
-    return [*found, _slip_verdict(published, slip)]
+    return [*findings, _slip_verdict(published, slip)]
 
 
 def _slip_words(slip: Mapping[str, float], printed: float, case: str) -> str:
@@ -152,7 +154,7 @@ def _slip_verdict(published: Published, slip: Mapping[str, float]) -> Finding:
 
 def reductions(published: Published, ours: list[float]) -> list[Finding]:
     """The two printed percentages, from the printed peaks; and from our peaks in the reason."""
-    bare, found = float(published.peaks[0]), []
+    bare, findings = float(published.peaks[0]), []
     for k, printed in enumerate(published.reductions, start=1):
         theirs = 100 * (bare - float(published.peaks[k])) / bare
         here = 100 * (ours[0] - ours[k]) / ours[0]
@@ -161,8 +163,8 @@ def reductions(published: Published, ours: list[float]) -> list[Finding]:
             f"{printed:g} % would be a peak of {bare * (1 - printed / 100):.4f} mm; our own peaks give {here:.3g} %"
         )
         quantity = f"reduction in case {k + 1}, from the printed peaks"
-        found.append(judge("Section 5.2", quantity, printed, theirs, "%", otherwise=why))
-    return found
+        findings.append(judge("Section 5.2", quantity, printed, theirs, "%", otherwise=why))
+    return findings
 
 
 def ranking(ours: list[float]) -> Finding:

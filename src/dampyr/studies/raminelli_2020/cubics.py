@@ -110,13 +110,13 @@ def equations(published: Published) -> Part:
 
 def recovered(published: Published, applied: Sequence[float], rho_0: float) -> list[Finding]:
     """Each printed coefficient against the one through the means at the applied voltages."""
-    found = []
+    findings = []
     for name in PARAMETERS:
         ours = through(applied, table_means(published, name, rho_0))
         for power, (theirs, value) in enumerate(zip(published.cubics[name], ours, strict=True)):
             quantity = f"{LETTER[name]}: coefficient of v{POWERS[power]}"
-            found.append(judge(EQUATION[name], quantity, theirs, float(value), _per_volt(name, power), RECOVERED))
-    return found
+            findings.append(judge(EQUATION[name], quantity, theirs, float(value), _per_volt(name, power), RECOVERED))
+    return findings
 
 
 def _per_volt(name: str, power: int) -> str:
@@ -127,7 +127,7 @@ def at_printed_voltages(
     published: Published, applied: Sequence[float], printed: Sequence[float], rho_0: float
 ) -> list[Finding]:
     """The cubic at the voltage that the table prints, against that table's mean."""
-    found = []
+    findings = []
     for name in PARAMETERS:
         means = table_means(published, name, rho_0)
         for table, true, shown, mean in zip(TABLES, applied, printed, means, strict=True):
@@ -135,7 +135,7 @@ def at_printed_voltages(
             off = 100 * abs(at_true / mean - 1)
             otherwise = f"at the applied {true:g} V the cubic gives {at_true:.6g}, {off:.1g} % from the mean"
             quantity = f"{LETTER[name]} at the printed {shown:g} V, against Table {table}"
-            found.append(
+            findings.append(
                 judge(
                     "Printed voltages",
                     quantity,
@@ -147,7 +147,7 @@ def at_printed_voltages(
                     otherwise,
                 )
             )
-    return found
+    return findings
 
 
 def all_ten_rows(published: Published, applied: Sequence[float]) -> list[Finding]:

@@ -100,8 +100,8 @@ def judge(
     if tolerance.allows(published, ours):
         reason = f"{off}; allowed: {tolerance.words(unit)}"
         return Finding(artefact, quantity, published, ours, unit, "agrees", reason)
-    found = [c for c in candidates if tolerance.allows(published, c.value)]
-    why = f"the printed value is {found[0].words} ({found[0].value:.8g})" if found else otherwise
+    matches = [c for c in candidates if tolerance.allows(published, c.value)]
+    why = f"the printed value is {matches[0].words} ({matches[0].value:.8g})" if matches else otherwise
     reason = f"{off}; allowed: {tolerance.words(unit)}" + (f". Because: {why}" if why else "")
     return Finding(artefact, quantity, published, ours, unit, "differs", reason)
 

@@ -39,7 +39,7 @@ def percent(damper: Damper, record: Record) -> Array:
     late = compare(record, model)
     whole = compare(record, model, window=(float(record.time[0]), float(record.time[-1])))
     here = late.window.slice
-    found = (
+    ratios = (
         late.l1,
         whole.l1,
         float(np.sum(np.abs(model - record.force)) / np.sum(np.abs(record.force))),
@@ -48,7 +48,7 @@ def percent(damper: Damper, record: Record) -> Array:
         _pointwise(record.force, model),
         _relative(record.force, model - record.force),
     )
-    return 100.0 * np.array(found)
+    return 100.0 * np.array(ratios)
 
 
 def _pointwise(measured: Array, model: Array) -> float:
@@ -66,11 +66,11 @@ def errors(published: Published, campaign: Campaign | None) -> Part:
     """Both errors; without the data nothing can be said."""
     if campaign is None or not campaign.tests:
         missing = f"the campaign's files are not on this machine; get them with {FETCH}"
-        found = [
+        unchecked_findings = [
             unchecked("14.81 %", "mean error at 0 V, section 4.2", published.error_at_0, "%", missing),
             unchecked("21.71 %", "error of (4.6)-(4.8), section 4.4", published.error_validation, "%", missing),
         ]
-        return Part(TITLE, found, [findings_table(found)])
+        return Part(TITLE, unchecked_findings, [findings_table(unchecked_findings)])
     text = Text(
         "The text names the L1 ratio (3.1) for both. “Pointwise mean” is the mean of |error| / |force| over "
         "the samples; it hangs "

@@ -32,12 +32,12 @@ class Example:
     force_T: Printed = Printed("6.3200")
     velocity_0: Printed = Printed("7.8957e-5")
     velocity_T: Printed = Printed("2.3687e-4")
-    kx_found: Printed = Printed("0.045")
+    kx_identified: Printed = Printed("0.045")
     x_star: Printed = Printed("-0.8")
     a: Printed = Printed("4466.3")
     x_star1: Printed = Printed("-0.2092")
-    rho_found: Printed = Printed("706.687")
-    kw_found: Printed = Printed("6.32")
+    rho_identified: Printed = Printed("706.687")
+    kw_identified: Printed = Printed("6.32")
 
 
 @dataclass(frozen=True)
@@ -67,13 +67,13 @@ class Row:
 
 def _rows() -> tuple[Row, ...]:
     """The rows as the table of the campaign has them, which comes with dampyr."""
-    found = []
+    rows = []
     for each in campaign_rows():
         if each.row is not None:
             values = [each.published[name] / TO_SI[name] for name in PARAMETERS]
             moved = (round(1e3 * each.label.peak_to_peak_m, 9), each.label.frequency_hz)
-            found.append(Row(each.table, each.row, each.voltage, *moved, *values))
-    return tuple(found)
+            rows.append(Row(each.table, each.row, each.voltage, *moved, *values))
+    return tuple(rows)
 
 
 @dataclass(frozen=True)

@@ -48,10 +48,10 @@ class Study:
     @property
     def artefacts(self) -> dict[str, list[Finding]]:
         """The findings of each table, equation, error and figure."""
-        found: dict[str, list[Finding]] = {}
+        findings: dict[str, list[Finding]] = {}
         for finding in self.findings:
-            found.setdefault(finding.artefact, []).append(finding)
-        return found
+            findings.setdefault(finding.artefact, []).append(finding)
+        return findings
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON: plain numbers in the printed units."""
@@ -59,16 +59,16 @@ class Study:
             "study": "Raminelli (2020)",
             "data": None if self.data is None else str(self.data),
             "left_out": list(self.left_out),
-            "artefacts": {name: artefact_summary(found) for name, found in self.artefacts.items()},
+            "artefacts": {name: artefact_summary(findings) for name, findings in self.artefacts.items()},
             "findings": [asdict(finding) for finding in self.findings],
             "errata": [asdict(erratum) for erratum in self.errata],
             "page": None if self.page is None else str(self.page),
         }
 
 
-def artefact_summary(found: Sequence[Finding]) -> dict[str, Any]:
+def artefact_summary(findings: Sequence[Finding]) -> dict[str, Any]:
     """The verdict on an artefact, and how many of its numbers have which."""
-    return {"verdict": overall(found), **{kind: sum(f.verdict == kind for f in found) for kind in OUTCOMES}}
+    return {"verdict": overall(findings), **{kind: sum(f.verdict == kind for f in findings) for kind in OUTCOMES}}
 
 
 def run(data: str | Path | None, out: str | Path | None, published: Published, progress: Progress | None) -> Study:

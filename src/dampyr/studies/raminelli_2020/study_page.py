@@ -39,7 +39,7 @@ def html(study: Study) -> str:
 def summary(study: Study) -> list[Block]:
     """One line for each table, equation, error and figure."""
     rows: list[list[Cell]] = [
-        [name, len(found), Verdict(overall(found), _why(found))] for name, found in study.artefacts.items()
+        [name, len(findings), Verdict(overall(findings), _why(findings))] for name, findings in study.artefacts.items()
     ]
     text = (
         "A verdict follows from the two numbers and the tolerance beside it. An artefact differs where one of "
@@ -52,15 +52,15 @@ def summary(study: Study) -> list[Block]:
     return blocks
 
 
-def _why(found: Sequence[Finding]) -> str:
+def _why(findings: Sequence[Finding]) -> str:
     """Counts, and the first reason of the verdict."""
-    kind = overall(found)
-    of = [f for f in found if f.verdict == kind]
-    count = f"{len(of)} of {len(found)}: " if len(found) > 1 else ""
+    kind = overall(findings)
+    of = [f for f in findings if f.verdict == kind]
+    count = f"{len(of)} of {len(findings)}: " if len(findings) > 1 else ""
     return f"{count}{of[0].quantity}, {of[0].reason}"
 
 
-def errata(found: Sequence[Erratum]) -> Table:
+def errata(entries: Sequence[Erratum]) -> Table:
     """Slips: printed, what it should be, why."""
-    rows: list[list[Cell]] = [[e.place, e.printed, e.correct, e.reason] for e in found]
+    rows: list[list[Cell]] = [[e.place, e.printed, e.correct, e.reason] for e in entries]
     return Table(("where", "printed", "should be", "because"), rows)
