@@ -16,14 +16,14 @@ def main(wanted: list[str]) -> None:
     for name in wanted or usual():
         bench = registry.member("benchmarks", name)
         print(f"\n{bench.TITLE}")
-        found = bench.run(data_folder())
-        print(f"  left out: {found}" if isinstance(found, str) else show(found), flush=True)
+        result = bench.run(data_folder())
+        print(f"  left out: {result}" if isinstance(result, str) else show(result), flush=True)
     print(f"\n{time.perf_counter() - start:.0f} s in all")
 
 
 def usual() -> list[str]:
     """Every bench but the long ones."""
-    return [name for name, bench in registry.members("benchmarks") if not getattr(bench, "ASKED_FOR", False)]
+    return [name for name, bench in registry.members("benchmarks") if not getattr(bench, "OPT_IN", False)]
 
 
 if __name__ == "__main__":

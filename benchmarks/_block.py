@@ -38,9 +38,9 @@ def block(
     sites = place(building, {1: damper}, voltage, None, False)
     rows = connections(building, sites)
     made = engine(building, rows, tuple(site.composition for site in sites), motion.dt, m, quantities, precision)
-    lanes = made.text.block_width
-    grounds, scales = [motion.acceleration] * lanes, np.linspace(0.5, 1.5, lanes)
-    values = [np.tile(site.values, (lanes, 1)) for site in sites]
-    rest = np.zeros((lanes, len(sites)))
-    steps = lanes * m * (len(motion.acceleration) - 1)
+    width = made.text.block_width
+    grounds, scales = [motion.acceleration] * width, np.linspace(0.5, 1.5, width)
+    values = [np.tile(site.values, (width, 1)) for site in sites]
+    rest = np.zeros((width, len(sites)))
+    steps = width * m * (len(motion.acceleration) - 1)
     return Block(made, lambda: made.run(grounds, values, rest, scales=scales), steps)

@@ -59,7 +59,7 @@ def compiled(solver: str, n: int, dt: float) -> Any:
     term = diffrax.ODETerm(partial(_rate, jnp, dt, _matrices(jnp)))
 
     def one(step: Any, ground: Any, damper: Any) -> Any:
-        found = diffrax.diffeqsolve(
+        solution = diffrax.diffeqsolve(
             term,
             getattr(diffrax, solver)(),
             0.0,
@@ -73,7 +73,7 @@ def compiled(solver: str, n: int, dt: float) -> Any:
             max_steps=None,
             throw=False,
         )
-        return jnp.max(jnp.abs(found.ys), axis=0)
+        return jnp.max(jnp.abs(solution.ys), axis=0)
 
     return jax.jit(jax.vmap(one, in_axes=(None, 0, 0)))
 

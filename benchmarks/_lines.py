@@ -81,6 +81,6 @@ def _processor() -> str:
 
 def data_folder() -> Path | None:
     """The folder of measured data, or None where it is absent."""
-    beside = Path(__file__).resolve().parents[2] / "shared" / "data"
-    folder = Path(os.environ.get("DAMPYR_DATA") or beside)
+    default = Path(__file__).resolve().parents[2] / "shared" / "data"
+    folder = Path(os.environ.get("DAMPYR_DATA") or default)
     return folder if folder.is_dir() else None

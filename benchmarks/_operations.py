@@ -92,8 +92,8 @@ def _operators(sheet: Sheet) -> None:
 
 def total(engine: Engine) -> int:
     """Sums, products and divisions of a history's step together."""
-    found = per_step(engine)
-    return sum(found[kind] for kind in COUNTED)
+    counts = per_step(engine)
+    return sum(counts[kind] for kind in COUNTED)
 
 
 def per_step(engine: Engine) -> Counter[str]:
@@ -175,16 +175,16 @@ class _Rows:
         self.values[k] = value
 
 
-def _counted(kept: Iterable[Any]) -> Counter[str]:
+def _counted(outputs: Iterable[Any]) -> Counter[str]:
     """The operations that lead to what is kept, each once."""
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     seen: set[int] = set()
-    waiting = list(kept)
+    waiting = list(outputs)
     while waiting:
         each = waiting.pop()
         if isinstance(each, Symbol) and not each.shared and id(each) not in seen:
             seen.add(id(each))
             waiting += each.operands
             if each.operands:
-                found[f"{each.kind} of whole numbers" if each.whole else each.kind] += 1
-    return found
+                counts[f"{each.kind} of whole numbers" if each.whole else each.kind] += 1
+    return counts

@@ -73,14 +73,14 @@ def histories(cases: list[Case]) -> float:
 @lru_cache(maxsize=1)
 def reference() -> Array:
     """(21, 2): the peaks of the first floor and of the second storey's drift [m], by `respond` to 2e-6."""
-    damper, found = {1: raminelli_2020.damper()}, []
+    damper, rows = {1: raminelli_2020.damper()}, []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # the published damper was calibrated on smaller motions
         for volts in VOLTS:
             for motion in motions():
                 one = respond(two_storey(), motion, damper, voltage=volts, accuracy=2e-6)
-                found.append((one.peak_displacement[0], one.peak_drift[1]))
-    return np.array(found)
+                rows.append((one.peak_displacement[0], one.peak_drift[1]))
+    return np.array(rows)
 
 
 def error(peaks: Any) -> Error:
@@ -106,14 +106,14 @@ def coarsest(peaks: Callable[[list[Case], int], Any], first: int = 8) -> tuple[i
         if suite()[0].dt / good < SHORTEST_STEP:
             return good, trial.error
         good, bad = 2 * good, good
-    found = trial.error
+    best = trial.error
     while good - bad > max(1, good // 8):
         middle = (good + bad + 1) // 2
         if trial.passes(middle):
-            good, found = middle, trial.error
+            good, best = middle, trial.error
         else:
             bad = middle
-    return good, found
+    return good, best
 
 
 @dataclass

@@ -32,8 +32,10 @@ def run(data: Path | None) -> list[Line]:
             for rtol in TOLERANCES:
                 here[f"{volts:g} V: solve_ivp Radau, rtol {rtol:g}"] = lambda volts=volts, rtol=rtol: radau(volts, rtol)
             for name, contender in here.items():
-                found = contender()
-                errors[name] = f"{1e3 * found:.5f} mm, {found / reference - 1:+.0e} of {1e3 * reference:.4f} mm"
+                peak_value = contender()
+                errors[name] = (
+                    f"{1e3 * peak_value:.5f} mm, {peak_value / reference - 1:+.0e} of {1e3 * reference:.4f} mm"
+                )
             contenders |= here
         return race(contenders, errors, rounds=3)
 
@@ -59,9 +61,9 @@ def radau(volts: float, rtol: float) -> float:
         return np.append(A @ z + B * force + E * ground, rho * (z[2] - abs(z[2]) * w))
 
     atol = np.array([1e-3, 1e-3, 1e-2, 1e-2, 1.0]) * rtol
-    found = solve_ivp(
+    solution = solve_ivp(
         rate, (0.0, motion.duration), np.zeros(5), "Radau", rtol=rtol, atol=atol, max_step=motion.dt, dense_output=True
     )
-    k = int(np.argmax(np.abs(found.y[0])))
-    near = np.linspace(found.t[k - 1], found.t[k + 1], 2001)
-    return float(np.max(np.abs(found.sol(near)[0])))
+    k = int(np.argmax(np.abs(solution.y[0])))
+    near = np.linspace(solution.t[k - 1], solution.t[k + 1], 2001)
+    return float(np.max(np.abs(solution.sol(near)[0])))

@@ -64,5 +64,7 @@ def searched(one: Piece) -> list[float]:
         return (middle + f0 + model - one.force) / reach
 
     low, high = [0.0, 1e-9, 1e-9, -np.inf, -1.0], [np.inf, np.inf, np.inf, np.inf, 1.0]
-    found = least_squares(residual, [1.0, 0.8, 1.0, 0.0, 0.0], bounds=(low, high), xtol=1e-10, ftol=1e-10, gtol=1e-10)
-    return [float(value) for value in (found.x * scale)[:3]]
+    solution = least_squares(
+        residual, [1.0, 0.8, 1.0, 0.0, 0.0], bounds=(low, high), xtol=1e-10, ftol=1e-10, gtol=1e-10
+    )
+    return [float(value) for value in (solution.x * scale)[:3]]

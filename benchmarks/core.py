@@ -27,15 +27,15 @@ def run(data: Path | None) -> list[Line]:
     for precision, here in blocks.items():
         name = f"peak, {precision} bits"
         contenders[name], counts[name] = _peak.chains(precision), float(_peak.operations())
-        for told, one in here.items():
-            contenders[told], counts[told] = one.run, float(_operations.total(one.engine) * one.steps)
+        for label, one in here.items():
+            contenders[label], counts[label] = one.run, float(_operations.total(one.engine) * one.steps)
     lines = {line.name: line for line in race(contenders, {}, rounds=15)}
     return [_per_giga(line, counts, lines, blocks) for line in lines.values()]
 
 
 def _blocks(precision: int) -> dict[str, Block]:
     kinds = {"displacement + drift": WANTED, "all six quantities": QUANTITIES}
-    return {f"kernel, {precision} bits, {told}": _block(kept, precision) for told, kept in kinds.items()}
+    return {f"kernel, {precision} bits, {label}": _block(quantities, precision) for label, quantities in kinds.items()}
 
 
 def _block(quantities: tuple[str, ...], precision: int) -> Block:
@@ -47,11 +47,11 @@ def _per_giga(
 ) -> Line:
     """The line for 10^9 operations, and the share of the peak of its precision."""
     each = GIGA / counts[line.name]
-    told = f"{1 / (line.median * each):.3g} GFlop/s"
+    summary = f"{1 / (line.median * each):.3g} GFlop/s"
     for precision, here in blocks.items():
         if line.name in here:
             one, top = here[line.name], lines[f"peak, {precision} bits"]
             share = counts[line.name] / line.median * top.median / counts[top.name]
-            told += f", {100 * share:.0f} % of the peak; {_operations.total(one.engine)} operations a step"
-            told += f", {line.median / one.steps * GIGA:.3g} ns a step"
-    return replace(line, median=line.median * each, fastest=line.fastest * each, error=told)
+            summary += f", {100 * share:.0f} % of the peak; {_operations.total(one.engine)} operations a step"
+            summary += f", {line.median / one.steps * GIGA:.3g} ns a step"
+    return replace(line, median=line.median * each, fastest=line.fastest * each, error=summary)

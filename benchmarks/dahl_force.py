@@ -59,8 +59,8 @@ def solved(t: Any, x: Any, v: Any, method: str, **options: Any) -> Any:
         u = speed[min(max(int(time / DT), 0), last)]
         return [RHO * (u - abs(u) * w[0])]
 
-    found = solve_ivp(rate, (t[0], t[-1]), [0.0], method, t_eval=t, rtol=1e-6, atol=1e-8, **options)
-    return KX * v + KW * found.y[0]
+    solution = solve_ivp(rate, (t[0], t[-1]), [0.0], method, t_eval=t, rtol=1e-6, atol=1e-8, **options)
+    return KX * v + KW * solution.y[0]
 
 
 def _error(force: Any, exact: Any) -> float:

@@ -35,11 +35,11 @@ EL_CENTRO = EL_CENTRO_SCALES.index(1.0)
 
 @dataclass(frozen=True)
 class Contender:
-    """``run`` takes this many histories; ``told`` is its step and its error."""
+    """``run`` takes this many histories; ``description`` is its step and its error."""
 
     run: Callable[[], Any]
     histories: float
-    told: str = ""
+    description: str = ""
 
 
 def run(data: Path | None) -> list[Line]:
@@ -54,14 +54,14 @@ def run(data: Path | None) -> list[Line]:
 
 def ours(executor: Any) -> dict[str, Contender]:
     """fast and strict, 64 and 32 bits, two quantities and all."""
-    found = {}
+    contenders = {}
     for accuracy, precision, quantities in product(("fast", "strict"), (64, 32), (WANTED, QUANTITIES)):
         what = partial(marched, executor, accuracy, precision, quantities)
-        kept = "displacement + drift" if quantities is WANTED else "all six quantities"
-        found[f"dampyr, {accuracy}, {precision} bits, {kept}"] = Contender(
+        label = "displacement + drift" if quantities is WANTED else "all six quantities"
+        contenders[f"dampyr, {accuracy}, {precision} bits, {label}"] = Contender(
             partial(what, SCALES), histories(suite()) * len(SCALES), str(error(peaks(what([1.0]))))
         )
-    return found
+    return contenders
 
 
 def marched(executor: Any, accuracy: str, precision: int, quantities: tuple[str, ...], scales: Any) -> Any:
@@ -80,9 +80,9 @@ def marched(executor: Any, accuracy: str, precision: int, quantities: tuple[str,
     )
 
 
-def peaks(found: Any) -> Any:
+def peaks(dataset: Any) -> Any:
     """(21, 2) of an ensemble of the suite: the first floor and the second drift."""
-    both = [found.displacement.isel(floor=0), found.drift.isel(storey=1)]
+    both = [dataset.displacement.isel(floor=0), dataset.drift.isel(storey=1)]
     return np.stack([values.to_numpy().reshape(-1) for values in both], axis=-1)
 
 
@@ -94,26 +94,28 @@ def missing() -> dict[str, str]:
 
 def peers() -> dict[str, Contender]:
     """Those that are there, each at the longest step that its error allows."""
-    absent, found = missing(), {}
+    absent, contenders = missing(), {}
     three = [suite()[EL_CENTRO + k * len(motions())] for k in range(len(VOLTS))]  # one record at each voltage
-    found |= _peer("compiled Runge-Kutta loop (numba, fastmath)", _runge_kutta.peaks, suite())
+    contenders |= _peer("compiled Runge-Kutta loop (numba, fastmath)", _runge_kutta.peaks, suite())
     if "diffrax" not in absent:
-        found |= _peer(f"diffrax, Bosh3, {COPIES * len(suite())} side by side", _bosh3, suite() * COPIES)
+        contenders |= _peer(f"diffrax, Bosh3, {COPIES * len(suite())} side by side", _bosh3, suite() * COPIES)
     if "OpenSeesPy" not in absent:
-        found |= _peer("OpenSeesPy, Newmark, BoucWen", _opensees.peaks, three)
-    return found
+        contenders |= _peer("OpenSeesPy, Newmark, BoucWen", _opensees.peaks, three)
+    return contenders
 
 
 _bosh3 = partial(_diffrax.peaks, "Bosh3")
 
 
 def _peer(name: str, peaks: Callable[[list[Case], int], Any], cases: list[Case]) -> dict[str, Contender]:
-    m, found = coarsest(peaks)
-    return {name: Contender(lambda: peaks(cases, m), histories(cases), f"step {spoken(cases[0].dt / m)}, {found}")}
+    m, worst_error = coarsest(peaks)
+    return {
+        name: Contender(lambda: peaks(cases, m), histories(cases), f"step {spoken(cases[0].dt / m)}, {worst_error}")
+    }
 
 
 def per_history(line: Line, contender: Contender) -> Line:
     """The line for one history of 31.2 s."""
     median, fastest = line.median / contender.histories, line.fastest / contender.histories
-    told = f"{float(f'{1 / median:.3g}'):,g} histories/s; {contender.told}"
-    return replace(line, median=median, fastest=fastest, error=told)
+    summary = f"{float(f'{1 / median:.3g}'):,g} histories/s; {contender.description}"
+    return replace(line, median=median, fastest=fastest, error=summary)

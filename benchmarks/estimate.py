@@ -105,16 +105,16 @@ def _least(record: Record, model: Callable[[Any], Any], start: list[float]) -> A
     from scipy.optimize import least_squares
 
     scale = np.array([abs(s) if s else 1.0 for s in start])
-    found = least_squares(lambda z: model(z * scale) - record.force, np.array(start) / scale, xtol=1e-9, ftol=1e-9)
-    return found.x * scale
+    solution = least_squares(lambda z: model(z * scale) - record.force, np.array(start) / scale, xtol=1e-9, ftol=1e-9)
+    return solution.x * scale
 
 
-_KEPT: dict[str, Any] = {}
+_COMPILED: dict[str, Any] = {}
 
 
 def dahl_march() -> Callable[..., Any]:
     """The exact step in a loop, compiled by numba once."""
-    if "dahl" not in _KEPT:
+    if "dahl" not in _COMPILED:
         from numba import njit
 
         @njit(error_model="numpy")
@@ -127,21 +127,21 @@ def dahl_march() -> Callable[..., Any]:
                 out[i] = w
             return out
 
-        _KEPT["dahl"] = march
-    return _KEPT["dahl"]
+        _COMPILED["dahl"] = march
+    return _COMPILED["dahl"]
 
 
 def agreement(contenders: dict[str, Callable[[], Any]], reference: Any) -> dict[str, str]:
     """How far each contender's parameters are from those of `fit`, in its standard errors."""
     best = np.array(list(reference.parameters.values()))
     errors = np.array(list(reference.stderr.values()))
-    told = {}
+    summaries = {}
     for name, contender in contenders.items():
-        found = contender()
-        values = np.array(list(found.parameters.values())) if hasattr(found, "parameters") else np.asarray(found)
+        result = contender()
+        values = np.array(list(result.parameters.values())) if hasattr(result, "parameters") else np.asarray(result)
         apart = float(np.max(np.abs(values - best) / errors))
-        told[name] = f"within {apart:.0e} standard errors of fit"
-    return told
+        summaries[name] = f"within {apart:.0e} standard errors of fit"
+    return summaries
 
 
 def compared(lines: list[Line], contenders: dict[str, Callable[[], Any]]) -> list[Line]:

@@ -18,7 +18,7 @@ from dampyr.models import Damper
 from dampyr.structures import ensemble, two_storey
 from dampyr.studies import raminelli_2020
 
-ASKED_FOR = True  # `python -m benchmarks million`
+OPT_IN = True  # `python -m benchmarks million`
 DAMPERS = MOTIONS = SCALES = 100
 VOLTAGE, SPREAD = 1.0, 0.1  # V; of each parameter, as the standard deviation of its logarithm
 TITLE = (
@@ -34,7 +34,7 @@ def run(data: Path | None) -> list[Line] | str:
         warnings.simplefilter("ignore", DampyrWarning)
         path, motions = Path(folder) / "million.h5", _motions()
         start = time.perf_counter()
-        found = ensemble(
+        dataset = ensemble(
             two_storey(),
             motions,
             dampers(),
@@ -44,18 +44,18 @@ def run(data: Path | None) -> list[Line] | str:
             progress=watch,
         )
         spent, size = time.perf_counter() - start, path.stat().st_size
-    if not found.drift.notnull().all():
+    if not dataset.drift.notnull().all():
         return "some histories grew without bound"
-    rate = f"{found.attrs['cases'] / spent:,.0f} histories/s; {size / 1e6:.0f} MB on the disk; {watch}"
-    return [Line(f"dampyr, error estimate {found.attrs['error_estimate']:.0e}", spent, spent, 1, rate)]
+    rate = f"{dataset.attrs['cases'] / spent:,.0f} histories/s; {size / 1e6:.0f} MB on the disk; {watch}"
+    return [Line(f"dampyr, error estimate {dataset.attrs['error_estimate']:.0e}", spent, spent, 1, rate)]
 
 
 def dampers() -> list[Damper]:
     """The published damper at 1 V, each parameter spread by a tenth."""
-    known = raminelli_2020.damper().values(VOLTAGE, static=False)
-    spread = np.exp(SPREAD * np.random.default_rng(1).standard_normal((DAMPERS, len(known))))
+    published = raminelli_2020.damper().values(VOLTAGE, static=False)
+    spread = np.exp(SPREAD * np.random.default_rng(1).standard_normal((DAMPERS, len(published))))
     names = ("dahl.kx", "dahl.kw", "dahl.rho")
-    return [Damper("dahl", dict(zip(names, map(float, known * row)))) for row in spread]
+    return [Damper("dahl", dict(zip(names, map(float, published * row)))) for row in spread]
 
 
 def _motions() -> list[GroundMotion]:
@@ -72,8 +72,8 @@ class Watch:
         self.seen.setdefault(10 * done // size, memory())
 
     def __str__(self) -> str:
-        told = ", ".join(f"{self.seen[k]:.0f} MB at {10 * k} %" for k in (1, 5, 9) if k in self.seen)
-        return f"largest memory {told}, {memory():.0f} MB with the result"
+        summary = ", ".join(f"{self.seen[k]:.0f} MB at {10 * k} %" for k in (1, 5, 9) if k in self.seen)
+        return f"largest memory {summary}, {memory():.0f} MB with the result"
 
 
 def memory() -> float:

@@ -33,22 +33,22 @@ def run(data: Path | None) -> list[Line] | str:
         warnings.simplefilter("ignore", DampyrWarning)  # the published damper was calibrated on smaller motions
         contenders: dict[str, Callable[[], Any]] = {"dampyr, respond to 2e-6": ours}
         contenders |= {f"OpenSeesPy, {spoken(0.02 / m)}": partial(_opensees.peaks, cases, m) for m in STEPS}
-        lines = race(contenders, _told(contenders), rounds=3, budget=20.0)
+        lines = race(contenders, _describe_errors(contenders), rounds=3, budget=20.0)
     return [replace(line, median=line.median / len(VOLTS), fastest=line.fastest / len(VOLTS)) for line in lines]
 
 
 def ours() -> Any:
     """(voltages, 2): the peaks of the first floor and of the second storey's drift."""
     damper = {1: raminelli_2020.damper()}
-    found = [respond(two_storey(), el_centro(), damper, voltage=volts, accuracy=2e-6) for volts in VOLTS]
-    return np.array([(one.peak_displacement[0], one.peak_drift[1]) for one in found])
+    responses = [respond(two_storey(), el_centro(), damper, voltage=volts, accuracy=2e-6) for volts in VOLTS]
+    return np.array([(one.peak_displacement[0], one.peak_drift[1]) for one in responses])
 
 
-def _told(contenders: dict[str, Callable[[], Any]]) -> dict[str, str]:
+def _describe_errors(contenders: dict[str, Callable[[], Any]]) -> dict[str, str]:
     """How far each step is from ours, and so what the two finest steps go to."""
-    reference, *found = (contender() for contender in contenders.values())
-    rows = [f"peaks {_percent(peaks / reference - 1.0)} from ours" for peaks in found]
-    limit = 2.0 * found[-1] - found[-2]
+    reference, *results = (contender() for contender in contenders.values())
+    rows = [f"peaks {_percent(peaks / reference - 1.0)} from ours" for peaks in results]
+    limit = 2.0 * results[-1] - results[-2]
     rows[-1] += f"; carried on to no step {_percent(limit / reference - 1.0)}"
     return dict(zip(list(contenders)[1:], rows))
 

@@ -40,15 +40,17 @@ def run(data: Path | None) -> list[Line]:
     """Each damper in a call of its own."""
     with warnings.catch_warnings(), ThreadPoolExecutor(1) as one:
         warnings.simplefilter("ignore", DampyrWarning)
-        told, calls, counts = {}, {}, {}
+        summaries, calls, counts = {}, {}, {}
         for name, values in DAMPERS.items():
             march = partial(_march, Damper(name, values), one)
-            found = march(SCALES[:2])
-            in_lanes = not found.attrs["one_by_one"]
-            scales = SCALES if in_lanes else SCALES[:: len(SCALES) // ONE_BY_ONE]
+            dataset = march(SCALES[:2])
+            vectorised = not dataset.attrs["one_by_one"]
+            scales = SCALES if vectorised else SCALES[:: len(SCALES) // ONE_BY_ONE]
             calls[name], counts[name] = partial(march, scales), len(scales)
-            told[name] = f"error estimate {found.attrs['error_estimate']:.0e}" + ("" if in_lanes else ", one by one")
-        lines = race(calls, told, rounds=5, budget=30.0)
+            summaries[name] = f"error estimate {dataset.attrs['error_estimate']:.0e}" + (
+                "" if vectorised else ", one by one"
+            )
+        lines = race(calls, summaries, rounds=5, budget=30.0)
     return [
         replace(line, median=line.median / counts[line.name], fastest=line.fastest / counts[line.name])
         for line in lines

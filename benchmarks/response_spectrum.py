@@ -46,11 +46,11 @@ def textbook() -> Array:
     A1, B1 = -e * w / root * s, e * (c - z / root * s)
     C1 = (-1 / h + e * ((w / root + z / (h * root)) * s + c / h)) / w**2
     D1 = (1 - e * (z / root * s + c)) / (w**2 * h)
-    u, v, most = np.zeros_like(w), np.zeros_like(w), np.zeros_like(w)
+    u, v, peak = np.zeros_like(w), np.zeros_like(w), np.zeros_like(w)
     for p, q in zip(-a[:-1], -a[1:], strict=True):
         u, v = A * u + B * v + C * p + D * q, A1 * u + B1 * v + C1 * p + D1 * q
-        np.maximum(most, np.abs(u), out=most)
-    return most
+        np.maximum(peak, np.abs(u), out=peak)
+    return peak
 
 
 def by_lsim() -> Array:

@@ -31,10 +31,10 @@ def run(data: Path | None) -> list[Line]:
     motion = el_centro()
     building = shear_building([MASS] * STOREYS, [STIFFNESS] * STOREYS, damping_ratio=0.03)
     damper = raminelli_2020.damper()
-    kept = (("displacement", "drift"), ("stroke",))
-    modal, step = (block(building, motion, damper, VOLTAGE, M, each) for each in kept)
+    quantity_sets = (("displacement", "drift"), ("stroke",))
+    modal, step = (block(building, motion, damper, VOLTAGE, M, each) for each in quantity_sets)
     with patch("dampyr.structures.batch.engine.basis_of", lambda _: None):
-        dense, dense_step = (block(building, motion, damper, VOLTAGE, M, each) for each in kept)
+        dense, dense_step = (block(building, motion, damper, VOLTAGE, M, each) for each in quantity_sets)
     single = partial(respond, building, motion, {1: damper}, VOLTAGE, step=motion.dt / M)
     contenders: dict[str, Callable[[], Any]] = {
         "64 lanes, modal": modal.run,

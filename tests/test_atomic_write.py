@@ -10,8 +10,8 @@ from dampyr.errors import FileError
 
 
 def broken_off(path: Path) -> None:
-    with whole_file(path) as beside:
-        beside.write_text("half")
+    with whole_file(path) as temporary:
+        temporary.write_text("half")
         raise KeyboardInterrupt
 
 
@@ -31,13 +31,13 @@ def test_others_may_read_what_was_written(tmp_path: Path) -> None:
 
 def test_a_new_file_takes_the_place_of_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.txt"
-    with whole_file(path, new=True) as beside:
-        beside.write_text("mine")
+    with whole_file(path, new=True) as temporary:
+        temporary.write_text("mine")
     assert list(tmp_path.iterdir()) == [path]
 
     def again() -> None:
-        with whole_file(path, new=True) as beside:
-            beside.write_text("other")
+        with whole_file(path, new=True) as temporary:
+            temporary.write_text("other")
 
     def without_links(*_: object) -> None:
         raise PermissionError

@@ -61,9 +61,9 @@ def test_the_longest_step_within_the_error_is_found(monkeypatch: pytest.MonkeyPa
     def peaks(these: list[Any], m: int) -> Any:
         return np.array([true[case.k] * (1.0 + sizes[case.k] / m) for case in these])
 
-    m, found = suite.coarsest(peaks)
+    m, worst_error = suite.coarsest(peaks)
     assert 60 <= m <= 67
-    assert found.floor == pytest.approx(0.06 / m)
+    assert worst_error.floor == pytest.approx(0.06 / m)
     assert suite.coarsest(lambda these, m: np.full((len(these), 2), np.nan))[1].floor == np.inf
 
 

@@ -98,12 +98,12 @@ class Desk:
 
     def execute(self, text: str) -> None:
         """One block of Python; each ``print(...)  # so`` must print so."""
-        told = re.findall(r"^print\(.*\)\s+# (.*)$", text, re.MULTILINE)
+        expected = re.findall(r"^print\(.*\)\s+# (.*)$", text, re.MULTILINE)
         out = StringIO()
         with redirect_stdout(out), warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)
             exec(compile(text, "page", "exec"), self.names)
-        assert out.getvalue().splitlines() == told
+        assert out.getvalue().splitlines() == expected
 
 
 def write_own_file(folder: Path, text: str) -> None:
@@ -211,10 +211,10 @@ def test_the_readme_tells_the_fits_as_they_are(campaign_folder: Path) -> None:
     from dampyr.identification import fit
     from dampyr.records import read_campaign
 
-    found: dict[str, list[float]] = {}
+    scores: dict[str, list[float]] = {}
     for record in read_campaign(campaign_folder):
-        found.setdefault(f"{record.voltage:g} V", []).append(fit("dahl", record).scores[record.name].l1)
-    computed = [[volts, str(len(l1)), f"{100 * np.mean(l1):.1f} %"] for volts, l1 in found.items()]
+        scores.setdefault(f"{record.voltage:g} V", []).append(fit("dahl", record).scores[record.name].l1)
+    computed = [[volts, str(len(l1)), f"{100 * np.mean(l1):.1f} %"] for volts, l1 in scores.items()]
     assert computed == readme_table("| coil |")
 
 
@@ -224,12 +224,12 @@ def test_the_readme_tells_the_building_as_it_is() -> None:
     from dampyr.studies import raminelli_2020
 
     damper = raminelli_2020.damper()
-    for case, *told in readme_table("| case |"):
+    for case, *cells in readme_table("| case |"):
         dampers = {} if case == "no damper" else {1: damper}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)
             response = respond(two_storey(), el_centro(), dampers, voltage=float(case.split()[0]) if dampers else None)
-        peaks = [float(cell.removesuffix(" mm")) for cell in told]
+        peaks = [float(cell.removesuffix(" mm")) for cell in cells]
         np.testing.assert_allclose(1e3 * response.peak_displacement, peaks, atol=1e-3)
 
 
@@ -275,16 +275,16 @@ def test_the_reference_names_every_option(command: str, what: click.Command) -> 
 
 def test_the_reference_names_no_option_that_is_not_there() -> None:
     text = (DOCS / "reference" / "commands.md").read_text(encoding="utf-8")
-    known = {o for _, c in commands() for p in c.params if isinstance(p, click.Option) for o in p.opts}
-    assert set(re.findall(r"--[a-z-]+[a-z]", text)) - known == {"--help", "--version"}
+    options = {o for _, c in commands() for p in c.params if isinstance(p, click.Option) for o in p.opts}
+    assert set(re.findall(r"--[a-z-]+[a-z]", text)) - options == {"--help", "--version"}
 
 
 def test_the_reference_of_the_models_is_what_the_parts_say() -> None:
-    told = (DOCS / "reference" / "models.md").read_text(encoding="utf-8")
+    page = (DOCS / "reference" / "models.md").read_text(encoding="utf-8")
     made = runpy.run_path(str(DOCS / "reference" / "make_models.py"))["page"]()
-    assert told == made, "run python docs/reference/make_models.py"
+    assert page == made, "run python docs/reference/make_models.py"
     for each in names():
-        section = re.split(rf"^## `{each}`$", told, flags=re.MULTILINE)[1].partition("\n## ")[0]
+        section = re.split(rf"^## `{each}`$", page, flags=re.MULTILINE)[1].partition("\n## ")[0]
         assert "$$" in section, f"{each} shows no equation"
         assert not re.search(r":math:|\.\. math|``", section)
         for key, quantity in part(each).parameters.items():
@@ -292,10 +292,10 @@ def test_the_reference_of_the_models_is_what_the_parts_say() -> None:
 
 
 def test_the_reference_of_the_campaign_file_is_what_the_kinds_say() -> None:
-    told = (DOCS / "reference" / "campaign-file.md").read_text(encoding="utf-8")
+    page = (DOCS / "reference" / "campaign-file.md").read_text(encoding="utf-8")
     made = runpy.run_path(str(DOCS / "reference" / "make_campaigns.py"))["page"]()
-    assert told == made, "run python docs/reference/make_campaigns.py"
-    assert not re.search(r":math:|\.\. math|``", told)
+    assert page == made, "run python docs/reference/make_campaigns.py"
+    assert not re.search(r":math:|\.\. math|``", page)
 
 
 def test_the_refusal_of_the_how_to_is_what_is_said(tmp_path: Path) -> None:
@@ -336,14 +336,14 @@ def test_the_reference_of_the_record_file_is_what_is_written(tmp_path: Path) -> 
     )
     path = write(record, tmp_path / "test.h5")
     text = (DOCS / "reference" / "record-file.md").read_text(encoding="utf-8")
-    found: list[str] = []
+    paths: list[str] = []
     with h5py.File(path) as file:
-        file.visit(found.append)
+        file.visit(paths.append)
         attributes = [*file.attrs, *file["label"].attrs]
-    assert not [each for each in found if f"/{each}" not in text]
+    assert not [each for each in paths if f"/{each}" not in text]
     assert not [each for each in attributes if f"`{each}`" not in text]
     for place in re.findall(r'h5read\("test.h5", "([^"]+)"\)', text):
-        assert place[1:] in found
+        assert place[1:] in paths
 
 
 def test_the_model_of_the_how_to_is_a_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -358,8 +358,8 @@ def test_the_model_of_the_how_to_is_a_model(tmp_path: Path, monkeypatch: pytest.
     t = np.linspace(0.0, 6.0, 1200)
     x, v = 0.01 * np.sin(6.0 * t), 0.06 * np.cos(6.0 * t)
     force = 20.0 + 3000.0 * v / (1 + np.abs(v) / 0.04)
-    found = fit("bent_dashpot", Record(t, x, force, velocity=v, voltage=0.0))
-    np.testing.assert_allclose(list(found.parameters.values()), [3000.0, 0.04], rtol=1e-5)
+    fit_result = fit("bent_dashpot", Record(t, x, force, velocity=v, voltage=0.0))
+    np.testing.assert_allclose(list(fit_result.parameters.values()), [3000.0, 0.04], rtol=1e-5)
     sys.modules.pop("dampyr.models.parts.bent_dashpot")
 
 
@@ -387,10 +387,10 @@ def test_the_c_of_the_how_to_compiles_and_runs(tmp_path: Path) -> None:
 
 def test_every_bench_is_found_and_has_its_two_names(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT))
-    found = dict(registry.members("benchmarks"))
-    assert len(found) >= 5
-    assert all(isinstance(bench.TITLE, str) and callable(bench.run) for bench in found.values())
-    assert "datasets fetch" in found["campaign_fit"].run(None)
+    benches = dict(registry.members("benchmarks"))
+    assert len(benches) >= 5
+    assert all(isinstance(bench.TITLE, str) and callable(bench.run) for bench in benches.values())
+    assert "datasets fetch" in benches["campaign_fit"].run(None)
 
 
 def test_the_faults_of_the_simulated_rig_are_all_listed() -> None:
@@ -398,5 +398,5 @@ def test_the_faults_of_the_simulated_rig_are_all_listed() -> None:
 
     page = (DOCS / "reference" / "simulated-rig.md").read_text(encoding="utf-8").partition("## What may go wrong")[2]
     assert re.findall(r"^\| `([\w-]+)` \|", page, re.MULTILINE) == list(KINDS)
-    for name, known in KINDS.items():
-        assert f"| `{name}` | {known.words} |" in page
+    for name, fault in KINDS.items():
+        assert f"| `{name}` | {fault.words} |" in page

@@ -18,7 +18,7 @@ def lint(root: Path) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture
-def house(tmp_path: Path) -> Path:
+def source_copy(tmp_path: Path) -> Path:
     """A copy of the sources to do damage to."""
     ignore = shutil.ignore_patterns("__pycache__")
     shutil.copytree(ROOT / "src", tmp_path / "src", ignore=ignore)
@@ -44,10 +44,10 @@ def test_imports_go_one_way() -> None:
         ("planted.py", ""),  # a room that stands in no layer
     ],
 )
-def test_a_planted_violation_is_found(house: Path, file: str, line: str) -> None:
-    (house / "src/dampyr/structures/planted.py").write_text("")
-    with (house / "src/dampyr" / file).open("a") as source:
+def test_a_planted_violation_is_found(source_copy: Path, file: str, line: str) -> None:
+    (source_copy / "src/dampyr/structures/planted.py").write_text("")
+    with (source_copy / "src/dampyr" / file).open("a") as source:
         source.write(f"\n{line}\n")
-    run = lint(house)
+    run = lint(source_copy)
     assert run.returncode != 0, run.stdout
     assert "planted" in run.stdout or "dampyr.errors" in run.stdout

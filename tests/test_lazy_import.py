@@ -39,11 +39,11 @@ def test_import_loads_no_room_and_no_heavy_library() -> None:
     assert not HEAVY & loaded
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_entering_a_room_loads_only_light_libraries(room: str) -> None:
+@pytest.mark.parametrize("package", ROOMS)
+def test_entering_a_room_loads_only_light_libraries(package: str) -> None:
     """A room needs numpy at most; what compiles, plots or opens files is loaded by the call that uses it."""
-    loaded = loaded_by(f"import dampyr; dampyr.{room}")
-    assert f"dampyr.{room}" in loaded
+    loaded = loaded_by(f"import dampyr; dampyr.{package}")
+    assert f"dampyr.{package}" in loaded
     assert not (HEAVY - {"numpy"}) & loaded
 
 

@@ -11,7 +11,7 @@ from dampyr import units
 from dampyr.errors import InputError
 from dampyr.units import EVERYDAY, _by_pint
 
-KNOWN = [
+CONVERSIONS = [
     (12.4, "mm", "m", 0.0124),
     (-3.0, "cm", "m", -0.03),
     (1.0, "in", "m", 0.0254),
@@ -31,11 +31,11 @@ KNOWN = [
     (1.0, "N·s/mm", "N*s/m", 1000.0),
     (0.02, "1/mm", "1/m", 20.0),
 ]
-PAIRS = sorted({(unit, si) for _, unit, si, _ in KNOWN})
+PAIRS = sorted({(unit, si) for _, unit, si, _ in CONVERSIONS})
 finite = st.floats(min_value=-1e9, max_value=1e9, allow_subnormal=False)
 
 
-@pytest.mark.parametrize(("value", "unit", "si", "expected"), KNOWN)
+@pytest.mark.parametrize(("value", "unit", "si", "expected"), CONVERSIONS)
 def test_known_conversions(value: float, unit: str, si: str, expected: float) -> None:
     assert units.to_si(value, unit, si) == pytest.approx(expected, rel=1e-14)
 

@@ -22,7 +22,7 @@ QUIET = [
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
 COLOURS = 224
-LONGEST = 180_000  # ms that a fit or a response may take
+MAX_WAIT = 180_000  # ms that a fit or a response may take
 DESK, PHONE = {"width": 1280, "height": 860}, {"width": 390, "height": 844}
 CAMPAIGN = """
 name = "three sines"
@@ -44,11 +44,11 @@ def console(data: str) -> Iterator[str]:
     command = [sys.executable, "-m", "dampyr", "console", "--json", "--port", "0", "--no-browser", "--data", data]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
-        told = ""
-        while not told.rstrip().endswith("}"):
-            told += process.stdout.readline()
+        output = ""
+        while not output.rstrip().endswith("}"):
+            output += process.stdout.readline()
         try:
-            yield json.loads(told)["address"]
+            yield json.loads(output)["address"]
         finally:
             process.terminate()
 
@@ -107,7 +107,7 @@ def acceptance(page: Any) -> None:
     page.get_by_role("tab", name="Acceptance").click()
     page.get_by_label("Reference", exact=True).select_option("raminelli_2020")
     page.set_viewport_size({"width": 1280, "height": 1180})
-    page.get_by_role("status").filter(has_text="2 passed, 2 failed.").wait_for(timeout=LONGEST)
+    page.get_by_role("status").filter(has_text="2 passed, 2 failed.").wait_for(timeout=MAX_WAIT)
     page.locator("canvas").nth(1).wait_for()
 
 
@@ -118,7 +118,7 @@ def identify(page: Any) -> None:
     page.get_by_label("Hysteresis").select_option("hyperbolic_tangent")
     page.get_by_label("spring", exact=True).check()
     page.get_by_role("button", name="Identify", exact=True).click()
-    page.get_by_role("heading", name="Measured and modelled").wait_for(timeout=LONGEST)
+    page.get_by_role("heading", name="Measured and modelled").wait_for(timeout=MAX_WAIT)
     page.locator("canvas").nth(1).wait_for()
 
 
@@ -127,7 +127,7 @@ def building(page: Any) -> None:
     page.get_by_label("Inputs").fill("0 1.98")
     page.get_by_label("on off").check()
     page.get_by_role("button", name="Shake it").click()
-    page.get_by_role("heading", name="Peaks").wait_for(timeout=LONGEST)
+    page.get_by_role("heading", name="Peaks").wait_for(timeout=MAX_WAIT)
 
 
 def fragility(page: Any) -> None:
@@ -135,7 +135,7 @@ def fragility(page: Any) -> None:
     page.get_by_label("Inputs").fill("0 1.98")
     page.get_by_text("Many earthquakes").click()
     page.get_by_role("button", name="Run the ensemble").click()
-    page.get_by_role("heading", name="Fragility").wait_for(timeout=LONGEST)
+    page.get_by_role("heading", name="Fragility").wait_for(timeout=MAX_WAIT)
     page.locator("canvas").first.wait_for()
 
 

@@ -68,9 +68,9 @@ def unit(hint: Any) -> str:
     """The SI unit, or what else a value is; of a list, of each entry."""
     plain, quantity = split(hint)
     words = {int: "whole number", str: "text", bool: "true or false", float: "1"}
-    told = quantity.unit or "1" if quantity else words[plain]
-    told = told if told != "1" else "–"
-    return f"list, {told}" if get_origin(plain) is tuple else told
+    label = quantity.unit or "1" if quantity else words[plain]
+    label = label if label != "1" else "–"
+    return f"list, {label}" if get_origin(plain) is tuple else label
 
 
 def default(field: Field[Any], hint: Any) -> str:

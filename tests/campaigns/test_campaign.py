@@ -26,16 +26,16 @@ def test_quantities_become_si():
 
 
 def test_lists_make_a_grid_whose_first_list_changes_slowest():
-    found = read(SINE | {"amplitude": ["5 mm", "8 mm"], "voltage": ["0 V", "1.98 V"]})
-    assert [(t.step.amplitude, t.step.voltage) for t in found.tests] == [
+    campaign = read(SINE | {"amplitude": ["5 mm", "8 mm"], "voltage": ["0 V", "1.98 V"]})
+    assert [(t.step.amplitude, t.step.voltage) for t in campaign.tests] == [
         (0.005, 0.0), (0.005, 1.98), (0.008, 0.0), (0.008, 1.98),
     ]  # fmt: skip
-    assert names(found)[3] == "04-sine-8mm-1Hz-1.98V"
+    assert names(campaign)[3] == "04-sine-8mm-1Hz-1.98V"
 
 
 def test_zipped_lists_are_taken_row_by_row():
-    found = read(SINE | {"amplitude": ["5 mm", "8 mm"], "frequency": ["2 Hz", "1 Hz"], "zip": True})
-    assert [(t.step.amplitude, t.step.frequency) for t in found.tests] == [(0.005, 2.0), (0.008, 1.0)]
+    campaign = read(SINE | {"amplitude": ["5 mm", "8 mm"], "frequency": ["2 Hz", "1 Hz"], "zip": True})
+    assert [(t.step.amplitude, t.step.frequency) for t in campaign.tests] == [(0.005, 2.0), (0.008, 1.0)]
 
 
 def test_a_list_of_levels_is_one_test_and_a_list_of_lists_is_several():
@@ -46,24 +46,24 @@ def test_a_list_of_levels_is_one_test_and_a_list_of_lists_is_several():
 
 
 def test_peak_to_peak_is_twice_the_amplitude():
-    told = {"kind": "sine", "peak_to_peak": ["24.75 mm", "10 mm"], "frequency": "1 Hz"}
-    assert [t.step.amplitude for t in read(told).tests] == [0.012375, 0.005]
+    settings = {"kind": "sine", "peak_to_peak": ["24.75 mm", "10 mm"], "frequency": "1 Hz"}
+    assert [t.step.amplitude for t in read(settings).tests] == [0.012375, 0.005]
 
 
 def test_repeats_keep_the_number_and_the_drive():
-    found = read(SINE, SINE | {"voltage": "1.98 V", "repeats": 2})
-    assert names(found) == ["01-sine-8mm-1Hz-0V", "02-sine-8mm-1Hz-1.98V-r1", "02-sine-8mm-1Hz-1.98V-r2"]
-    planned = campaigns.plan(found).tests
+    campaign = read(SINE, SINE | {"voltage": "1.98 V", "repeats": 2})
+    assert names(campaign) == ["01-sine-8mm-1Hz-0V", "02-sine-8mm-1Hz-1.98V-r1", "02-sine-8mm-1Hz-1.98V-r2"]
+    planned = campaigns.plan(campaign).tests
     assert planned[1].drive is planned[2].drive
 
 
 def test_rows_come_from_a_table_beside(tmp_path):
     (tmp_path / "rows.csv").write_text("peak_to_peak [mm],frequency,cycles\n24.75,0.84 Hz,5\n\n10,1.2,6\n")
     (tmp_path / "c.toml").write_text('[[step]]\nkind = "sine"\nrows = "rows.csv"\nvoltage = [0, 1]\n')
-    found = campaigns.load(tmp_path / "c.toml")
-    told = [(t.step.amplitude, t.step.frequency, t.step.cycles, t.step.voltage) for t in found.tests]
-    assert told == [(0.012375, 0.84, 5, 0.0), (0.012375, 0.84, 5, 1.0), (0.005, 1.2, 6, 0.0), (0.005, 1.2, 6, 1.0)]
-    assert found.header.name == "c"
+    campaign = campaigns.load(tmp_path / "c.toml")
+    rows = [(t.step.amplitude, t.step.frequency, t.step.cycles, t.step.voltage) for t in campaign.tests]
+    assert rows == [(0.012375, 0.84, 5, 0.0), (0.012375, 0.84, 5, 1.0), (0.005, 1.2, 6, 0.0), (0.005, 1.2, 6, 1.0)]
+    assert campaign.header.name == "c"
 
 
 def test_the_order_is_drawn_by_the_seed_and_the_names_are_not():
@@ -85,11 +85,11 @@ def test_a_seed_may_be_given_in_place_of_the_files():
 
 def test_names_are_unique_and_fit_for_files():
     for path in EXAMPLES.glob("*.toml"):
-        found = names(campaigns.load(path))
-        assert len(set(found)) == len(found)
+        campaign_names = names(campaigns.load(path))
+        assert len(set(campaign_names)) == len(campaign_names)
         assert not [
             name
-            for name in found
+            for name in campaign_names
             if set(name) - set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+.")
         ]
 
@@ -155,7 +155,7 @@ def test_a_field_stands_in_one_place(tmp_path):
 
 
 def test_an_earthquake_is_looked_for_beside_the_campaign(tmp_path):
-    told = {"kind": "earthquake", "motion": "quake.csv"}
-    [test] = campaigns.read({"step": [told]}, tmp_path).tests
+    settings = {"kind": "earthquake", "motion": "quake.csv"}
+    [test] = campaigns.read({"step": [settings]}, tmp_path).tests
     assert test.step.motion == str(tmp_path / "quake.csv")
     assert test.name == "01-earthquake-quake-scale1-0V"

@@ -39,20 +39,20 @@ def test_a_sine_that_the_rig_can_do_passes():
 def test_the_speed_at_which_a_dashpot_stops_it_is_the_closed_form():
     """2 pi f A against free - droop*(c v + friction): v_max = (free - droop*friction)/(1 + droop*c), without lag."""
     settings = rig(actuator={"lag": 1e-9})
-    most = (0.078 - 2e-5 * 15.0) / (1 + 2e-5 * 3000.0)
-    found = largest(SINE(0.030, 1.0), "amplitude", settings, DASHPOT)
-    assert 2 * pi * found == pytest.approx(most, rel=0.01)
-    assert 2 * pi * found <= most
-    assert limits(SINE(1.001 * most / (2 * pi), 1.0), settings, DASHPOT) == ["speed"]
+    max_speed = (0.078 - 2e-5 * 15.0) / (1 + 2e-5 * 3000.0)
+    largest_amplitude = largest(SINE(0.030, 1.0), "amplitude", settings, DASHPOT)
+    assert 2 * pi * largest_amplitude == pytest.approx(max_speed, rel=0.01)
+    assert 2 * pi * largest_amplitude <= max_speed
+    assert limits(SINE(1.001 * max_speed / (2 * pi), 1.0), settings, DASHPOT) == ["speed"]
 
 
 def test_the_lag_of_the_motor_takes_its_share():
     """A first-order lag needs sqrt(1 + (2 pi f tau)^2) times the speed of a sine, without load; a short taper needs more."""
     settings = rig(actuator={"lag": 0.05, "droop": 0.0})
     share = np.hypot(1.0, 2 * pi * 2.0 * 0.05)
-    found = largest(SINE(0.010, 2.0, taper=6, period=0.002), "amplitude", settings)
-    assert 2 * pi * 2.0 * found == pytest.approx(0.078 / share, rel=0.01)
-    assert largest(SINE(0.010, 2.0, taper=1, period=0.002), "amplitude", settings) < found
+    largest_amplitude = largest(SINE(0.010, 2.0, taper=6, period=0.002), "amplitude", settings)
+    assert 2 * pi * 2.0 * largest_amplitude == pytest.approx(0.078 / share, rel=0.01)
+    assert largest(SINE(0.010, 2.0, taper=1, period=0.002), "amplitude", settings) < largest_amplitude
     [finding] = findings(SINE(0.98 * 0.078 / (4 * pi), 2.0), settings)
     assert "with what its lag takes" in finding.words
 
@@ -103,9 +103,9 @@ def test_nothing_is_proposed_where_lowering_it_does_not_help():
 
 
 def test_the_stroke_counts_the_centre_and_some_room():
-    most = RIG.limits.stroke / 2 - STROKE_MARGIN
-    assert limits(SINE(most - 0.010, 0.1, centre=0.010)) == []
-    assert limits(SINE(most - 0.0099, 0.1, centre=-0.010)) == ["stroke"]
+    max_position = RIG.limits.stroke / 2 - STROKE_MARGIN
+    assert limits(SINE(max_position - 0.010, 0.1, centre=0.010)) == []
+    assert limits(SINE(max_position - 0.0099, 0.1, centre=-0.010)) == ["stroke"]
 
 
 def test_several_limits_are_told_together_each_with_its_repair():
@@ -164,9 +164,9 @@ def test_long_tests_are_refused():
 def test_a_force_that_pushes_the_table_on_does_not_slow_it():
     """A gas spring helps one way: only the part against the motion counts."""
     push = Damper("offset", {"offset.f0": Constant(1000.0, 0.0, 3.0)})
-    asked = course(SINE(0.005, 1.0).drive(RIG), RIG, push)
-    assert np.all(asked.against[asked.v < 0] == 0.0)
-    assert np.all(asked.against[asked.v > 0] == 1000.0)
+    motion = course(SINE(0.005, 1.0).drive(RIG), RIG, push)
+    assert np.all(motion.against[motion.v < 0] == 0.0)
+    assert np.all(motion.against[motion.v > 0] == 1000.0)
 
 
 def test_the_envelope_lies_above_its_fit_and_is_straight_between_voltages():
@@ -187,8 +187,8 @@ def test_the_envelope_lies_above_every_sample_of_the_measured_records(campaign_f
     for record in read_campaign(campaign_folder):
         x = record.displacement - 0.5 * (record.displacement.max() + record.displacement.min())
         v = np.gradient(record.displacement, record.time)
-        most = envelope(x, v, np.full(x.size, record.voltage))
-        assert np.all(np.abs(record.force) < most), record.name
-        shares.setdefault(record.voltage, []).append(float(np.abs(record.force).max() / most.max()))
+        upper = envelope(x, v, np.full(x.size, record.voltage))
+        assert np.all(np.abs(record.force) < upper), record.name
+        shares.setdefault(record.voltage, []).append(float(np.abs(record.force).max() / upper.max()))
     assert len(shares) == 4
     assert all(max(each) > 2 / 3 for each in shares.values())

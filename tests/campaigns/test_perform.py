@@ -52,9 +52,9 @@ def rig(*faults: str) -> Rig:
 
 def test_each_test_is_a_file_that_says_everything(two: Path, tmp_path: Path) -> None:
     folder = perform(two, rig(), tmp_path / "out")
-    found = records.read_campaign(folder)
-    assert [record.name for record in found] == ["01-sine-5mm-1Hz-0V", "02-sine-5mm-1Hz-1.5V"]
-    first, second = found
+    recorded = records.read_campaign(folder)
+    assert [record.name for record in recorded] == ["01-sine-5mm-1Hz-0V", "02-sine-5mm-1Hz-1.5V"]
+    first, second = recorded
     assert (first.voltage, second.voltage) == (0.0, 1.5)
     assert first.label is not None
     assert (first.label.peak_to_peak_m, first.label.frequency_hz) == (0.01, 1.0)
@@ -86,9 +86,9 @@ def test_the_same_seed_gives_the_same_bits(two: Path, tmp_path: Path) -> None:
 
 
 def test_progress_is_told_with_every_block(two: Path, tmp_path: Path) -> None:
-    told: list[Progress] = []
-    perform(two, rig(), tmp_path / "out", told.append)
-    testing = [each for each in told if each.phase == "testing"]
+    reports: list[Progress] = []
+    perform(two, rig(), tmp_path / "out", reports.append)
+    testing = [each for each in reports if each.phase == "testing"]
     assert {each.done for each in testing} == {0, 1}
     assert testing[-1].fraction == pytest.approx(1.0, abs=0.02)
     assert testing[-1].cycles == pytest.approx(testing[-1].planned_cycles, abs=0.5)
@@ -98,10 +98,10 @@ def test_progress_is_told_with_every_block(two: Path, tmp_path: Path) -> None:
 
 
 def test_what_the_rig_cannot_do_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    told = {"step": [{"kind": "sine", "amplitude": "30 mm", "frequency": "1 Hz"}]}
+    settings = {"step": [{"kind": "sine", "amplitude": "30 mm", "frequency": "1 Hz"}]}
     opened = rig()
     with pytest.raises(InputError, match="lower the amplitude to"):
-        perform(campaigns.read(told), opened, tmp_path / "out")
+        perform(campaigns.read(settings), opened, tmp_path / "out")
     assert not (tmp_path / "out").exists()
     assert opened.board.simulator.time == 0.0
 
@@ -112,9 +112,9 @@ def test_a_fault_ends_the_test_and_the_next_run_goes_on_with_it(two: Path, tmp_p
         perform(two, rig("stalled-motor@15s"), folder)
     tests, _ = read_journal(folder)
     assert [test.state for test in tests] == ["complete", "failed"]
-    kept = records.read(folder / "02-sine-5mm-1Hz-1.5V.h5")
-    assert (kept.provenance["exit_status"], kept.provenance["ring"]) == ("failed", "firmware")
-    assert "fell behind" in kept.provenance["reason"]
+    record = records.read(folder / "02-sine-5mm-1Hz-1.5V.h5")
+    assert (record.provenance["exit_status"], record.provenance["ring"]) == ("failed", "firmware")
+    assert "fell behind" in record.provenance["reason"]
     assert len(records.read_campaign(folder)) == 1
     perform(two, rig(), folder)
     assert [test.attempt for test in read_journal(folder)[0]] == [1, 2]
@@ -149,9 +149,9 @@ def test_stop_ends_in_order(two: Path, tmp_path: Path) -> None:
     opened = rig()
     with pytest.raises(Stopped, match="run it again to go on"):
         perform(two, opened, tmp_path / "out", pressing(control, "stop", 30), control)
-    kept = records.read(tmp_path / "out/01-sine-5mm-1Hz-0V.h5")
-    assert kept.provenance["exit_status"] == "stopped"
-    assert 30 * 0.04 >= kept.time[-1] - kept.time[0] > 20 * 0.04
+    record = records.read(tmp_path / "out/01-sine-5mm-1Hz-0V.h5")
+    assert record.provenance["exit_status"] == "stopped"
+    assert 30 * 0.04 >= record.time[-1] - record.time[0] > 20 * 0.04
     assert not opened.board.simulator.twin.enabled
 
 
@@ -195,9 +195,9 @@ def test_a_full_disk_ends_the_test_cleanly(two: Path, tmp_path: Path, monkeypatc
     simulator = opened.board.simulator
     assert not simulator.twin.enabled
     assert simulator.truth.voltage[-1] == 0.0
-    kept = records.read(tmp_path / "out/01-sine-5mm-1Hz-0V.h5")
-    assert kept.provenance["complete"] == "no"
-    assert kept.n == pytest.approx(19 * 40, abs=40)
+    record = records.read(tmp_path / "out/01-sine-5mm-1Hz-0V.h5")
+    assert record.provenance["complete"] == "no"
+    assert record.n == pytest.approx(19 * 40, abs=40)
     assert "disk is full" in read_journal(tmp_path / "out")[0][0].reason
 
 
@@ -265,17 +265,17 @@ def crowded(hosts: subprocess.Popen, tmp_path: Path, kilobytes: int) -> tuple[in
     out = tmp_path / "disk" / "out"
     for path in out.glob("*.h5"):
         assert h5.state(path).test
-    kept: dict[str, int] = {}
+    acknowledged: dict[str, int] = {}
     for name, rows in (line.split() for line in (tmp_path / "log.txt").read_text().splitlines()):
-        kept[name] = int(rows)
-    check_kept(out, {name: rows for name, rows in kept.items() if rows >= 8})
+        acknowledged[name] = int(rows)
+    check_saved(out, {name: rows for name, rows in acknowledged.items() if rows >= 8})
     assert not list(out.glob(".*"))
     return code, said[-1] if said else ""
 
 
-def check_room(way: str, reserved: str, tmp_path: Path, sizes: Iterable[int]) -> dict[int, str]:
+def check_free_space(way: str, reserved: str, tmp_path: Path, sizes: Iterable[int]) -> dict[int, str]:
     """Campaigns on disks or with files of so many kB: each ends in order and says why."""
-    campaign, disk, found = tmp_path / "two.toml", tmp_path / "disk", {}
+    campaign, disk, outcomes = tmp_path / "two.toml", tmp_path / "disk", {}
     campaign.write_text(TWO.replace("cycles = 2", "cycles = 1"), encoding="utf-8")
     disk.mkdir()
     command = [sys.executable, "-c", CROWDED, way, reserved, str(campaign), str(disk)]
@@ -287,22 +287,22 @@ def check_room(way: str, reserved: str, tmp_path: Path, sizes: Iterable[int]) ->
                 code, said = crowded(hosts, tmp_path, size)
                 shutil.rmtree(disk / "out", ignore_errors=True)
             assert code == 0 or said.startswith("dampyr: "), (size, said)
-            found[size] = said if code else "complete"
+            outcomes[size] = said if code else "complete"
         assert hosts.stdin is not None
         hosts.stdin.close()
-    return found
+    return outcomes
 
 
 def test_on_every_disk_that_is_too_small_a_campaign_ends_in_order(tmp_path: Path) -> None:
-    found = check_room("disk", "yes", tmp_path, [300, 340, 420, 500, 620, 740, 1200])
-    assert found[1200] == "complete"
-    assert re.search(r"the disk is full: \d+ bytes are needed, .* and \d+ are free; make room", found[340])
+    outcomes = check_free_space("disk", "yes", tmp_path, [300, 340, 420, 500, 620, 740, 1200])
+    assert outcomes[1200] == "complete"
+    assert re.search(r"the disk is full: \d+ bytes are needed, .* and \d+ are free; make room", outcomes[340])
 
 
 def test_a_file_that_may_not_become_so_long_ends_a_campaign_in_order(tmp_path: Path) -> None:
-    found = check_room("limit", "yes", tmp_path, [120, 300, 400])
-    assert found[400] == "complete"
-    assert "a file may not become as long here" in found[120]
+    outcomes = check_free_space("limit", "yes", tmp_path, [120, 300, 400])
+    assert outcomes[400] == "complete"
+    assert "a file may not become as long here" in outcomes[120]
 
 
 @pytest.mark.prove
@@ -311,8 +311,8 @@ def test_a_file_that_may_not_become_so_long_ends_a_campaign_in_order(tmp_path: P
 def test_wherever_room_runs_out_a_campaign_ends_in_order(way: str, reserved: str, tmp_path: Path) -> None:
     """Without reserving, as where a file system promises what it does not hold, it runs out in the middle of every write."""
     sizes = range(100, 1300, 50) if way == "disk" else range(20, 400, 25)
-    found = check_room(way, reserved, tmp_path, sizes)
-    assert len({words.split(": ")[-1] for words in found.values()}) > 1
+    outcomes = check_free_space(way, reserved, tmp_path, sizes)
+    assert len({words.split(": ")[-1] for words in outcomes.values()}) > 1
 
 
 def test_a_cell_wired_backwards_is_seen_before_the_first_test(two: Path, tmp_path: Path) -> None:
@@ -371,27 +371,27 @@ def killed(campaign: Path, folder: Path, after: float, rows: int = 0) -> tuple[d
 def at_rest(box: Path) -> list[dict[str, object]]:
     """The black box, once the rig whose host was killed has come to rest."""
     for _ in range(200):
-        told = [json.loads(line) for line in box.read_text("utf-8").splitlines()]
-        if told and told[-1]["event"] == "ends":
-            return told
+        events = [json.loads(line) for line in box.read_text("utf-8").splitlines()]
+        if events and events[-1]["event"] == "ends":
+            return events
         time.sleep(0.05)
-    raise AssertionError(f"the rig did not come to rest: {told[-5:]}")
+    raise AssertionError(f"the rig did not come to rest: {events[-5:]}")
 
 
-def check_kept(folder: Path, acknowledged: dict[str, int]) -> None:
+def check_saved(folder: Path, acknowledged: dict[str, int]) -> None:
     for name, rows in acknowledged.items():
         assert records.read(folder / name).n >= rows, name
 
 
 def check_rest(box: Path) -> None:
     """From the moment the host was gone: coil dead and table at rest within 300 ms."""
-    told = at_rest(box)
-    gone = next(e["time"] for e in told if e["event"] == "serial closed")
-    after = [e for e in told if e["time"] >= gone]
-    moving = any(e["event"] == "enable high" for e in told)
+    events = at_rest(box)
+    gone = next(e["time"] for e in events if e["event"] == "serial closed")
+    after = [e for e in events if e["time"] >= gone]
+    moving = any(e["event"] == "enable high" for e in events)
     if moving:
-        low = [e["time"] for e in told if e["event"] == "enable low"]
-        rests = [e["time"] for e in told if e["event"] == "at rest"]
+        low = [e["time"] for e in events if e["event"] == "enable low"]
+        rests = [e["time"] for e in events if e["event"] == "at rest"]
         assert low[-1] <= gone + 0.300, (gone, after)
         assert not rests or rests[-1] <= gone + 0.300, (gone, after)
 
@@ -399,7 +399,7 @@ def check_rest(box: Path) -> None:
 def test_a_killed_host_leaves_a_rig_at_rest_and_its_samples(two: Path, tmp_path: Path) -> None:
     acknowledged, ended, box = killed(two, tmp_path / "out", 0.0, rows=600)
     assert not ended
-    check_kept(tmp_path / "out", acknowledged)
+    check_saved(tmp_path / "out", acknowledged)
     check_rest(box)
     perform(two, rig(), tmp_path / "out")
     assert [test.state for test in read_journal(tmp_path / "out")[0]] == ["complete"] * 2
@@ -452,17 +452,17 @@ def test_two_hundred_kills_in_campaigns(two: Path, tmp_path: Path) -> None:
         assert hosts.stdout.readline() == "ready\n"
         while kills < 200:
             number += 1
-            folder, kept, ended, longest = tmp_path / str(number) / "out", {}, False, 0.3
+            folder, acknowledged, ended, max_delay = tmp_path / str(number) / "out", {}, False, 0.3
             folder.parent.mkdir()
             while not ended:
-                longest *= 1.1  # so that a slow machine comes to the end of a campaign too
-                hosts.stdin.write(f"{two}|{folder}|{draw.uniform(0.0, longest)}\n")
+                max_delay *= 1.1  # so that a slow machine comes to the end of a campaign too
+                hosts.stdin.write(f"{two}|{folder}|{draw.uniform(0.0, max_delay)}\n")
                 hosts.stdin.flush()
                 said = [line.split() for line in iter(hosts.stdout.readline, "over\n")]
-                kept |= {line[0]: int(line[1]) for line in said if len(line) == 2}
+                acknowledged |= {line[0]: int(line[1]) for line in said if len(line) == 2}
                 ended = ["complete"] in said
                 kills += not ended
-                check_kept(folder, kept)
+                check_saved(folder, acknowledged)
             assert len(records.read_campaign(folder)) == 2
             assert [test.state for test in read_journal(folder)[0]] == ["complete"] * 2
             assert not list(folder.glob(".*"))  # of a copy that was under way
@@ -476,14 +476,14 @@ def test_twenty_kills_over_the_wires(two: Path, tmp_path: Path) -> None:
     draw, kills, number = np.random.default_rng(20201125), 0, 0
     while kills < 20:
         number += 1
-        folder, kept, ended, longest = tmp_path / str(number) / "out", {}, False, 1.0
+        folder, saved, ended, max_delay = tmp_path / str(number) / "out", {}, False, 1.0
         folder.parent.mkdir()
         while not ended:
-            longest *= 1.2
-            acknowledged, ended, box = killed(two, folder, float(draw.uniform(0.0, longest)))
-            kept |= acknowledged
+            max_delay *= 1.2
+            acknowledged, ended, box = killed(two, folder, float(draw.uniform(0.0, max_delay)))
+            saved |= acknowledged
             kills += not ended
-            check_kept(folder, kept)
+            check_saved(folder, saved)
             check_rest(box)
         assert len(records.read_campaign(folder)) == 2
 

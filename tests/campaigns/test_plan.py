@@ -37,10 +37,10 @@ def test_a_planned_sine_in_numbers():
 
 
 def test_the_duration_counts_rests_and_the_stroke_before():
-    found = plan(read(SINE, SINE, rest_between="7 s", check_amplitude="2 mm"))
-    assert found.preliminary is not None
-    assert np.abs(found.preliminary.displacement).max() == pytest.approx(0.002)
-    assert found.duration == pytest.approx(2 * 24.5 + 7.0 + found.preliminary.duration)
+    campaign_plan = plan(read(SINE, SINE, rest_between="7 s", check_amplitude="2 mm"))
+    assert campaign_plan.preliminary is not None
+    assert np.abs(campaign_plan.preliminary.displacement).max() == pytest.approx(0.002)
+    assert campaign_plan.duration == pytest.approx(2 * 24.5 + 7.0 + campaign_plan.preliminary.duration)
     without = plan(read(SINE, check_amplitude=0))
     assert without.preliminary is None
     assert without.duration == pytest.approx(24.5)
@@ -52,14 +52,16 @@ def test_without_a_card_the_plan_says_that_the_force_is_not_known():
 
 
 def test_all_refusals_come_together():
-    found = plan(read(SINE, SINE | {"amplitude": "30 mm"}, SINE | {"voltage": ["0 V", "9 V"]}, check_amplitude="40 mm"))
-    assert len(found.refusals) == 3
-    assert found.refusals[0].startswith("the stroke before the first test: goes 40 mm")
-    assert found.refusals[1].startswith("step 2, ")
-    assert found.refusals[2].startswith("step 3, sine 8 mm at 1 Hz, 9 V: needs 9 V")
-    assert [test.peak_force is None for test in found.tests] == [False, False, False, True]
+    campaign_plan = plan(
+        read(SINE, SINE | {"amplitude": "30 mm"}, SINE | {"voltage": ["0 V", "9 V"]}, check_amplitude="40 mm")
+    )
+    assert len(campaign_plan.refusals) == 3
+    assert campaign_plan.refusals[0].startswith("the stroke before the first test: goes 40 mm")
+    assert campaign_plan.refusals[1].startswith("step 2, ")
+    assert campaign_plan.refusals[2].startswith("step 3, sine 8 mm at 1 Hz, 9 V: needs 9 V")
+    assert [test.peak_force is None for test in campaign_plan.tests] == [False, False, False, True]
     with pytest.raises(InputError, match=r"step 2, .*; step 3, "):
-        found.require()
+        campaign_plan.require()
 
 
 def test_a_repeated_test_is_refused_once():
@@ -76,8 +78,8 @@ def test_an_earthquake_is_scaled_to_what_the_rig_can_do_and_says_so():
     )
     assert "and it needs 322 mm/s, the actuator gives" in test.notes[0]
     assert test.name == "01-earthquake-el_centro-scale1-0V"
-    shape, told = kind("earthquake")().drive(RigSettings()).displacement, test.drive.displacement
-    np.testing.assert_allclose(told, test.step.scale * shape, atol=1e-12)
+    shape, scaled = kind("earthquake")().drive(RigSettings()).displacement, test.drive.displacement
+    np.testing.assert_allclose(scaled, test.step.scale * shape, atol=1e-12)
 
 
 def test_an_earthquake_that_must_not_be_scaled_is_refused():
@@ -101,13 +103,13 @@ def test_a_test_that_may_warm_the_damper_to_its_limit_says_so():
 
 
 def test_the_forty_sines_of_the_dissertation_pass_with_the_default_rig():
-    found = planned(EXAMPLES / "campaign.toml")
-    assert found.refusals == ()
-    assert plan(found.campaign).refusals == ()  # by the envelope, too
+    campaign_plan = planned(EXAMPLES / "campaign.toml")
+    assert campaign_plan.refusals == ()
+    assert plan(campaign_plan.campaign).refusals == ()  # by the envelope, too
     text = (files("dampyr.records") / "labcontrol_campaign.csv").read_text(encoding="utf-8")
     rows = [row for row in DictReader(text.splitlines()) if row["table"].startswith("4.")]
-    assert len(rows) == len(found.tests) == 40
-    for row, test in zip(rows, found.tests, strict=True):
+    assert len(rows) == len(campaign_plan.tests) == 40
+    for row, test in zip(rows, campaign_plan.tests, strict=True):
         assert 2e3 * test.step.amplitude == pytest.approx(float(row["peak_to_peak_mm"]), rel=1e-12)
         assert test.step.frequency == float(row["frequency_Hz"])
         assert test.step.voltage == float(row["voltage_V"])
@@ -115,25 +117,25 @@ def test_the_forty_sines_of_the_dissertation_pass_with_the_default_rig():
 
 
 def test_the_quick_campaign_is_quick():
-    found = planned(EXAMPLES / "quick_campaign.toml")
-    assert found.refusals == ()
-    assert len(found.tests) == 3
-    assert found.duration < 20.0
+    campaign_plan = planned(EXAMPLES / "quick_campaign.toml")
+    assert campaign_plan.refusals == ()
+    assert len(campaign_plan.tests) == 3
+    assert campaign_plan.duration < 20.0
 
 
 def test_an_example_shows_every_kind_and_passes():
-    found = planned(EXAMPLES / "every_kind.toml")
-    assert found.refusals == ()
-    assert {test.kind for test in found.tests} == set(kinds())
+    campaign_plan = planned(EXAMPLES / "every_kind.toml")
+    assert campaign_plan.refusals == ()
+    assert {test.kind for test in campaign_plan.tests} == set(kinds())
 
 
 def test_the_card_of_a_rig_lies_beside_it(tmp_path):
     raminelli_2020.damper().save(tmp_path / "card.toml")
     (tmp_path / "rig.toml").write_text('name = "mine"\n[specimen]\ncard = "card.toml"\n')
-    found = planned(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml", seed=9)
-    assert found.damper is not None
-    assert found.rig.name == "mine"
-    assert found.campaign.header.seed == 9
+    campaign_plan = planned(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml", seed=9)
+    assert campaign_plan.damper is not None
+    assert campaign_plan.rig.name == "mine"
+    assert campaign_plan.campaign.header.seed == 9
     (tmp_path / "card.toml").unlink()
     with pytest.raises((MissingData, FileError), match=r"card\.toml"):
         planned(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml")

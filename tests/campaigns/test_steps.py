@@ -24,9 +24,9 @@ def test_a_sweep_changes_its_frequency_by_as_many_octaves_every_second():
     drive = step.drive(RIG)
     t = np.arange(drive.n) * drive.period
     at = crossings(t, drive.displacement)
-    found, middle = 1 / np.diff(at), 0.5 * (at[1:] + at[:-1]) - 1.0 - 2 / 0.5
+    frequency, middle = 1 / np.diff(at), 0.5 * (at[1:] + at[:-1]) - 1.0 - 2 / 0.5
     inside = (middle > 1.0) & (middle < step.swept - 1.0)
-    np.testing.assert_allclose(found[inside], 0.5 * 8.0 ** (middle[inside] / step.swept), rtol=4e-3)
+    np.testing.assert_allclose(frequency[inside], 0.5 * 8.0 ** (middle[inside] / step.swept), rtol=4e-3)
     assert step.swept == pytest.approx(30.0, rel=0.01)
 
 
@@ -101,7 +101,7 @@ def test_an_earthquake_is_the_record_filtered_and_integrated():
 
 
 @pytest.mark.parametrize(
-    ("name", "told", "words"),
+    ("name", "settings", "words"),
     [
         ("sine", {"amplitude": 0.01, "frequency": 1.0, "cycles": 0}, "cycles = 0"),
         ("sine", {"amplitude": -0.01, "frequency": 1.0}, "amplitude = -0.01 m"),
@@ -117,6 +117,6 @@ def test_an_earthquake_is_the_record_filtered_and_integrated():
         ("reversals", {"half_period": 0.3, "duty": 1.5}, "duty = 1.5"),
     ],
 )
-def test_what_makes_no_sense_is_refused(name, told, words):
+def test_what_makes_no_sense_is_refused(name, settings, words):
     with pytest.raises(InputError, match=words):
-        kind(name)(**told)
+        kind(name)(**settings)

@@ -57,9 +57,9 @@ def test_the_band_is_told_in_units_of_people(lab: Path) -> None:
 
 
 def test_json_has_every_point_in_si(lab: Path) -> None:
-    told = json.loads(run(lab / "card.toml", lab / "strong.h5", "--json", "--judge", "energy").stdout)
-    assert told["verdict"] == "failed"
-    (one,) = told["records"]
+    output = json.loads(run(lab / "card.toml", lab / "strong.h5", "--json", "--judge", "energy").stdout)
+    assert output["verdict"] == "failed"
+    (one,) = output["records"]
     assert {p["quantity"] for p in one["points"]} == {"energy"}
     assert one["worst"]["deviation"] == pytest.approx(0.2, abs=1e-6)
     assert one["tolerance"] == {"relative": 0.15, "force": 0.0, "energy": 0.0}
@@ -80,8 +80,8 @@ def test_the_zero_of_the_load_cell_may_be_told(lab: Path) -> None:
 
 
 def test_a_published_damper_is_a_reference(lab: Path, campaign_folder: Path) -> None:
-    found = run("raminelli_2020", campaign_folder, "--role", "validation", "--report", lab / "page.html")
-    assert found.exit_code == 0
+    result = run("raminelli_2020", campaign_folder, "--role", "validation", "--report", lab / "page.html")
+    assert result.exit_code == 0
     assert "ensaio.vali.1" in (lab / "page.html").read_text("utf-8")
     unknown = run("raminelli_2021", lab / "good.h5")
     assert unknown.exit_code == 2
@@ -90,6 +90,6 @@ def test_a_published_damper_is_a_reference(lab: Path, campaign_folder: Path) -> 
 
 def test_another_input_is_not_judged(lab: Path) -> None:
     write(sine(CARD, 0.0).replace(note="told", voltage=9.0), lab / "nine.h5")
-    found = run("spencer_1997", lab / "nine.h5")
-    assert found.exit_code == 3
-    assert "voltage 9 V is outside the calibrated range" in found.stdout
+    result = run("spencer_1997", lab / "nine.h5")
+    assert result.exit_code == 3
+    assert "voltage 9 V is outside the calibrated range" in result.stdout

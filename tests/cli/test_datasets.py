@@ -15,11 +15,11 @@ def run(*args: str | Path) -> Result:
 
 def test_absent_data_say_how_to_get_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DAMPYR_DATA", str(tmp_path))
-    (told,) = json.loads(run("list", "--json").stdout)
-    assert told["name"] == "labcontrol"
-    assert told["state"] == "absent; dampyr datasets fetch labcontrol"
-    assert told["folder"] is None
-    assert "zenodo" in told["doi"]
+    (listed,) = json.loads(run("list", "--json").stdout)
+    assert listed["name"] == "labcontrol"
+    assert listed["state"] == "absent; dampyr datasets fetch labcontrol"
+    assert listed["folder"] is None
+    assert "zenodo" in listed["doi"]
     assert "dampyr datasets fetch labcontrol" in run("list").stdout
 
 
@@ -29,8 +29,8 @@ def test_fetch_from_a_folder_makes_a_complete_data_set(
     monkeypatch.setenv("DAMPYR_DATA", str(tmp_path))
     result = run("fetch", "labcontrol", "--from", campaign_folder, "--json")
     assert result.exit_code == 0, result.stderr
-    told = json.loads(result.stdout)
-    assert len(told["files"]) == 40
+    output = json.loads(result.stdout)
+    assert len(output["files"]) == 40
     (listed,) = json.loads(run("list", "--json").stdout)
     assert (listed["state"], listed["missing_files"]) == ("complete", [])
     (tmp_path / "labcontrol-mr-damper" / "ensaio1.1.mat").unlink()

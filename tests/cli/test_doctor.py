@@ -19,20 +19,20 @@ def findings() -> dict[str, dict[str, str | None]]:
 
 
 def test_it_tells_what_is_there() -> None:
-    found = findings()
-    assert found["Python"]["found"] == platform.python_version()
-    assert found["numba"]["found"] == metadata.version("numba")
-    assert Path(str(found["compiled kernels"]["found"])).is_dir()
+    by_name = findings()
+    assert by_name["Python"]["found"] == platform.python_version()
+    assert by_name["numba"]["found"] == metadata.version("numba")
+    assert Path(str(by_name["compiled kernels"]["found"])).is_dir()
 
 
 def test_it_tells_what_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DAMPYR_DATA", str(tmp_path))
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    found = findings()
-    assert found["data set labcontrol"]["found"] == "absent"
-    assert found["data set labcontrol"]["repair"] == "dampyr datasets fetch labcontrol"
-    assert found["C compiler"]["found"] == "none"
-    assert "gcc" in str(found["C compiler"]["repair"])
+    by_name = findings()
+    assert by_name["data set labcontrol"]["found"] == "absent"
+    assert by_name["data set labcontrol"]["repair"] == "dampyr datasets fetch labcontrol"
+    assert by_name["C compiler"]["found"] == "none"
+    assert "gcc" in str(by_name["C compiler"]["repair"])
 
 
 def test_people_get_a_table() -> None:

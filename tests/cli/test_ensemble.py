@@ -25,14 +25,14 @@ def call(*arguments: str) -> Result:
     return CliRunner().invoke(cli, ["ensemble", *arguments], catch_exceptions=False)
 
 
-def told(*arguments: str) -> dict:
+def ensemble_json(*arguments: str) -> dict:
     done = call(*arguments, "--json")
     assert done.exit_code == 0, done.output
     return json.loads(done.stdout)
 
 
 def test_it_is_what_the_functions_give() -> None:
-    got = told(*CASES, "--without-damper", "--limit", "12mm", "--limit", "1%", "--height", "3 m")
+    got = ensemble_json(*CASES, "--without-damper", "--limit", "12mm", "--limit", "1%", "--height", "3 m")
     motions = [kanai_tajimi(4.0, 0.01, (1, k), pga=0.3 * 9.80665) for k in range(1, 5)]
     data = ensemble(two_storey(), motions, [None, raminelli_2020.damper()], [0.0, 1.98], [0.2, 0.8, 1.4, 2.0])
     assert got["cases"] == 64
@@ -71,10 +71,10 @@ def test_the_table_and_the_page(tmp_path: Path) -> None:
 
 def test_a_file_is_taken_up_and_read(tmp_path: Path) -> None:
     out = str(tmp_path / "e.h5")
-    first = told(*CASES, "--out", out)
+    first = ensemble_json(*CASES, "--out", out)
     again = call(*CASES, "--out", out)
     assert "e.h5: 1 of 1 shards are there; going on" in again.stderr
-    assert told("--read", out) == first
+    assert ensemble_json("--read", out) == first
     done = call("--read", out, "--voltage", "1")
     assert done.exit_code == 2
     assert "--voltage says what to compute, and --read takes what was computed" in done.stderr
@@ -90,9 +90,9 @@ def test_parts_in_processes_of_their_own(tmp_path: Path) -> None:
             done = call("--collect", str(parts))
             assert done.exit_code == 2
             assert "1 of 2 parts are missing: 1" in done.stderr
-    collected, whole = told("--collect", str(parts), "--out", str(out)), told(*CASES)
+    collected, whole = ensemble_json("--collect", str(parts), "--out", str(out)), ensemble_json(*CASES)
     assert collected["peaks"] == whole["peaks"]
-    assert told("--read", str(out)) == collected
+    assert ensemble_json("--read", str(out)) == collected
 
 
 @pytest.mark.parametrize(
@@ -153,6 +153,6 @@ def test_progress_tells_rate_and_time_left(capsys: pytest.CaptureFixture[str]) -
 
 @pytest.mark.prove
 def test_control_laws_stand_among_the_inputs() -> None:
-    got = told("--voltage", "0", "--control", "on_off:period=10ms", "--synthetic", "1", "--duration", "3")
+    got = ensemble_json("--voltage", "0", "--control", "on_off:period=10ms", "--synthetic", "1", "--duration", "3")
     assert [row["name"] for row in got["peaks"]] == ["0 V", "on_off 0 to 3.212 V, period 0.01 s"]
     assert got["one_by_one"] == 1

@@ -34,7 +34,7 @@ def plant(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], object]], N
         module = ModuleType("dampyr.cli.planted_command")
         module.command = click.command(help="Do what was planted.")(body)
         monkeypatch.setitem(sys.modules, module.__name__, module)
-        monkeypatch.setattr(registry, "names", lambda shelf: [*COMMANDS, "planted_command"])
+        monkeypatch.setattr(registry, "names", lambda group: [*COMMANDS, "planted_command"])
         importlib.invalidate_caches()
 
     return put

@@ -37,20 +37,20 @@ def test_the_table_has_a_dash_and_a_label_where_there_is_no_interval(folder: Pat
 
 
 def test_json_has_null_and_the_reason_where_there_is_no_interval(folder: Path) -> None:
-    told = json.loads(run(folder, "--model", "dahl", "--json").stdout)
-    assert told["clusters"] == "record and cycle"
-    assert told["intervals_95"]["dahl.kw @ 2 V"] is None
-    low, high = told["intervals_95"]["dahl.kw @ 0 V"]
-    assert low < told["parameters"]["dahl.kw @ 0 V"] < high
-    assert told["within_records_only"] == {
+    output = json.loads(run(folder, "--model", "dahl", "--json").stdout)
+    assert output["clusters"] == "record and cycle"
+    assert output["intervals_95"]["dahl.kw @ 2 V"] is None
+    low, high = output["intervals_95"]["dahl.kw @ 0 V"]
+    assert low < output["parameters"]["dahl.kw @ 0 V"] < high
+    assert output["within_records_only"] == {
         f"dahl.{name} @ 2 V": "between-record variance is not estimated from 1 record" for name in ("kx", "kw", "rho")
     }
 
 
 def test_of_every_record_by_itself_json_labels_the_errors(folder: Path) -> None:
-    for told in json.loads(run(folder, "--model", "dahl", "--each", "--json").stdout):
-        assert set(told["within_records_only"]) == set(told["parameters"])
-        assert set(told["intervals_95"].values()) == {None}
+    for output in json.loads(run(folder, "--model", "dahl", "--each", "--json").stdout):
+        assert set(output["within_records_only"]) == set(output["parameters"])
+        assert set(output["intervals_95"].values()) == {None}
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ def run(*args: str | Path) -> Result:
     return CliRunner().invoke(cli, list(map(str, args)))
 
 
-def told(*args: str | Path) -> dict[str, Any]:
+def run_json(*args: str | Path) -> dict[str, Any]:
     result = run(*args, "--json")
     assert result.exit_code == 0, result.stderr
     return json.loads(result.stdout)
@@ -37,15 +37,15 @@ def file(tmp_path: Path) -> Path:
 
 
 def test_machines_get_what_the_room_computes() -> None:
-    found = told("motion", "--damping", "2%", "--damping", "0.05", "--period", "0.5", "--period", "2")
+    output = run_json("motion", "--damping", "2%", "--damping", "0.05", "--period", "0.5", "--period", "2")
     expected = measures(el_centro())
-    assert found["pga_m_s2"] == expected.pga
-    assert found["arias_m_s"] == expected.arias
-    assert found["duration_5_75_s"] == expected.duration_5_75
+    assert output["pga_m_s2"] == expected.pga
+    assert output["arias_m_s"] == expected.arias
+    assert output["duration_5_75_s"] == expected.duration_5_75
     np.testing.assert_array_equal(
-        found["spectrum"]["displacement_m"], spectrum(el_centro(), [0.5, 2.0], [0.02, 0.05]).displacement
+        output["spectrum"]["displacement_m"], spectrum(el_centro(), [0.5, 2.0], [0.02, 0.05]).displacement
     )
-    assert (found["samples"], found["dt_s"], found["history"]) == (1560, 0.02, [])
+    assert (output["samples"], output["dt_s"], output["history"]) == (1560, 0.02, [])
 
 
 def test_people_get_tables_in_their_units(file: Path) -> None:
@@ -61,7 +61,7 @@ def test_people_get_tables_in_their_units(file: Path) -> None:
 
 def test_a_file_its_baseline_and_its_scale(file: Path) -> None:
     plain = ("motion", file, "--motion-unit", "cm/s^2", "--dt", "0.01")
-    raw, straight = told(*plain), told(*plain, "--baseline", "--pga", "0.3g")
+    raw, straight = run_json(*plain), run_json(*plain, "--baseline", "--pga", "0.3g")
     assert raw["name"] == "quake"
     assert straight["pga_m_s2"] == pytest.approx(0.3 * G, rel=1e-12)
     assert straight["pgd_m"] < 0.2 * raw["pgd_m"]
@@ -70,7 +70,7 @@ def test_a_file_its_baseline_and_its_scale(file: Path) -> None:
 
 def test_simulate_scales_the_same_way() -> None:
     case = ("simulate", "--voltage", "1.98")
-    bare = {key: told(*case, *more)["no damper"]["peak_displacement_m"][0] for key, more in {
+    bare = {key: run_json(*case, *more)["no damper"]["peak_displacement_m"][0] for key, more in {
         "none": (), "scale": ("--scale", "2"), "pga": ("--pga", "0.5g"), "sa": ("--sa", "0.5g@0.48s@3%"),
     }.items()}  # fmt: skip
     assert bare["scale"] == pytest.approx(2 * bare["none"], rel=1e-9)

@@ -29,23 +29,23 @@ def table(tmp_path: Path) -> Path:
 def test_a_file_is_measured(table: Path) -> None:
     result = run(table, "--voltage", "1.98", "--json")
     assert result.exit_code == 0, result.stderr
-    (told,) = json.loads(result.stdout)["records"]
-    assert told["name"] == "sine"
-    assert (told["input"], told["input_value"]) == ("V", 1.98)
-    assert told["measured"]["frequency_hz"] == pytest.approx(0.8, rel=1e-3)
-    assert told["measured"]["peak_to_peak_m"] == pytest.approx(0.020, rel=5e-3)
-    assert told["duration_s"] == pytest.approx(11.99)
+    (row,) = json.loads(result.stdout)["records"]
+    assert row["name"] == "sine"
+    assert (row["input"], row["input_value"]) == ("V", 1.98)
+    assert row["measured"]["frequency_hz"] == pytest.approx(0.8, rel=1e-3)
+    assert row["measured"]["peak_to_peak_m"] == pytest.approx(0.020, rel=5e-3)
+    assert row["duration_s"] == pytest.approx(11.99)
 
 
 def test_one_record_is_shown_in_full(table: Path) -> None:
     shown = dict(line.strip().split("   ", 1) for line in run(table).stdout.splitlines() if "   " in line.strip())
-    told = {name: words.split() for name, words in shown.items()}
-    assert float(told["frequency"][0]) == pytest.approx(0.8, rel=1e-3)
-    assert float(told["peak to peak"][0]) == pytest.approx(20.0, rel=5e-3)
-    assert float(told["peak speed"][0]) == pytest.approx(2 * np.pi * 0.8 * 10.0, rel=0.02)
-    assert float(told["mean force"][0]) == pytest.approx(100.0, abs=2.0)
+    fields = {name: words.split() for name, words in shown.items()}
+    assert float(fields["frequency"][0]) == pytest.approx(0.8, rel=1e-3)
+    assert float(fields["peak to peak"][0]) == pytest.approx(20.0, rel=5e-3)
+    assert float(fields["peak speed"][0]) == pytest.approx(2 * np.pi * 0.8 * 10.0, rel=0.02)
+    assert float(fields["mean force"][0]) == pytest.approx(100.0, abs=2.0)
     assert shown["samples"].strip() == "1200, every 0.01 s"
-    assert [told[name][1] for name in ("frequency", "peak to peak", "peak speed")] == ["Hz", "mm", "mm/s"]
+    assert [fields[name][1] for name in ("frequency", "peak to peak", "peak speed")] == ["Hz", "mm", "mm/s"]
 
 
 def test_several_records_are_a_table_in_mm(table: Path) -> None:
@@ -72,8 +72,8 @@ def test_units_may_be_declared(tmp_path: Path, table: Path) -> None:
     ]
     result = run(bare, *options, "--json")
     assert result.exit_code == 0, result.stderr
-    (told,) = json.loads(result.stdout)["records"]
-    assert told["measured"]["peak_to_peak_m"] == pytest.approx(0.200, rel=5e-3)
+    (row,) = json.loads(result.stdout)["records"]
+    assert row["measured"]["peak_to_peak_m"] == pytest.approx(0.200, rel=5e-3)
 
 
 def test_a_record_without_a_cycle_is_still_listed(tmp_path: Path, table: Path) -> None:
@@ -81,9 +81,9 @@ def test_a_record_without_a_cycle_is_still_listed(tmp_path: Path, table: Path) -
     rest.write_text("\n".join(table.read_text().splitlines()[:150]) + "\n")
     result = run(rest, "--json")
     assert result.exit_code == 0, result.stderr
-    (told,) = json.loads(result.stdout)["records"]
-    assert told["measured"] is None
-    assert "cycle" in told["notes"][0]
+    (row,) = json.loads(result.stdout)["records"]
+    assert row["measured"] is None
+    assert "cycle" in row["notes"][0]
 
 
 @pytest.mark.parametrize(
@@ -115,13 +115,13 @@ def test_a_channel_must_be_named(table: Path) -> None:
 def test_the_campaign_is_listed_with_its_disagreement_and_its_missing_rows(campaign_folder: Path) -> None:
     result = run(campaign_folder, "--json")
     assert result.exit_code == 0, result.stderr
-    told = json.loads(result.stdout)
-    assert len(told["records"]) == 39
-    assert [each["name"] for each in told["records"] if each["role"] == "validation"] == ["ensaio.vali.1"]
-    noted = {each["name"]: each["notes"] for each in told["records"] if each["notes"]}
+    output = json.loads(result.stdout)
+    assert len(output["records"]) == 39
+    assert [each["name"] for each in output["records"] if each["role"] == "validation"] == ["ensaio.vali.1"]
+    noted = {each["name"]: each["notes"] for each in output["records"] if each["notes"]}
     assert list(noted) == ["ensaio10.2.2"]
     assert "labelled 0.8474 Hz" in noted["ensaio10.2.2"][0]
-    assert told["rows_without_file"] == [{"table": "4.4", "row": 2}, {"table": "4.4", "row": 4}]
+    assert output["rows_without_file"] == [{"table": "4.4", "row": 2}, {"table": "4.4", "row": 4}]
 
 
 def test_a_role_can_be_chosen(campaign_folder: Path) -> None:

@@ -12,8 +12,8 @@ COMMANDS = ["accept", "demo", "ensemble", "identify", "motion", "reproduce", "ru
 
 def test_figures_are_left_beside_the_page(tmp_path: Path) -> None:
     page, folder = tmp_path / "motion.html", tmp_path / "figures"
-    asked = ["motion", "--report", str(page), "--figures", str(folder), "--json"]
-    done = CliRunner().invoke(cli, asked)
+    arguments = ["motion", "--report", str(page), "--figures", str(folder), "--json"]
+    done = CliRunner().invoke(cli, arguments)
     assert done.exit_code == 0
     count = page.read_text("utf-8").count("<figure>")
     assert count > 0

@@ -23,12 +23,12 @@ def no_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_without_data_it_does_the_rest_and_says_what_it_left_out(tmp_path: Path) -> None:
     result = run("--out", tmp_path / "out", "--json")
     assert result.exit_code == 0, result.stderr
-    told = json.loads(result.stdout)
-    assert told["data"] is None
-    assert "dampyr datasets fetch labcontrol" in told["left_out"][0]
-    assert told["artefacts"]["(4.7)"]["verdict"] == "agrees"
-    assert told["artefacts"]["Table 4.2"]["verdict"] == "cannot be checked"
-    assert told == json.loads((tmp_path / "out" / "reproduce.json").read_text("utf-8"))
+    output = json.loads(result.stdout)
+    assert output["data"] is None
+    assert "dampyr datasets fetch labcontrol" in output["left_out"][0]
+    assert output["artefacts"]["(4.7)"]["verdict"] == "agrees"
+    assert output["artefacts"]["Table 4.2"]["verdict"] == "cannot be checked"
+    assert output == json.loads((tmp_path / "out" / "reproduce.json").read_text("utf-8"))
     assert (tmp_path / "out" / "reproduce.html").is_file()
 
 

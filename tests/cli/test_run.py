@@ -47,17 +47,17 @@ def test_refusals_stand_in_one_line_each(tmp_path):
 
 def test_for_machines_in_si(tmp_path):
     (tmp_path / "bad.toml").write_text(BAD)
-    told = json.loads(run(tmp_path / "bad.toml", "--dry-run", "--json").stdout)
-    assert [test["step"]["amplitude"] for test in told["tests"]] == [0.02] * 3
-    assert [bool(test["refusal"]) for test in told["tests"]] == [False, True, True]
-    assert len(told["refusals"]) == 2
+    output = json.loads(run(tmp_path / "bad.toml", "--dry-run", "--json").stdout)
+    assert [test["step"]["amplitude"] for test in output["tests"]] == [0.02] * 3
+    assert [bool(test["refusal"]) for test in output["tests"]] == [False, True, True]
+    assert len(output["refusals"]) == 2
 
 
 def test_a_seed_changes_the_order_and_no_name():
     orders = []
     for seed in ("1", "2"):
-        told = json.loads(run(EXAMPLES / "every_kind.toml", "--dry-run", "--json", "--seed", seed).stdout)
-        orders.append([test["name"] for test in told["tests"]])
+        output = json.loads(run(EXAMPLES / "every_kind.toml", "--dry-run", "--json", "--seed", seed).stdout)
+        orders.append([test["name"] for test in output["tests"]])
     assert orders[0] != orders[1]
     assert sorted(orders[0]) == sorted(orders[1])
 

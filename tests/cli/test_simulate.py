@@ -27,19 +27,19 @@ def simulate(*arguments: str) -> dict:
     ],
 )
 def test_the_damper_stands_where_it_is_said(arguments, place, site):
-    told = simulate(*arguments)["1.98 V"]
+    case = simulate(*arguments)["1.98 V"]
     expected = respond(two_storey(), el_centro(), {place: raminelli_2020.damper()}, voltage=1.98)
-    assert told["sites"] == [site]
-    assert told["peak_displacement_m"] == pytest.approx(expected.peak_displacement, rel=1e-9)
+    assert case["sites"] == [site]
+    assert case["peak_displacement_m"] == pytest.approx(expected.peak_displacement, rel=1e-9)
 
 
 @pytest.mark.prove
 def test_a_brace_lets_the_building_move_more():
-    told, rigid = simulate("--brace", "2e5"), simulate()
+    flexible, rigid = simulate("--brace", "2e5"), simulate()
     braced = respond(two_storey(), el_centro(), {1: raminelli_2020.damper().on_brace(2e5)}, voltage=1.98)
-    assert told["1.98 V"]["peak_displacement_m"] == pytest.approx(braced.peak_displacement, rel=1e-9)
-    assert np.max(told["1.98 V"]["peak_drift_m"]) > 1.02 * np.max(rigid["1.98 V"]["peak_drift_m"])
-    assert told["no damper"]["sites"] == []
+    assert flexible["1.98 V"]["peak_displacement_m"] == pytest.approx(braced.peak_displacement, rel=1e-9)
+    assert np.max(flexible["1.98 V"]["peak_drift_m"]) > 1.02 * np.max(rigid["1.98 V"]["peak_drift_m"])
+    assert flexible["no damper"]["sites"] == []
 
 
 def test_one_place_is_enough():
@@ -54,19 +54,19 @@ def test_the_page_names_the_floors(tmp_path):
 
 
 def test_control_laws_are_cases_beside_numbers():
-    told = simulate("--control", "on_off", "--control", "clipped_optimal:lag=10ms,effort=0.1,high=3")
+    cases = simulate("--control", "on_off", "--control", "clipped_optimal:lag=10ms,effort=0.1,high=3")
     names = ["no damper", "1.98 V", "on_off 0 to 3.212 V", "clipped_optimal 0 to 3 V, lag 0.01 s, effort 0.1"]
-    assert list(told) == names
+    assert list(cases) == names
     law = control_law("clipped_optimal", high=3.0, lag=0.01, effort=0.1)
     expected = respond(two_storey(), el_centro(), {1: raminelli_2020.damper()}, voltage=law)
-    assert told[names[3]]["peak_drift_m"] == pytest.approx(expected.peak_drift, rel=1e-9)
-    assert told[names[3]]["mean_input"] == pytest.approx([expected.input.mean()])
-    assert told["1.98 V"]["mean_input"] == pytest.approx([1.98])
+    assert cases[names[3]]["peak_drift_m"] == pytest.approx(expected.peak_drift, rel=1e-9)
+    assert cases[names[3]]["mean_input"] == pytest.approx([expected.input.mean()])
+    assert cases["1.98 V"]["mean_input"] == pytest.approx([1.98])
 
 
 def test_weights_are_parted_by_slashes():
-    told = simulate("--control", "lyapunov:weights=1/2/3/4")
-    assert list(told)[2] == "lyapunov 0 to 3.212 V, weights (1 2 3 4)"
+    cases = simulate("--control", "lyapunov:weights=1/2/3/4")
+    assert list(cases)[2] == "lyapunov 0 to 3.212 V, weights (1 2 3 4)"
 
 
 @pytest.mark.parametrize(

@@ -41,8 +41,8 @@ def data(tmp_path: Path) -> Path:
 @pytest.fixture
 def client(data: Path) -> Iterator[TestClient]:
     """The console over that folder, asked from this machine."""
-    with TestClient(app(data), base_url=HERE) as found:
-        yield found
+    with TestClient(app(data), base_url=HERE) as test_client:
+        yield test_client
 
 
 @pytest.fixture
@@ -67,12 +67,12 @@ def served(data: Path, *options: str) -> Iterator[str]:
     process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None
-        told = ""
-        while not told.rstrip().endswith("}"):
+        output = ""
+        while not output.rstrip().endswith("}"):
             line = process.stdout.readline()
             assert line, "the console ended before it told its address"
-            told += line
-        yield json.loads(told)["address"]
+            output += line
+        yield json.loads(output)["address"]
     finally:
         process.terminate()
         process.wait(10)
@@ -89,15 +89,15 @@ def serving() -> Callable[..., Any]:
 @pytest.fixture
 def address(data: Path) -> Iterator[str]:
     """Where the console over ``data`` is served."""
-    with served(data) as found:
-        yield found
+    with served(data) as url:
+        yield url
 
 
 def _chromium() -> str:
-    found = CHROMIUM if Path(CHROMIUM).exists() else shutil.which("chromium") or shutil.which("chromium-browser")
-    if not found:
+    executable = CHROMIUM if Path(CHROMIUM).exists() else shutil.which("chromium") or shutil.which("chromium-browser")
+    if not executable:
         pytest.skip("no Chromium was found; `make chromium` installs Debian's")
-    return found
+    return executable
 
 
 def _yielding(folder: pytest.TempPathFactory) -> str:
@@ -125,13 +125,13 @@ class Seen:
         page.on("pageerror", lambda problem: self.wrong.append(f"error: {problem}"))
         page.on(
             "console",
-            lambda told: (
-                told.type in ("error", "warning")
-                and f"status of {refused} " not in told.text
-                and self.wrong.append(f"{told.type}: {told.text}")
+            lambda message: (
+                message.type in ("error", "warning")
+                and f"status of {refused} " not in message.text
+                and self.wrong.append(f"{message.type}: {message.text}")
             ),
         )
-        page.on("request", lambda asked: self._note(asked.url))
+        page.on("request", lambda request: self._note(request.url))
 
     def _note(self, url: str) -> None:
         if not re.match(r"(http|ws)://(127\.0\.0\.1|localhost)[:/]|data:|blob:", url):
@@ -164,8 +164,8 @@ def new_page(chromium: Any) -> Iterator[Callable[..., Any]]:
 def reach() -> Callable[..., Any]:
     """``reach(page, locator)``: go there by the Tab key alone, as one does who has no mouse."""
 
-    def go(page: Any, locator: Any, most: int = 120) -> Any:
-        for _ in range(most):
+    def go(page: Any, locator: Any, max_presses: int = 120) -> Any:
+        for _ in range(max_presses):
             page.keyboard.press("Tab")
             if locator.evaluate("one => one === document.activeElement"):
                 return locator
@@ -193,10 +193,10 @@ def accessible() -> Callable[[Any], None]:
 
     def check(page: Any) -> None:
         page.evaluate(source.read_text("utf-8"))
-        found = page.evaluate(
+        report = page.evaluate(
             "axe.run(document, {runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'best-practice']})"
         )
-        told = [f"{v['id']}: {v['help']}: {v['nodes'][0]['html'][:160]}" for v in found["violations"]]
-        assert told == []
+        violations = [f"{v['id']}: {v['help']}: {v['nodes'][0]['html'][:160]}" for v in report["violations"]]
+        assert violations == []
 
     return check

@@ -29,8 +29,8 @@ def lab(data):
     return data
 
 
-def judged(client, *keys, **asked):
-    return client.get("/api/records/acceptance", params={"key": keys, **asked})
+def judged(client, *keys, **options):
+    return client.get("/api/records/acceptance", params={"key": keys, **options})
 
 
 def test_the_endpoint_tells_what_the_function_finds(client, campaign_folder):
@@ -49,8 +49,8 @@ def test_the_endpoint_tells_what_the_function_finds(client, campaign_folder):
 
 
 def test_cards_and_records_are_references(client, lab):
-    found = judged(client, "data/good.h5", "data/strong.h5", reference="cards/mine.toml").json()["records"]
-    assert [one["verdict"] for one in found] == ["passed", "failed"]
+    results = judged(client, "data/good.h5", "data/strong.h5", reference="cards/mine.toml").json()["records"]
+    assert [one["verdict"] for one in results] == ["passed", "failed"]
     wide = judged(client, "data/strong.h5", reference="cards/mine.toml", force=12, energy=0.4).json()["records"]
     assert wide[0]["verdict"] == "passed"
     each = judged(client, "data/good.h5", "data/strong.h5", reference=["data/good.h5", "data/strong.h5"]).json()
@@ -76,7 +76,7 @@ def test_many_points_are_thinned_and_none_outside_is_lost(client, data):
 
 
 @pytest.mark.parametrize(
-    ("asked", "code", "words"),
+    ("options", "code", "words"),
     [
         ({"reference": "nothing_2020"}, 400, "nothing_2020"),
         ({"reference": "cards/none.toml"}, 404, "no such file"),
@@ -91,15 +91,15 @@ def test_many_points_are_thinned_and_none_outside_is_lost(client, data):
         ({"reference": "cards/mine.toml", "offset": "inf"}, 422, "offset"),
     ],
 )
-def test_what_is_wrong_is_a_sentence(client, lab, asked, code, words):
-    answer = judged(client, "data/good.h5", **asked)
+def test_what_is_wrong_is_a_sentence(client, lab, options, code, words):
+    answer = judged(client, "data/good.h5", **options)
     assert (answer.status_code, words in answer.json()["detail"]) == (code, True), answer.text
     assert str(lab) not in answer.text
 
 
 def test_the_page_is_given_as_a_file(client, lab):
-    asked = {"key": "data/strong.h5", "reference": "cards/mine.toml"}
-    page = client.get("/api/records/acceptance/page", params=asked)
+    query = {"key": "data/strong.h5", "reference": "cards/mine.toml"}
+    page = client.get("/api/records/acceptance/page", params=query)
     assert page.headers["content-disposition"] == 'attachment; filename="acceptance.html"'
     assert "Judged by mine" in page.text
     assert "✗ failed" in page.text
@@ -131,8 +131,8 @@ def test_a_person_judges_records_and_the_address_keeps_it(data, lab, address, ne
 
 
 def test_what_is_not_judged_says_why_in_the_dark_on_a_phone(lab, address, new_page, accessible):
-    asked = "source=data&open=data/fast.h5&tab=acceptance&reference=cards/mine.toml"
-    page = new_page(f"{address}#/records?{asked}", color_scheme="dark", viewport={"width": 390, "height": 800})
+    query = "source=data&open=data/fast.h5&tab=acceptance&reference=cards/mine.toml"
+    page = new_page(f"{address}#/records?{query}", color_scheme="dark", viewport={"width": 390, "height": 800})
     page.get_by_role("status").filter(has_text="1 not judged.").wait_for()
     page.get_by_text("voltage 3 V is outside the calibrated range 0 to 0 V").wait_for()
     assert page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -35,8 +35,8 @@ def api(folder):
 
 def exercise(api, folder, examples, leave_out=""):
     """Ask every path that many things that its description allows or forbids."""
-    for found in api.get_all_operations():
-        operation = found.ok()
+    for result in api.get_all_operations():
+        operation = result.ok()
         if leave_out and leave_out in operation.path:
             continue
 
@@ -63,8 +63,8 @@ def test_every_path_keeps_to_its_description_at_length(api, folder):
 
 def test_the_description_names_what_every_path_does(data):
     with TestClient(app(data), base_url="http://localhost") as client:
-        told = client.get("/api/openapi.json").json()
-    for path, methods in told["paths"].items():
+        schema = client.get("/api/openapi.json").json()
+    for path, methods in schema["paths"].items():
         assert path.startswith("/api/")
         for one in methods.values():
             assert re.search(r"[.)]$", one["description"].strip()), path

@@ -23,11 +23,11 @@ def stream(client, id=ID, **headers):
 def state(socket):
     """The next state that is told."""
     while True:
-        told = json.loads(socket.receive_text())
-        if "frame" in told:
-            socket.send_text(json.dumps({"heard": told["frame"]}))
-        if told.get("state"):
-            return told
+        message = json.loads(socket.receive_text())
+        if "frame" in message:
+            socket.send_text(json.dumps({"heard": message["frame"]}))
+        if message.get("state"):
+            return message
 
 
 def test_a_command_needs_a_stream_and_control(client):
@@ -36,9 +36,9 @@ def test_a_command_needs_a_stream_and_control(client):
     assert "no open stream" in refused.json()["detail"]
     with stream(client) as first, stream(client, "another-page") as second:
         assert state(first)["holds"]
-        told = state(second)
-        assert not told["holds"]
-        assert told["state"]["holder"] == "page 1"
+        message = state(second)
+        assert not message["holds"]
+        assert message["state"]["holder"] == "page 1"
         refused = client.post("/api/bench/connect", json={"client": "another-page"})
         assert refused.json()["detail"] == "page 1 holds control; take control first"
         assert client.post("/api/bench/control", json={"client": "another-page"}).status_code == 200
@@ -135,9 +135,9 @@ def test_the_plan_is_that_of_the_command_line(client):
     from dampyr.rig import RigSettings
 
     rig = RigSettings()
-    known = plan(read({"step": [{"kind": "sine", "amplitude": "9 mm", "frequency": "2 Hz"}]}), rig, specimen(rig))
-    told = client.post(
+    expected = plan(read({"step": [{"kind": "sine", "amplitude": "9 mm", "frequency": "2 Hz"}]}), rig, specimen(rig))
+    reply = client.post(
         "/api/campaigns/plan", json={"text": SINE.replace("4 mm", "9 mm").replace("1 Hz", "2 Hz")}
     ).json()
-    assert told["refusals"] == list(known.refusals)
-    assert told["tests"][0]["force_N"] == pytest.approx(known.tests[0].peak_force)
+    assert reply["refusals"] == list(expected.refusals)
+    assert reply["tests"][0]["force_N"] == pytest.approx(expected.tests[0].peak_force)

@@ -66,8 +66,8 @@ def runs(page, words):
             || (document.querySelector("#note.bad") && !document.querySelector("#note").hidden)""",
         arg=words,
     )
-    told = page.locator("#run").inner_text()
-    assert words in told, f"{page.locator('#note').inner_text()}; {told}"
+    text = page.locator("#run").inner_text()
+    assert words in text, f"{page.locator('#note').inner_text()}; {text}"
 
 
 def armed(page):
@@ -233,8 +233,8 @@ def test_a_page_tells_that_the_console_is_gone_and_finds_it_again(data, chromium
 
 
 def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as found:
-        return found.getsockname()[1]
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return server.getsockname()[1]
 
 
 @pytest.mark.prove

@@ -36,11 +36,11 @@ rest_before = "0.2 s"
 """
 
 
-def until(found: Callable[[], object], seconds: float = 30.0) -> None:
+def until(condition: Callable[[], object], seconds: float = 30.0) -> None:
     """Wait for something; fail where it does not come."""
     end = time.monotonic() + seconds
-    while not found():
-        assert time.monotonic() < end, f"waited in vain for {found}"
+    while not condition():
+        assert time.monotonic() < end, f"waited in vain for {condition}"
         time.sleep(0.01)
 
 
@@ -85,13 +85,13 @@ def run(bench: Bench, folder: str = "run") -> None:
 
 
 def outcome(bench: Bench) -> str:
-    found = bench.state().run
-    return found.outcome if found else ""
+    progress = bench.state().run
+    return progress.outcome if progress else ""
 
 
 def reason(bench: Bench) -> str:
-    found = bench.state().run
-    return found.reason if found else ""
+    progress = bench.state().run
+    return progress.reason if progress else ""
 
 
 def position(bench: Bench) -> float:
@@ -256,14 +256,14 @@ def test_a_campaign_to_its_end_survives_its_page(armed: Bench) -> None:
     run(armed)
     phase(armed, "campaign")
     armed.clients.disconnect("a")
-    until(lambda: (found := armed.state().run) is not None and found.cycles > 0.5)
+    until(lambda: (progress := armed.state().run) is not None and progress.cycles > 0.5)
     armed.clients.join("a")
     phase(armed, "idle")
-    found = armed.state().run
-    assert found is not None
-    assert (found.outcome, found.done, found.tests, found.fraction) == ("complete", 2, 2, 1.0)
-    assert found.planned_cycles > 1.9
-    assert found.cycles == pytest.approx(found.planned_cycles, abs=0.51)
+    progress = armed.state().run
+    assert progress is not None
+    assert (progress.outcome, progress.done, progress.tests, progress.fraction) == ("complete", 2, 2, 1.0)
+    assert progress.planned_cycles > 1.9
+    assert progress.cycles == pytest.approx(progress.planned_cycles, abs=0.51)
     record = read(armed.data / "run" / "01-sine-4mm-1Hz-0V.h5")
     assert np.ptp(record.displacement) == pytest.approx(0.008, rel=0.05)
     assert armed.state().rings[2].words == "short: all of its 2 tests passed"
@@ -272,9 +272,9 @@ def test_a_campaign_to_its_end_survives_its_page(armed: Bench) -> None:
 def test_pause_resume_and_stop(armed: Bench) -> None:
     run(armed)
     armed.pause("a", True)
-    until(lambda: (found := armed.state().run) is not None and found.phase == "paused")
+    until(lambda: (progress := armed.state().run) is not None and progress.phase == "paused")
     armed.pause("a", False)
-    until(lambda: (found := armed.state().run) is not None and found.phase == "testing")
+    until(lambda: (progress := armed.state().run) is not None and progress.phase == "testing")
     armed.stop("a")
     phase(armed, "idle", 5.0)
     assert outcome(armed) == "stopped"
@@ -285,7 +285,7 @@ def test_pause_resume_and_stop(armed: Bench) -> None:
 
 def test_a_campaign_is_aborted_and_its_record_says_so(armed: Bench) -> None:
     run(armed)
-    until(lambda: (found := armed.state().run) is not None and found.phase == "testing")
+    until(lambda: (progress := armed.state().run) is not None and progress.phase == "testing")
     armed.abort()
     phase(armed, "idle", 5.0)
     assert outcome(armed) == "aborted"
@@ -308,7 +308,7 @@ def test_stop_acts_while_the_table_is_homed(bench: Bench) -> None:
     bench.connect("a")
     phase(bench, "idle")
     run(bench)
-    until(lambda: (found := bench.state().run) is not None and found.phase == "homing")
+    until(lambda: (progress := bench.state().run) is not None and progress.phase == "homing")
     time.sleep(0.1)
     bench.stop("a")
     phase(bench, "idle", 3.0)
@@ -364,7 +364,7 @@ def test_the_steps_of_the_guide_twice_on_one_rig(bench: Bench) -> None:
         phase(bench, "idle")
         assert outcome(bench) == "complete", reason(bench)
         run(bench, f"run{k}-aborted")
-        until(lambda: (found := bench.state().run) is not None and found.cycles > 0.5)
+        until(lambda: (progress := bench.state().run) is not None and progress.cycles > 0.5)
         bench.abort()
         phase(bench, "idle", 5.0)
         assert outcome(bench) == "aborted"
@@ -416,6 +416,6 @@ def test_when_the_server_dies_the_rig_comes_to_rest(tmp_path: Path) -> None:
     server.wait()
     server.stdout.close()
     until(lambda: '"ends"' in box.read_text(), 15.0)
-    told = [json.loads(line)["event"] for line in box.read_text().splitlines()]
-    closed = told.index("serial closed")
-    assert any("HEARTBEAT" in event for event in told[closed:]), told[closed:]
+    events = [json.loads(line)["event"] for line in box.read_text().splitlines()]
+    closed = events.index("serial closed")
+    assert any("HEARTBEAT" in event for event in events[closed:]), events[closed:]

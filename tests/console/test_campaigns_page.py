@@ -25,8 +25,8 @@ def test_a_grid_is_planned_repaired_saved_and_opened_again(address, new_page, ac
     page.locator("#file").fill("my grid")
     page.locator("#save").click()
     page.get_by_text("Saved: my grid").wait_for()
-    told = tomllib.loads((data / "campaigns" / "my grid.toml").read_text())
-    assert told["step"][0]["amplitude"] == ["4 mm"]
+    saved = tomllib.loads((data / "campaigns" / "my grid.toml").read_text())
+    assert saved["step"][0]["amplitude"] == ["4 mm"]
     page.reload()
     page.locator("#open").select_option("my grid")
     page.wait_for_function("""() => document.querySelector("#g-frequency").value === "0.5, 2" """)

@@ -36,10 +36,10 @@ def test_a_spike_of_one_sample_is_seen_whatever_the_rate_and_the_blocks(rate: fl
     n = int(5 * rate)
     force = np.zeros(n)
     force[n // 3], force[n // 2] = 777.0, -333.0
-    found = columns(fed(rate, np.zeros(n), force, blocks))
-    assert found["force_high"].max() == 777.0
-    assert found["force_low"].min() == -333.0
-    at = float(found["time"][found["force_high"].argmax()])
+    column_values = columns(fed(rate, np.zeros(n), force, blocks))
+    assert column_values["force_high"].max() == 777.0
+    assert column_values["force_low"].min() == -333.0
+    at = float(column_values["time"][column_values["force_high"].argmax()])
     assert at - 1e-9 <= (n // 3) / rate < at + max(1 / BINS, 1 / rate) + 1e-9
 
 
@@ -54,23 +54,25 @@ def test_as_many_bins_a_second_from_a_fast_board_as_from_a_slow_one(rate: float)
 def test_the_velocity_is_that_of_the_path(blocks: list[int]) -> None:
     t = np.arange(4000) / 1000.0
     x = 0.008 * np.sin(2 * np.pi * 1.0 * t)
-    found = columns(fed(1000.0, x, np.zeros_like(x), blocks))
-    middle = found["time"] + 0.0045
+    column_values = columns(fed(1000.0, x, np.zeros_like(x), blocks))
+    middle = column_values["time"] + 0.0045
     exact = 1e3 * 0.008 * 2 * np.pi * np.cos(2 * np.pi * middle)
-    assert np.abs(found["velocity"] - exact)[1:].max() < 0.3  # mm/s of 50; an order of magnitude below one bin's lag
+    assert (
+        np.abs(column_values["velocity"] - exact)[1:].max() < 0.3
+    )  # mm/s of 50; an order of magnitude below one bin's lag
 
 
 def test_loops_go_through_the_samples_of_least_and_greatest_force_in_their_order() -> None:
     rng = np.random.default_rng(1)
     x, force = np.cumsum(rng.normal(size=1000)) * 1e-6, rng.normal(size=1000)
-    found = columns(fed(1000.0, x, force, [40]))
-    for k in range(len(found["time"])):
+    column_values = columns(fed(1000.0, x, force, [40]))
+    for k in range(len(column_values["time"])):
         part = slice(10 * k, 10 * k + 10)
         low, high = int(force[part].argmin()), int(force[part].argmax())
         first, second = sorted((low, high))
-        assert found["force_first"][k] == force[part][first]
-        assert found["force_second"][k] == force[part][second]
-        assert found["x_first"][k] == pytest.approx(1e3 * x[part][first])
+        assert column_values["force_first"][k] == force[part][first]
+        assert column_values["force_second"][k] == force[part][second]
+        assert column_values["x_first"][k] == pytest.approx(1e3 * x[part][first])
 
 
 def test_memory_is_flat_and_a_reader_that_was_away_gets_what_is_left() -> None:
@@ -87,8 +89,8 @@ def test_a_new_run_begins_after_a_gap_and_keeps_what_was_held_back() -> None:
     strips = MinMaxBins(1000.0)
     strips.take(block(0, np.zeros(40), np.arange(40.0), 1000.0), 20.0, 5.0)
     strips.take(block(0, np.zeros(40), np.zeros(40), 1000.0), 20.0, 9.0)
-    found = columns(strips)
-    assert found["force_high"][:4].tolist() == [9.0, 19.0, 29.0, 39.0]
-    assert np.isnan(found["force_high"][4])
-    assert found["time"].tolist() == pytest.approx([5.0, 5.01, 5.02, 5.03, 9.0, 9.0, 9.01, 9.02])
+    column_values = columns(strips)
+    assert column_values["force_high"][:4].tolist() == [9.0, 19.0, 29.0, 39.0]
+    assert np.isnan(column_values["force_high"][4])
+    assert column_values["time"].tolist() == pytest.approx([5.0, 5.01, 5.02, 5.03, 9.0, 9.0, 9.01, 9.02])
     assert as_lists(strips.since(0)[1])["force_high"][4] is None

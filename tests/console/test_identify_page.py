@@ -14,19 +14,19 @@ KEYS = [f"labcontrol/ensaio.{name}.mat" for name in ("A.1", "B.3", "vali.1")]
 
 @pytest.fixture
 def identified(client, finished, campaign_folder):
-    asked = {"records": KEYS, "model": "dahl + spring"}
-    job = finished(client.post("/api/identify/jobs", json=asked).json()["id"])
+    request_body = {"records": KEYS, "model": "dahl + spring"}
+    job = finished(client.post("/api/identify/jobs", json=request_body).json()["id"])
     assert job["state"] == "done", job["reason"]
     return job
 
 
 def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, data, campaign_folder):
     chosen = [r for r in records.read_campaign(campaign_folder) if r.name in ("ensaio.A.1", "ensaio.B.3")]
-    own, told = identification.fit("dahl + spring", chosen), identified["result"]
-    assert told["records"] == ["ensaio.A.1", "ensaio.B.3", "ensaio.vali.1"]
-    assert told["mean_l1"] == pytest.approx(sum(s.l1 for s in own.scores.values()) / 2, rel=1e-6)
-    assert [row[0] for row in told["parameters"]["rows"]] == list(own.parameters)
-    (held,) = told["held"]
+    own, output = identification.fit("dahl + spring", chosen), identified["result"]
+    assert output["records"] == ["ensaio.A.1", "ensaio.B.3", "ensaio.vali.1"]
+    assert output["mean_l1"] == pytest.approx(sum(s.l1 for s in own.scores.values()) / 2, rel=1e-6)
+    assert [row[0] for row in output["parameters"]["rows"]] == list(own.parameters)
+    (held,) = output["held"]
     vali = next(r for r in records.read_campaign(campaign_folder, role="validation"))
     if held["problem"] == "":
         assert held["l1"] == pytest.approx(identification.score(own.damper, vali).l1, rel=1e-6)
@@ -50,7 +50,7 @@ def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, da
 
 
 @pytest.mark.parametrize(
-    ("asked", "words"),
+    ("request_body", "words"),
     [
         ({"records": []}, "at least 1 item"),
         ({"records": KEYS[:2]}, "five records or more"),
@@ -59,8 +59,8 @@ def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, da
         ({"records": KEYS[:1], "model": "dahl", "bandwidth": -1}, "greater than 0"),
     ],
 )
-def test_a_wrong_question_is_a_sentence(client, campaign_folder, asked, words):
-    answer = client.post("/api/identify/jobs", json=asked)
+def test_a_wrong_question_is_a_sentence(client, campaign_folder, request_body, words):
+    answer = client.post("/api/identify/jobs", json=request_body)
     assert answer.status_code in (400, 404, 422)
     assert words in answer.json()["detail"]
 
@@ -98,8 +98,13 @@ def test_a_response_is_that_of_the_room(client, finished):
 
 
 def test_an_ensemble_gives_fragility(client, finished):
-    asked = {"motions": 6, "scales": [0.1 * k for k in range(1, 11)], "limit": 0.012, "damper": {"inputs": [1.98]}}
-    done = finished(client.post("/api/building/ensembles", json=asked).json()["id"])
+    request_body = {
+        "motions": 6,
+        "scales": [0.1 * k for k in range(1, 11)],
+        "limit": 0.012,
+        "damper": {"inputs": [1.98]},
+    }
+    done = finished(client.post("/api/building/ensembles", json=request_body).json()["id"])
     assert done["state"] == "done", done["reason"]
     result = done["result"]
     assert result["cases"] == 6 * 10 * 2

@@ -30,7 +30,7 @@ def begun(client, id):
 
 
 def test_a_wrong_question_is_refused_at_once(client):
-    for asked, words in (
+    for request_body, words in (
         ({"damper": {"inputs": []}}, "no input"),
         ({"damper": {"laws": ["magic"]}}, "magic"),
         ({"damper": {"name": "nobody_1900", "inputs": [1]}}, "nobody_1900"),
@@ -38,7 +38,7 @@ def test_a_wrong_question_is_refused_at_once(client):
         ({"building": {"kind": "shear"}, **SMALL}, "masses"),
         ({"motion": {"kind": "file", "file": "none.at2"}, **SMALL}, "no such file"),
     ):
-        answer = client.post("/api/building/responses", json=asked)
+        answer = client.post("/api/building/responses", json=request_body)
         assert answer.status_code in (400, 404)
         assert words in answer.json()["detail"]
     assert client.get("/api/jobs").json() == []

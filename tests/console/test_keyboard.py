@@ -35,8 +35,8 @@ def test_a_campaign_is_planned_and_saved(at, reach, data):
     reach(page, page.locator("#save"))
     page.keyboard.press("Enter")
     page.get_by_text("Saved: by hand").wait_for()
-    told = tomllib.loads((data / "campaigns" / "by hand.toml").read_text())
-    assert told["step"][0]["voltage"] == ["0 V", "1.98 V"]
+    saved = tomllib.loads((data / "campaigns" / "by hand.toml").read_text())
+    assert saved["step"][0]["voltage"] == ["0 V", "1.98 V"]
     reach(page, page.locator("#to-bench"))
     page.keyboard.press("Enter")
     page.locator("#campaign").wait_for()
@@ -109,11 +109,11 @@ def test_abort_is_at_hand_wherever_one_types(at, name):
     assert count > 0
     for place in [places.nth(k) for k in range(count)]:
         place.focus()
-        kept = place.evaluate("one => one.value ?? one.parentElement.open")
+        before = place.evaluate("one => one.value ?? one.parentElement.open")
         page.evaluate("delete document.documentElement.dataset.aborted")
         page.keyboard.press("Escape")
         page.wait_for_function("() => document.documentElement.dataset.aborted")
-        assert place.evaluate("one => one.value ?? one.parentElement.open") == kept  # nothing that was typed is lost
+        assert place.evaluate("one => one.value ?? one.parentElement.open") == before  # nothing that was typed is lost
     for shown in page.locator("details").all():
         shown.evaluate("one => { one.open = true; }")
     page.evaluate("delete document.documentElement.dataset.aborted")

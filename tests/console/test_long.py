@@ -49,11 +49,11 @@ class Page(threading.Thread):
         place = f"/api/bench/stream?client={self.id}"
         with self.client.websocket_connect(place, headers={"host": HERE[7:]}) as socket:
             while not self.over.is_set():
-                told = json.loads(socket.receive_text())
-                if "frame" in told:
+                message = json.loads(socket.receive_text())
+                if "frame" in message:
                     self.frames += 1
-                    self.bins += len(told["strips"]["time"]) if told["strips"] else 0
-                    socket.send_text(json.dumps({"heard": told["frame"]}))
+                    self.bins += len(message["strips"]["time"]) if message["strips"] else 0
+                    socket.send_text(json.dumps({"heard": message["frame"]}))
 
 
 def memory() -> int:

@@ -68,10 +68,10 @@ def test_records_are_filtered_and_overlaid_from_the_keyboard(page, campaign_fold
     page.keyboard.press("ArrowRight")
     page.get_by_role("img", name=re.compile("Force over velocity")).wait_for()
     assert page.evaluate("document.activeElement.textContent") == "Loops"
-    kept = page.url
+    url = page.url
     page.reload()
     page.get_by_role("img", name=re.compile("Force over velocity of ensaio.B.3, ensaio.B.5")).wait_for()
-    assert page.url == kept
+    assert page.url == url
 
 
 def test_the_table_sorts_by_its_numbers(page, campaign_folder):

@@ -37,10 +37,10 @@ def everything(folder):
 
 
 def test_the_list_tells_what_the_command_tells(client, campaign_folder):
-    told = client.get("/api/records/list", params={"source": "labcontrol"}).json()
+    reply = client.get("/api/records/list", params={"source": "labcontrol"}).json()
     own = {record.name: plain(records.describe(record)) for record in records.read_campaign(campaign_folder, role=None)}
-    assert {one["about"]["name"]: one["about"] for one in told} == own
-    keys = [one["key"] for one in told]
+    assert {one["about"]["name"]: one["about"] for one in reply} == own
+    keys = [one["key"] for one in reply]
     assert keys.index("labcontrol/ensaio.A.10.mat") - keys.index(KEY) == 9
 
 

@@ -46,8 +46,8 @@ def report(tmp_path_factory, campaign_folder):
         if not path.exists():
             if name == "validate":
                 write("identify")
-            asked = [name, *calls[name], *([] if name in own else ["--report", str(path)])]
-            done = CliRunner().invoke(cli, asked, catch_exceptions=False)
+            arguments = [name, *calls[name], *([] if name in own else ["--report", str(path)])]
+            done = CliRunner().invoke(cli, arguments, catch_exceptions=False)
             assert done.exit_code == 0, done.output
         return path
 
@@ -57,23 +57,23 @@ def report(tmp_path_factory, campaign_folder):
 @pytest.fixture
 def show(chromium):
     """``show(path, **settings)``: the page in a browser; it asks for nothing but itself, and complains of nothing."""
-    contexts, asked, wrong = [], [], []
+    contexts, requested, wrong = [], [], []
 
     def open_file(path, **settings):
         context = chromium.new_context(**{"viewport": {"width": 1280, "height": 900}} | settings)
         contexts.append(context)
         page = context.new_page()
-        page.on("request", lambda request: asked.append(request.url))
+        page.on("request", lambda request: requested.append(request.url))
         page.on("pageerror", lambda problem: wrong.append(str(problem)))
-        page.on("console", lambda told: wrong.append(told.text))
+        page.on("console", lambda message: wrong.append(message.text))
         page.goto(path.as_uri())
         return page
 
     yield open_file
     for context in contexts:
         context.close()
-    assert {url for url in asked if not url.startswith(("file://", "blob:"))} == set()
-    assert len([url for url in asked if url.startswith("file://")]) == len(contexts)
+    assert {url for url in requested if not url.startswith(("file://", "blob:"))} == set()
+    assert len([url for url in requested if url.startswith("file://")]) == len(contexts)
     assert wrong == []
 
 

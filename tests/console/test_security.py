@@ -22,8 +22,8 @@ TOKEN = "a-token-of-some-length"
 @pytest.fixture
 def guarded(data: Path):
     """A console on an address that others reach."""
-    with TestClient(app(data, TOKEN, loopback_only=False), base_url="http://192.0.2.7:8077") as found:
-        yield found
+    with TestClient(app(data, TOKEN, loopback_only=False), base_url="http://192.0.2.7:8077") as test_client:
+        yield test_client
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1:8077", "localhost:8077", "[::1]:8077", "127.0.0.1", "localhost:1"])
@@ -104,12 +104,12 @@ def test_addresses_and_the_own_name_are_known_elsewhere_and_foreign_names_are_no
 
 def test_what_is_open_here_is_open_to_this_machine_alone():
     rules = Rules(TOKEN, False, frozenset({"/api/bench/abort"}))
-    asked = {"type": "http", "method": "POST", "path": "/api/bench/abort", "headers": [(b"host", b"192.0.2.7")]}
-    assert rules.refusal(asked | {"client": ("127.0.0.1", 5)}) is None
-    assert rules.refusal(asked | {"client": ("192.0.2.9", 5)})[0] == 401
-    assert rules.refusal(asked | {"client": ("127.0.0.1", 5), "path": "/api/bench/arm"})[0] == 401
-    foreign = [*asked["headers"], (b"origin", b"http://evil.example")]
-    assert rules.refusal(asked | {"client": ("127.0.0.1", 5), "headers": foreign})[0] == 403
+    scope = {"type": "http", "method": "POST", "path": "/api/bench/abort", "headers": [(b"host", b"192.0.2.7")]}
+    assert rules.refusal(scope | {"client": ("127.0.0.1", 5)}) is None
+    assert rules.refusal(scope | {"client": ("192.0.2.9", 5)})[0] == 401
+    assert rules.refusal(scope | {"client": ("127.0.0.1", 5), "path": "/api/bench/arm"})[0] == 401
+    foreign = [*scope["headers"], (b"origin", b"http://evil.example")]
+    assert rules.refusal(scope | {"client": ("127.0.0.1", 5), "headers": foreign})[0] == 403
 
 
 def test_nothing_inline_and_nothing_from_elsewhere_may_run(client):
@@ -169,8 +169,8 @@ def test_a_fault_tells_nothing_of_the_inside(data, monkeypatch, caplog):
 @given(st.text(max_size=40))
 def test_no_host_makes_the_rules_stumble(host):
     scope = {"type": "http", "method": "GET", "path": "/", "headers": [(b"host", host.encode("latin-1", "replace"))]}
-    found = Rules(None).refusal(scope)
-    assert found is None or found[0] == 400
+    refusal = Rules(None).refusal(scope)
+    assert refusal is None or refusal[0] == 400
 
 
 def test_loopback_is_told_by_its_number():

@@ -118,18 +118,18 @@ def test_two_pages_on_one_campaign_do_not_overwrite_each_other(address, new_page
 
 def all_at_once(work, count=8):
     """What ``work`` returns when that many ask at the same moment."""
-    gate, found = threading.Barrier(count), []
+    gate, results = threading.Barrier(count), []
 
     def one(k):
         gate.wait()
-        found.append(work(k))
+        results.append(work(k))
 
     threads = [threading.Thread(target=one, args=(k,)) for k in range(count)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    return Counter(found)
+    return Counter(results)
 
 
 @pytest.fixture
@@ -141,8 +141,8 @@ def with_a_fit(data):
     (place / "request.json").write_text(json.dumps({"kind": "identify", "request": {}}))
     (place / "result.json").write_text("{}")
     raminelli_2020.damper().save(place / "card.toml")
-    with TestClient(app(data), base_url="http://localhost") as found:
-        yield found
+    with TestClient(app(data), base_url="http://localhost") as test_client:
+        yield test_client
 
 
 def test_of_many_who_keep_a_card_by_one_name_one_does(with_a_fit, data):
@@ -164,9 +164,9 @@ def test_of_many_who_save_a_new_campaign_by_one_name_one_does(client, data):
         return client.put("/api/campaigns/files/one", json={"text": text(k), "replaces": ""}).status_code
 
     assert all_at_once(ask) == {200: 1, 409: 7}
-    kept = (data / "campaigns" / "one.toml").read_text()
-    assert kept in [text(k) for k in range(8)]
-    answer = client.put("/api/campaigns/files/one", json={"text": text(9), "replaces": kept})
+    saved = (data / "campaigns" / "one.toml").read_text()
+    assert saved in [text(k) for k in range(8)]
+    answer = client.put("/api/campaigns/files/one", json={"text": text(9), "replaces": saved})
     assert answer.status_code == 200
     assert (
         client.put("/api/campaigns/files/one", json={"text": text(3)}).status_code == 200

@@ -37,9 +37,9 @@ def test_the_keyboard_reaches_the_page(address, new_page):
 def test_another_address_asks_for_the_token_it_printed(data, tmp_path):
     command = [sys.executable, "-m", "dampyr", "console", "--host", "0.0.0.0", "--port", "0", "--data", str(data)]
     with subprocess.Popen([*command, "--no-browser"], stdout=subprocess.PIPE, text=True) as process:
-        told = process.stdout.readline()
+        printed = process.stdout.readline()
         process.terminate()
-    assert re.search(r"\?token=[\w-]{32} ", told)
+    assert re.search(r"\?token=[\w-]{32} ", printed)
 
 
 def test_a_port_that_is_taken_is_one_line(address, data):

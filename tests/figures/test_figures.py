@@ -123,12 +123,12 @@ def test_control_shows_answers_and_below_them_the_inputs_of_the_laws() -> None:
 
 def test_points_outside_a_band_differ_from_those_inside_by_their_shape() -> None:
     fig = MAKERS["peak_velocity"]()
-    found = {str(line.get_label()): line for line in fig.axes[0].lines}
-    assert [(words, found[words].get_marker()) for words in ("inside", "outside", "not judged")] == [
+    by_label = {str(line.get_label()): line for line in fig.axes[0].lines}
+    assert [(words, by_label[words].get_marker()) for words in ("inside", "outside", "not judged")] == [
         ("inside", "o"), ("outside", "X"), ("not judged", "s"),
     ]  # fmt: skip
-    np.testing.assert_allclose(found["outside"].get_xydata(), [[60.0, 90.0]])
-    np.testing.assert_allclose(found["reference"].get_xydata()[1:-1], [[40.0, 100.0], [80.0, 150.0]])
+    np.testing.assert_allclose(by_label["outside"].get_xydata(), [[60.0, 90.0]])
+    np.testing.assert_allclose(by_label["reference"].get_xydata()[1:-1], [[40.0, 100.0], [80.0, 150.0]])
     (fill,) = fig.axes[0].collections
     corners = {tuple(np.round(corner, 3)) for corner in fill.get_paths()[0].vertices}
     assert {(40.0, 85.0), (40.0, 115.0), (80.0, 127.5), (80.0, 172.5)} <= corners
@@ -147,9 +147,9 @@ def test_the_residual_is_measured_less_model() -> None:
 
 
 def test_peaks_of_a_building_are_told() -> None:
-    known = lines(MAKERS["building"]())
-    assert "no damper: 12 mm" in known
-    assert "0 V: 6 mm" in known
+    by_label = lines(MAKERS["building"]())
+    assert "no damper: 12 mm" in by_label
+    assert "0 V: 6 mm" in by_label
 
 
 def test_the_peak_of_a_motion_is_told_in_g() -> None:
@@ -174,9 +174,9 @@ def test_the_calibrated_box_and_the_greatest_speed_are_in_mm_and_hz() -> None:
     fig = MAKERS["calibrated"]()
     (box,) = fig.axes[0].patches
     assert box.get_bbox().bounds == pytest.approx((0.5, 0.0, 0.7, 20.0))
-    known = lines(fig)
-    np.testing.assert_allclose(known["0 V"], [[0.5, 1.2], [20.0, 8.0]])
-    f, amplitude = known["greatest speed, 70 mm/s"]
+    by_label = lines(fig)
+    np.testing.assert_allclose(by_label["0 V"], [[0.5, 1.2], [20.0, 8.0]])
+    f, amplitude = by_label["greatest speed, 70 mm/s"]
     np.testing.assert_allclose(2 * np.pi * f * amplitude, 70.0)
 
 

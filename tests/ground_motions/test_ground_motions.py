@@ -216,7 +216,7 @@ def test_no_file_and_no_format(tmp_path):
 
 
 def test_every_format_on_the_shelf_says_its_suffixes():
-    formats = ground_motions.known_formats()
+    formats = ground_motions.available_formats()
     assert {"at2", "columns", "mat"} <= set(formats)
     suffixes = [suffix for each in formats.values() for suffix in each]
     assert len(set(suffixes)) == len(suffixes)

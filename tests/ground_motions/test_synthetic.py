@@ -59,8 +59,8 @@ def test_the_mean_density_of_many_motions_is_the_formula(soil: Soil) -> None:
     omega = 2 * np.pi * np.fft.rfftfreq(length, dt)
     for low, high in ((2.0, 6.0), (6.0, 12.0), (12.0, 20.0), (20.0, 50.0), (50.0, 100.0), (100.0, 150.0)):
         band = (omega >= low) & (omega < high)
-        found, expected = power[band].mean(), soil.density(omega[band], S0).mean()
-        assert found == pytest.approx(expected, rel=5 / math.sqrt(many * band.sum() / 2) + 0.01)
+        estimate, expected = power[band].mean(), soil.density(omega[band], S0).mean()
+        assert estimate == pytest.approx(expected, rel=5 / math.sqrt(many * band.sum() / 2) + 0.01)
 
 
 def test_the_variance_is_the_area_and_does_not_change_in_the_window() -> None:
@@ -113,8 +113,8 @@ def test_a_stronger_noise_is_a_stronger_motion() -> None:
 
 def test_the_envelopes_are_the_published_forms() -> None:
     t = np.array([0.0, 1.5, 3.0, 7.0, 10.0, 20.0])
-    found = RisePlateauDecay()(t, 20.0)
-    np.testing.assert_allclose(found, [0.0, 0.25, 1.0, 1.0, 1.0, 0.05], rtol=1e-12)
+    shape_values = RisePlateauDecay()(t, 20.0)
+    np.testing.assert_allclose(shape_values, [0.0, 0.25, 1.0, 1.0, 1.0, 0.05], rtol=1e-12)
     assert RisePlateauDecay()(np.array([15.0]), 20.0)[0] == pytest.approx(math.sqrt(0.05))
     fine = np.linspace(0, 60, 600001)
     shape = ShinozukaSato(0.2, 0.6)(fine, 60.0)

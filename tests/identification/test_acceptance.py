@@ -35,21 +35,25 @@ def dry(c, f):
     return lambda x, v: c * v + f * np.sign(v)
 
 
-def of(found, quantity):
-    return [p for p in found.points if p.quantity == quantity]
+def of(acceptance, quantity):
+    return [p for p in acceptance.points if p.quantity == quantity]
 
 
 def test_a_card_expects_the_closed_form_of_friction_and_dashpot():
-    found = accept(run(), CARD)
+    acceptance = accept(run(), CARD)
     speed = 2 * np.pi * HZ * A
     at_middle = 1.0 - (1.0 + np.tanh(RHO * A)) * np.exp(-RHO * A)
     energy = np.pi * KX * speed * A + 4 * KW * (A - np.tanh(RHO * A) / RHO)
-    assert found.passed is True
-    assert len(found.points) == 3 * 5
-    np.testing.assert_allclose([p.expected for p in of(found, "extension")], KX * speed + KW * at_middle, rtol=2e-3)
-    np.testing.assert_allclose([p.expected for p in of(found, "compression")], -KX * speed - KW * at_middle, rtol=2e-3)
-    np.testing.assert_allclose([p.expected for p in of(found, "energy")], energy, rtol=2e-3)
-    np.testing.assert_allclose([p.speed for p in found.points], speed, rtol=2e-3)
+    assert acceptance.passed is True
+    assert len(acceptance.points) == 3 * 5
+    np.testing.assert_allclose(
+        [p.expected for p in of(acceptance, "extension")], KX * speed + KW * at_middle, rtol=2e-3
+    )
+    np.testing.assert_allclose(
+        [p.expected for p in of(acceptance, "compression")], -KX * speed - KW * at_middle, rtol=2e-3
+    )
+    np.testing.assert_allclose([p.expected for p in of(acceptance, "energy")], energy, rtol=2e-3)
+    np.testing.assert_allclose([p.speed for p in acceptance.points], speed, rtol=2e-3)
 
 
 @pytest.mark.parametrize("share", [1.16, 0.84])
@@ -65,8 +69,8 @@ def test_sixteen_percent_fails_at_fifteen_and_passes_at_seventeen(share, offset)
 
 
 def test_the_band_is_the_share_and_the_slack_together():
-    found = accept(run(), CARD, Tolerance(0.1, force=20.0, energy=0.5))
-    for p, slack in zip(found.points[:3], (20.0, 20.0, 0.5), strict=True):
+    acceptance = accept(run(), CARD, Tolerance(0.1, force=20.0, energy=0.5))
+    for p, slack in zip(acceptance.points[:3], (20.0, 20.0, 0.5), strict=True):
         assert p.high - p.expected == pytest.approx(0.1 * abs(p.expected) + slack)
         assert p.expected - p.low == pytest.approx(0.1 * abs(p.expected) + slack)
 
@@ -76,9 +80,9 @@ def test_a_force_stronger_in_one_direction_shows_half_in_each_until_the_zero_is_
     both = accept(strong, fair, Tolerance(0.2), ("extension", "compression"))
     np.testing.assert_allclose([p.deviation for p in both.points], 0.15, atol=2e-3)
     assert both.passed is True
-    told = accept(strong, fair, Tolerance(0.2), ("extension", "compression"), offset=0.0)
-    assert [(p.quantity, p.inside) for p in told.points[:2]] == [("extension", False), ("compression", True)]
-    assert {p.quantity for p in told.outside} == {"extension"}
+    zeroed = accept(strong, fair, Tolerance(0.2), ("extension", "compression"), offset=0.0)
+    assert [(p.quantity, p.inside) for p in zeroed.points[:2]] == [("extension", False), ("compression", True)]
+    assert {p.quantity for p in zeroed.outside} == {"extension"}
     shifted = replace(strong, force=strong.force + 70.0)
     assert accept(shifted, replace(fair, force=fair.force + 70.0), offset=70.0).points[0].deviation == pytest.approx(
         0.3
@@ -90,10 +94,10 @@ def test_a_force_stronger_in_one_direction_shows_half_in_each_until_the_zero_is_
 def test_one_cycle_outside_is_outside_and_is_named():
     tested = run()
     wrong = np.where((tested.time > 2.9) & (tested.time < 3.1), 1.3, 1.0)
-    found = accept(replace(tested, force=tested.force * wrong), CARD)
-    assert found.passed is False
-    (one,) = found.outside
-    assert (one, one.quantity) == (found.worst, "extension")
+    acceptance = accept(replace(tested, force=tested.force * wrong), CARD)
+    assert acceptance.passed is False
+    (one,) = acceptance.outside
+    assert (one, one.quantity) == (acceptance.worst, "extension")
     assert one.deviation == pytest.approx(0.3, abs=0.02)
     assert tested.time[0] + one.cycle == pytest.approx(3.0, abs=1.0)
 
@@ -102,51 +106,51 @@ def test_tests_of_a_reference_are_interpolated_over_speed_in_each_direction():
     def uneven(x, v):
         return np.where(v > 0, 2000.0, 1200.0) * v + 40.0 * np.sign(v)
 
-    known = [measured(uneven, f"at {hz} Hz", hz=hz) for hz in (0.5, 1.0, 2.0)]
+    references = [measured(uneven, f"at {hz} Hz", hz=hz) for hz in (0.5, 1.0, 2.0)]
     for amplitude, hz in ((A, 0.7), (1.07 * A, 1.4)):
         tested = measured(uneven, "tested", amplitude, hz)
-        found = accept(tested, known, Tolerance(0.03), offset=0.0)
-        assert (found.verdict, len(found.judged)) == ("passed", len(found.points))
-        assert abs(found.worst.deviation) < 5e-3
-        weak = accept(replace(tested, force=0.96 * tested.force), known, Tolerance(0.03), offset=0.0)
+        acceptance = accept(tested, references, Tolerance(0.03), offset=0.0)
+        assert (acceptance.verdict, len(acceptance.judged)) == ("passed", len(acceptance.points))
+        assert abs(acceptance.worst.deviation) < 5e-3
+        weak = accept(replace(tested, force=0.96 * tested.force), references, Tolerance(0.03), offset=0.0)
         assert len(weak.outside) == len(weak.points)
 
 
 def test_faster_slower_and_another_stroke_are_not_judged_and_say_why():
-    known = [measured(dry(500.0, 50.0), hz=hz) for hz in (0.5, 1.0)]
-    fast = accept(measured(dry(500.0, 50.0), "fast", hz=1.1), known)
+    references = [measured(dry(500.0, 50.0), hz=hz) for hz in (0.5, 1.0)]
+    fast = accept(measured(dry(500.0, 50.0), "fast", hz=1.1), references)
     assert (fast.passed, fast.judged, fast.worst) == (None, (), None)
     assert fast.reason == "faster than the reference (up to 62.83 mm/s)"
     assert fast.reasons == {fast.reason: len(fast.points)}
-    slow = accept(measured(dry(500.0, 50.0), "slow", hz=0.4), known)
+    slow = accept(measured(dry(500.0, 50.0), "slow", hz=0.4), references)
     assert slow.reason == "slower than the reference (from 31.42 mm/s)"
-    barely = accept(measured(dry(500.0, 50.0), "barely", hz=1.015), known)
+    barely = accept(measured(dry(500.0, 50.0), "barely", hz=1.015), references)
     assert barely.passed is True
-    wide = accept(measured(dry(500.0, 50.0), "wide", 2 * A, 0.4), known)
+    wide = accept(measured(dry(500.0, 50.0), "wide", 2 * A, 0.4), references)
     assert wide.reason == "energy: the reference has another stroke at this speed (20 mm)"
     assert wide.passed is None
     assert len(wide.judged) == 2 * len(wide.points) // 3
-    assert accept(measured(dry(500.0, 50.0), "wide", 2 * A, 0.4), known, quantities=["extension"]).passed is True
+    assert accept(measured(dry(500.0, 50.0), "wide", 2 * A, 0.4), references, quantities=["extension"]).passed is True
 
 
 def test_what_is_outside_fails_even_where_the_rest_is_not_judged():
-    known = [measured(dry(500.0, 50.0), hz=hz) for hz in (0.5, 1.0)]
-    found = accept(measured(dry(700.0, 70.0), "wide", 2 * A, 0.4), known)
-    assert found.passed is False
-    assert found.reason.startswith("energy: ")
+    references = [measured(dry(500.0, 50.0), hz=hz) for hz in (0.5, 1.0)]
+    acceptance = accept(measured(dry(700.0, 70.0), "wide", 2 * A, 0.4), references)
+    assert acceptance.passed is False
+    assert acceptance.reason.startswith("energy: ")
 
 
 def test_another_input_is_not_judged():
-    known = measured(dry(500.0, 50.0), voltage=1.0)
-    other = accept(measured(dry(500.0, 50.0), voltage=2.0), known)
+    reference = measured(dry(500.0, 50.0), voltage=1.0)
+    other = accept(measured(dry(500.0, 50.0), voltage=2.0), reference)
     assert other.reason == "no reference at this input: 2 V here, 1 V there"
-    assert accept(measured(dry(500.0, 50.0), voltage=1.01, seconds=7.0), known).passed is True
-    assert accept(measured(dry(500.0, 50.0), voltage=None, current=1.0), known).passed is None
-    assert accept(measured(dry(500.0, 50.0), voltage=None), known).reason.startswith(
+    assert accept(measured(dry(500.0, 50.0), voltage=1.01, seconds=7.0), reference).passed is True
+    assert accept(measured(dry(500.0, 50.0), voltage=None, current=1.0), reference).passed is None
+    assert accept(measured(dry(500.0, 50.0), voltage=None), reference).reason.startswith(
         "no reference at this input: no input known"
     )
-    ramp = replace(known, force=1.01 * known.force, voltage=np.linspace(0.0, 2.0, known.n))
-    assert "a varying input in V" in accept(ramp, known).reason
+    ramp = replace(reference, force=1.01 * reference.force, voltage=np.linspace(0.0, 2.0, reference.n))
+    assert "a varying input in V" in accept(ramp, reference).reason
     passive = measured(dry(500.0, 50.0), voltage=None)
     assert accept(replace(passive, force=1.01 * passive.force), passive).passed is True
 
@@ -178,8 +182,8 @@ def test_what_a_card_does_not_know_is_not_judged():
 def test_a_record_without_cycles_is_not_judged():
     still = Record(np.arange(20.0), np.zeros(20), np.zeros(20), voltage=0.0)
     for reference in (CARD, run()):
-        found = accept(still, reference)
-        assert (found.passed, found.points, found.reason) == (None, (), "no whole cycle")
+        acceptance = accept(still, reference)
+        assert (acceptance.passed, acceptance.points, acceptance.reason) == (None, (), "no whole cycle")
     assert accept(run(), still).reason == "the reference has no whole cycle"
 
 
@@ -218,11 +222,11 @@ def test_a_wrong_argument_is_refused(make, words):
 
 
 def test_the_band_along_the_speed_holds_its_points():
-    known = [measured(dry(900.0, 50.0), hz=hz) for hz in (0.5, 1.0, 2.0)]
-    found = [accept(run(card=CARD, hz=hz, name=f"{hz}"), known, Tolerance(0.3)) for hz in (0.6, 1.2)]
-    rows = band(found, "compression")
+    references = [measured(dry(900.0, 50.0), hz=hz) for hz in (0.5, 1.0, 2.0)]
+    acceptances = [accept(run(card=CARD, hz=hz, name=f"{hz}"), references, Tolerance(0.3)) for hz in (0.6, 1.2)]
+    rows = band(acceptances, "compression")
     assert len(rows) == 2
-    for row, one in zip(rows, found, strict=True):
+    for row, one in zip(rows, acceptances, strict=True):
         speed, value, low, high = row
         assert speed == pytest.approx(of(one, "compression")[0].speed, rel=2e-3)
         assert (value, low, high) == pytest.approx((value, 1.3 * value, 0.7 * value))
@@ -230,19 +234,19 @@ def test_the_band_along_the_speed_holds_its_points():
 
 
 def test_json_holds_what_was_found():
-    told = accept(run(share=1.2), CARD).as_dict()
-    assert told["verdict"] == "failed"
-    assert told["worst"]["deviation"] == pytest.approx(0.2)
-    assert told["outside"] == len(told["points"]) == told["judged"]
+    summary = accept(run(share=1.2), CARD).as_dict()
+    assert summary["verdict"] == "failed"
+    assert summary["worst"]["deviation"] == pytest.approx(0.2)
+    assert summary["outside"] == len(summary["points"]) == summary["judged"]
 
 
 def test_repeated_real_tests_judge_each_other(campaign_folder):
     """At 0.87 V and above the forces of one test follow from the others' to 15 %; a weak damper does not pass."""
     records = read_campaign(campaign_folder, role=None)
     forces = ("extension", "compression")
-    found = {r.name: accept(r, records, quantities=forces) for r in records if r.voltage != 0.0}
-    assert not [name for name, one in found.items() if one.passed is False]
-    undecided = {name for name, one in found.items() if one.passed is None}
+    acceptances = {r.name: accept(r, records, quantities=forces) for r in records if r.voltage != 0.0}
+    assert not [name for name, one in acceptances.items() if one.passed is False]
+    undecided = {name for name, one in acceptances.items() if one.passed is None}
     ends = {
         "ensaio10.2.2",
         "ensaio.B.1",
@@ -251,7 +255,7 @@ def test_repeated_real_tests_judge_each_other(campaign_folder):
         "ensaio.A.10",
     }  # fastest and slowest of their input
     assert undecided == ends
-    for name in found.keys() - ends:
+    for name in acceptances.keys() - ends:
         record = next(r for r in records if r.name == name)
         weak = record.replace(note="a leaking seal", force=0.8 * record.force)
         assert accept(weak, records, quantities=forces).passed is False

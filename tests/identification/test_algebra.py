@@ -87,8 +87,8 @@ def counted(monkeypatch: pytest.MonkeyPatch, problem: Problem) -> tuple[Outcome,
     monkeypatch.setattr(
         variable_projection, "normal", lambda p, at: seen.append(sum(o.t.size for o in p.pieces)) or normal(p, at)
     )
-    found = search(problem, begin(problem))
-    return found, sum(seen)
+    outcome = search(problem, begin(problem))
+    return outcome, sum(seen)
 
 
 @pytest.mark.parametrize("model", ["dahl", "bouc_wen"])
@@ -98,14 +98,14 @@ def test_a_long_record_is_searched_on_its_first_part_to_the_same_end(
 ) -> None:
     problem = prepared(model, [sine(DAHL, 0.0, noise=2.0, seconds=60.0)])
     whole = descend(problem, begin(problem), None, 1e-12)
-    found, samples = counted(monkeypatch, problem)
+    outcome, samples = counted(monkeypatch, problem)
     monkeypatch.setattr(variable_projection, "OPENING_SAMPLES", 10**9)
     plain, all_samples = counted(monkeypatch, problem)
-    assert found.converged
+    assert outcome.converged
     assert samples < 0.8 * all_samples
-    assert found.cost == pytest.approx(plain.cost, rel=1e-7)
+    assert outcome.cost == pytest.approx(plain.cost, rel=1e-7)
     if model == "dahl":
-        np.testing.assert_allclose(found.point.theta, whole.point.theta, rtol=1e-4)
+        np.testing.assert_allclose(outcome.point.theta, whole.point.theta, rtol=1e-4)
 
 
 def test_the_first_part_holds_the_motion_or_it_is_the_whole() -> None:
@@ -119,8 +119,8 @@ def test_the_first_part_holds_the_motion_or_it_is_the_whole() -> None:
 
 def test_few_steps_are_few_with_an_opening_too() -> None:
     problem = prepared("dahl", [sine(DAHL, 0.0, noise=2.0, seconds=60.0)])
-    told: list[int] = []
-    found = search(problem, begin(problem), lambda k, cost: told.append(k), max_iterations=3)
-    assert found.iterations <= 3
-    assert told == sorted(told)
-    assert all(k <= 3 for k in told)
+    iterations: list[int] = []
+    outcome = search(problem, begin(problem), lambda k, cost: iterations.append(k), max_iterations=3)
+    assert outcome.iterations <= 3
+    assert iterations == sorted(iterations)
+    assert all(k <= 3 for k in iterations)

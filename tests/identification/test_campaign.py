@@ -20,7 +20,7 @@ def records(campaign_folder: Path):
 def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:
     fits = {record.name: fit("dahl", record) for record in records}
     assert len(fits) == 38
-    assert all(found.converged for found in fits.values())
+    assert all(fit_result.converged for fit_result in fits.values())
     for voltage, floor in FLOORS.items():
         group = [r for r in records if r.voltage == pytest.approx(voltage)]
         fitted = [fits[r.name].scores[r.name].l1 for r in group]
@@ -30,21 +30,21 @@ def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:
 
 
 def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records) -> None:
-    found = fit("dahl", records)
-    assert found.converged
-    assert found.clusters == "record"
-    means = [np.mean([found.scores[r.name].l1 for r in records if r.voltage == pytest.approx(u)]) for u in FLOORS]
+    fit_result = fit("dahl", records)
+    assert fit_result.converged
+    assert fit_result.clusters == "record"
+    means = [np.mean([fit_result.scores[r.name].l1 for r in records if r.voltage == pytest.approx(u)]) for u in FLOORS]
     assert np.all(100 * np.array(means) < [9.3, 8.0, 13.7, 17.1])
-    assert found.damper.range == (0.0, 3.212)
+    assert fit_result.damper.range == (0.0, 3.212)
 
 
 def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:
-    found = fit(
+    fit_result = fit(
         "dahl + hyperbolic_tangent + spring + delay",
         [r for r in records if r.voltage > 3],
         fixed={"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0},
     )
-    assert 100 * np.mean([s.l1 for s in found.scores.values()]) < 6.2
+    assert 100 * np.mean([s.l1 for s in fit_result.scores.values()]) < 6.2
 
 
 WINNER = "hysteretic_biviscous + delay + compliance + spring"  # of `leaderboard`, which is run in `make prove`

@@ -37,12 +37,12 @@ def test_intervals_hold_the_truth_as_often_as_they_say(per_voltage: int) -> None
     truth = np.concatenate([law.values for law in LAWS.values()])
     held, naive = np.zeros(truth.size), np.zeros(truth.size)
     for seed in range(CAMPAIGNS):
-        found = fit("dahl", campaign(seed, per_voltage))
-        assert found.clusters == "record"
-        values = np.array(list(found.parameters.values()))
-        spans = np.array(list(found.intervals(0.95).values()))
+        fit_result = fit("dahl", campaign(seed, per_voltage))
+        assert fit_result.clusters == "record"
+        values = np.array(list(fit_result.parameters.values()))
+        spans = np.array(list(fit_result.intervals(0.95).values()))
         held += (spans[:, 0] <= truth) & (truth <= spans[:, 1])
-        naive += np.abs(values - truth) <= 1.96 * np.array(list(found.naive_stderr.values()))
+        naive += np.abs(values - truth) <= 1.96 * np.array(list(fit_result.naive_stderr.values()))
     shares = 100 * held / CAMPAIGNS
     print("intervals", shares, "naive", 100 * naive / CAMPAIGNS)
     assert np.all((shares >= 91.0) & (shares <= 98.0)), shares
@@ -83,10 +83,10 @@ def share_held(counts: tuple[int, ...], campaigns: int, laws: dict[str, str] | N
     for seed in range(campaigns):
         rng = np.random.default_rng([seed, *counts])
         records = [as_measured(u, f"{u:g}V-{k}", rng) for u, n in zip(TESTED, counts, strict=True) for k in range(n)]
-        found = fit("dahl", records, laws=laws)
-        for label, (low, high) in found.intervals(0.95).items():
+        fit_result = fit("dahl", records, laws=laws)
+        for label, (low, high) in fit_result.intervals(0.95).items():
             name, _, at = label.partition(" @ ")
-            if label not in found.within_records:
+            if label not in fit_result.within_records:
                 truth = float(LIKE_THE_RIG[name](float(at.split()[0])))
                 held.setdefault(label, []).append(low <= truth <= high)
     assert all(len(each) == campaigns for each in held.values())

@@ -27,28 +27,28 @@ def campaign(damper: Damper, noise: float = 0.0, per_voltage: int = 2) -> list[R
 
 def test_one_record_gives_back_its_model_its_offset_and_its_start() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
-    found = fit("dahl", sine(truth, 0.0, w0=-0.6))
-    assert found.converged, found.reason
-    assert list(found.parameters.values()) == pytest.approx([900.0, 70.0, 2500.0], rel=1e-6)
-    assert found.nuisances["test"].offset == pytest.approx(120.0, abs=1e-4)
-    assert found.nuisances["test"].states["dahl.w"] == pytest.approx(-0.6, abs=1e-4)
+    fit_result = fit("dahl", sine(truth, 0.0, w0=-0.6))
+    assert fit_result.converged, fit_result.reason
+    assert list(fit_result.parameters.values()) == pytest.approx([900.0, 70.0, 2500.0], rel=1e-6)
+    assert fit_result.nuisances["test"].offset == pytest.approx(120.0, abs=1e-4)
+    assert fit_result.nuisances["test"].states["dahl.w"] == pytest.approx(-0.6, abs=1e-4)
 
 
 def test_all_six_normalised_bouc_wen_parameters_come_back() -> None:
     values = {"c0": 600.0, "k0": 900.0, "kw": 120.0, "rho": 700.0, "sigma": 1.6, "n": 1.4}
     truth = Damper("bouc_wen", {f"bouc_wen.{k}": v for k, v in values.items()})
-    found = fit("bouc_wen", sine(truth, 0.0))
-    assert found.converged, found.reason
-    assert list(found.parameters.values()) == pytest.approx(list(values.values()), rel=1e-4)
+    fit_result = fit("bouc_wen", sine(truth, 0.0))
+    assert fit_result.converged, fit_result.reason
+    assert list(fit_result.parameters.values()) == pytest.approx(list(values.values()), rel=1e-4)
 
 
 def test_a_joint_fit_gives_back_laws_over_the_voltage() -> None:
     truth = Damper("dahl", TRUTH)
-    found = fit("dahl", campaign(truth), laws={"dahl.kx": "polynomial:2", "dahl.rho": "polynomial:1"})
-    assert found.converged, found.reason
-    assert found.damper is not None
+    fit_result = fit("dahl", campaign(truth), laws={"dahl.kx": "polynomial:2", "dahl.rho": "polynomial:1"})
+    assert fit_result.converged, fit_result.reason
+    assert fit_result.damper is not None
     for name, law in TRUTH.items():
-        np.testing.assert_allclose(found.damper.all_laws[name].coefficients, law.coefficients, rtol=1e-5)
+        np.testing.assert_allclose(fit_result.damper.all_laws[name].coefficients, law.coefficients, rtol=1e-5)
 
 
 def test_a_varying_voltage_gives_a_polynomial_law() -> None:
@@ -58,9 +58,9 @@ def test_a_varying_voltage_gives_a_polynomial_law() -> None:
     x = 0.01 * np.sin(2 * np.pi * t)
     v = np.gradient(x, t)
     record = Record(t, x, truth.force(t, x, voltage=u, velocity=v) + 30.0, velocity=v, voltage=u)
-    found = fit("dahl", record, laws={"dahl.kx": "constant", "dahl.kw": "polynomial:1", "dahl.rho": "constant"})
-    assert found.damper is not None
-    np.testing.assert_allclose(found.damper.coefficients, truth.coefficients, rtol=1e-3)
+    fit_result = fit("dahl", record, laws={"dahl.kx": "constant", "dahl.kw": "polynomial:1", "dahl.rho": "constant"})
+    assert fit_result.damper is not None
+    np.testing.assert_allclose(fit_result.damper.coefficients, truth.coefficients, rtol=1e-3)
 
 
 def test_a_varying_voltage_gives_a_law_of_what_the_state_remembers() -> None:
@@ -70,11 +70,11 @@ def test_a_varying_voltage_gives_a_law_of_what_the_state_remembers() -> None:
     x = 0.004 * np.sin(2 * np.pi * t)
     v = np.gradient(x, t)
     record = Record(t, x, truth.force(t, x, voltage=u, velocity=v) + 30.0, velocity=v, voltage=u)
-    found = fit("dahl", record, laws={"dahl.kx": "constant", "dahl.kw": "constant", "dahl.rho": "polynomial:1"})
-    assert found.converged
-    assert found.iterations < 12
-    assert found.damper is not None
-    np.testing.assert_allclose(found.damper.coefficients, truth.coefficients, rtol=1e-6)
+    fit_result = fit("dahl", record, laws={"dahl.kx": "constant", "dahl.kw": "constant", "dahl.rho": "polynomial:1"})
+    assert fit_result.converged
+    assert fit_result.iterations < 12
+    assert fit_result.damper is not None
+    np.testing.assert_allclose(fit_result.damper.coefficients, truth.coefficients, rtol=1e-6)
 
 
 def test_the_first_try_composition_comes_back() -> None:
@@ -84,28 +84,28 @@ def test_the_first_try_composition_comes_back() -> None:
     truth = Damper("dahl + hyperbolic_tangent + spring + delay", laws)
     records = [sine(truth, 0.0, f"r{k}", 0.004 + 0.004 * k, 0.5 + 0.4 * k) for k in range(3)]
     fixed = {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}
-    found = fit("dahl + hyperbolic_tangent + spring + delay", records, fixed=fixed)
+    fit_result = fit("dahl + hyperbolic_tangent + spring + delay", records, fixed=fixed)
     free = {name: value for name, value in laws.items() if name not in fixed}
-    assert found.parameters == pytest.approx(free, rel=1e-3)
-    assert found.scores["r0"].l1 < 1e-4
+    assert fit_result.parameters == pytest.approx(free, rel=1e-3)
+    assert fit_result.scores["r0"].l1 < 1e-4
 
 
 def test_fixed_parameters_stay_and_are_no_longer_estimated() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
-    found = fit("dahl", sine(truth, 0.0, noise=1.0), fixed={"dahl.rho": 2500.0})
-    assert "dahl.rho" not in found.parameters
-    assert found.damper is not None
-    assert found.damper.at(0.0).rho == 2500.0
-    assert found.damper.covariance[2, 2] == 0.0
+    fit_result = fit("dahl", sine(truth, 0.0, noise=1.0), fixed={"dahl.rho": 2500.0})
+    assert "dahl.rho" not in fit_result.parameters
+    assert fit_result.damper is not None
+    assert fit_result.damper.at(0.0).rho == 2500.0
+    assert fit_result.damper.covariance[2, 2] == 0.0
 
 
 def test_errors_with_noise_are_of_the_right_size() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
     numbers, errors = [], []
     for seed in range(24):
-        found = fit("dahl", sine(truth, 0.0, noise=4.0, seed=seed, seconds=12.0))
-        numbers.append(list(found.parameters.values()))
-        errors.append(list(found.stderr.values()))
+        fit_result = fit("dahl", sine(truth, 0.0, noise=4.0, seed=seed, seconds=12.0))
+        numbers.append(list(fit_result.parameters.values()))
+        errors.append(list(fit_result.stderr.values()))
     ratio = np.std(numbers, axis=0) / np.mean(errors, axis=0)
     assert np.all((ratio > 0.6) & (ratio < 1.7)), ratio
     np.testing.assert_allclose(np.mean(numbers, axis=0), [900.0, 70.0, 2500.0], rtol=0.02)
@@ -119,20 +119,20 @@ def test_correlated_residuals_widen_the_errors() -> None:
         rng = np.random.default_rng(k)
         gain = 1.0 + 0.05 * rng.standard_normal()
         records.append(record.replace(note="another gain", force=record.force * gain))
-    found = fit("dahl", records)
-    assert found.clusters == "record"
-    assert found.stderr["dahl.kw"] > 5 * found.naive_stderr["dahl.kw"]
-    assert found.stderr["dahl.kw"] == pytest.approx(70.0 * 0.05 / np.sqrt(12), rel=0.5)
+    fit_result = fit("dahl", records)
+    assert fit_result.clusters == "record"
+    assert fit_result.stderr["dahl.kw"] > 5 * fit_result.naive_stderr["dahl.kw"]
+    assert fit_result.stderr["dahl.kw"] == pytest.approx(70.0 * 0.05 / np.sqrt(12), rel=0.5)
 
 
 def test_what_the_records_do_not_determine_has_an_infinite_error() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
-    found = fit("dahl + hyperbolic_tangent", sine(truth, 0.0, noise=1.0), fixed={"hyperbolic_tangent.ft": 1e-3,
+    fit_result = fit("dahl + hyperbolic_tangent", sine(truth, 0.0, noise=1.0), fixed={"hyperbolic_tangent.ft": 1e-3,
                 "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0})  # fmt: skip
-    assert found.stderr["dahl.kx"] == np.inf
-    assert found.stderr["hyperbolic_tangent.c"] == np.inf
-    assert np.isfinite(found.stderr["dahl.kw"])
-    assert any("do not determine" in note for note in found.notes)
+    assert fit_result.stderr["dahl.kx"] == np.inf
+    assert fit_result.stderr["hyperbolic_tangent.c"] == np.inf
+    assert np.isfinite(fit_result.stderr["dahl.kw"])
+    assert any("do not determine" in note for note in fit_result.notes)
 
 
 def test_a_record_without_reversal_does_not_give_rho() -> None:
@@ -142,15 +142,15 @@ def test_a_record_without_reversal_does_not_give_rho() -> None:
     v = np.full(t.size, 0.004)
     force = truth.force(t, x, voltage=0.0, velocity=v, state0=[1.0])
     record = Record(t, x, force + np.random.default_rng(0).normal(0, 1, t.size), velocity=v, voltage=0.0)
-    found = fit("dahl", record)
-    assert not np.isfinite(found.stderr["dahl.rho"])
+    fit_result = fit("dahl", record)
+    assert not np.isfinite(fit_result.stderr["dahl.rho"])
 
 
 def test_an_inverted_force_is_told() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
     record = sine(truth, 0.0)
-    found = fit("dahl", record.replace(note="turned round", force=-record.force))
-    assert any("sign inverted" in note for note in found.notes)
+    fit_result = fit("dahl", record.replace(note="turned round", force=-record.force))
+    assert any("sign inverted" in note for note in fit_result.notes)
 
 
 @pytest.mark.parametrize(
@@ -197,19 +197,19 @@ def test_a_fit_is_the_same_twice() -> None:
 
 
 def test_the_calibrated_ranges_are_those_of_the_records() -> None:
-    found = fit("dahl", campaign(Damper("dahl", TRUTH)))
-    assert found.damper is not None
-    assert found.damper.range == (0.0, 3.0)
-    assert found.damper.ranges["displacement"][1] == pytest.approx(0.007, rel=0.05)
-    assert found.damper.ranges["frequency"] == pytest.approx((1.0, 1.2), rel=0.02)
+    fit_result = fit("dahl", campaign(Damper("dahl", TRUTH)))
+    assert fit_result.damper is not None
+    assert fit_result.damper.range == (0.0, 3.0)
+    assert fit_result.damper.ranges["displacement"][1] == pytest.approx(0.007, rel=0.05)
+    assert fit_result.damper.ranges["frequency"] == pytest.approx((1.0, 1.2), rel=0.02)
 
 
 def test_a_free_run_of_the_fit_scores_like_the_fit() -> None:
     records = campaign(Damper("dahl", TRUTH), noise=2.0)
-    found = fit("dahl", records)
-    assert found.damper is not None
+    fit_result = fit("dahl", records)
+    assert fit_result.damper is not None
     for record in records:
-        assert score(found.damper, record).l1 == pytest.approx(found.scores[record.name].l1, rel=0.02)
+        assert score(fit_result.damper, record).l1 == pytest.approx(fit_result.scores[record.name].l1, rel=0.02)
 
 
 def test_clustered_errors_are_those_of_the_mean_of_independent_records() -> None:
@@ -224,9 +224,9 @@ def test_clustered_errors_are_those_of_the_mean_of_independent_records() -> None
         r.replace(note="friction only", force=(r.force - gain * 900.0 * r.velocity))
         for r, gain in zip(records, gains, strict=True)
     ]
-    found = fit("dahl", pure, fixed=fixed)
-    assert found.clusters == "record"
-    assert found.stderr["dahl.kw"] == pytest.approx(70.0 * np.std(gains, ddof=1) / np.sqrt(gains.size), rel=0.03)
+    fit_result = fit("dahl", pure, fixed=fixed)
+    assert fit_result.clusters == "record"
+    assert fit_result.stderr["dahl.kw"] == pytest.approx(70.0 * np.std(gains, ddof=1) / np.sqrt(gains.size), rel=0.03)
 
 
 def test_errors_pay_for_the_offset() -> None:
@@ -234,26 +234,27 @@ def test_errors_pay_for_the_offset() -> None:
     t = np.arange(0.0, 20.0, 0.01)
     x = 0.05 + 0.01 * np.sin(2 * np.pi * t)
     force = 4000.0 * x + rng.normal(0.0, 2.0, t.size)
-    found = fit("spring", Record(t, x, force, velocity=np.gradient(x, t), voltage=0.0))
+    fit_result = fit("spring", Record(t, x, force, velocity=np.gradient(x, t), voltage=0.0))
     exact = 2.0 / np.sqrt(np.sum((x - x.mean()) ** 2))
-    assert found.naive_stderr["spring.k0"] == pytest.approx(exact, rel=0.06)
-    assert found.parameters["spring.k0"] == pytest.approx(4000.0, abs=4 * exact)
+    assert fit_result.naive_stderr["spring.k0"] == pytest.approx(exact, rel=0.06)
+    assert fit_result.parameters["spring.k0"] == pytest.approx(4000.0, abs=4 * exact)
 
 
 def test_the_cost_that_the_search_follows_is_the_true_one() -> None:
     truth = Damper("dahl", TRUTH)
-    found = fit("dahl", campaign(truth, noise=3.0))
+    fit_result = fit("dahl", campaign(truth, noise=3.0))
     residuals = [
-        one.weight * (one.force - force) for one, force in zip(found.problem.pieces, found.forces, strict=True)
+        one.weight * (one.force - force)
+        for one, force in zip(fit_result.problem.pieces, fit_result.forces, strict=True)
     ]
-    assert found.outcome.cost == pytest.approx(0.5 * sum(float(r @ r) for r in residuals), rel=1e-9)
+    assert fit_result.outcome.cost == pytest.approx(0.5 * sum(float(r @ r) for r in residuals), rel=1e-9)
 
 
 def test_intervals_are_students() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
-    found = fit("dahl", [sine(truth, 0.0, f"r{k}", noise=3.0, seed=k) for k in range(6)])
-    assert found.freedom["dahl.kw"] == pytest.approx(5.0, abs=0.1)
-    low, high = found.intervals(0.95)["dahl.kw"]
-    assert (high - low) / 2 == pytest.approx(2.5706 * found.stderr["dahl.kw"], rel=0.02)
+    fit_result = fit("dahl", [sine(truth, 0.0, f"r{k}", noise=3.0, seed=k) for k in range(6)])
+    assert fit_result.freedom["dahl.kw"] == pytest.approx(5.0, abs=0.1)
+    low, high = fit_result.intervals(0.95)["dahl.kw"]
+    assert (high - low) / 2 == pytest.approx(2.5706 * fit_result.stderr["dahl.kw"], rel=0.02)
     with pytest.raises(InputError, match="between 0 and 1"):
-        found.intervals(95)
+        fit_result.intervals(95)

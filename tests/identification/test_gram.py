@@ -144,8 +144,8 @@ def test_records_at_inputs_of_their_own_are_searched_apart_to_the_same_end() -> 
 
 
 def test_a_law_that_all_inputs_share_is_not_searched_apart() -> None:
-    found = fit("dahl", records(0.0), laws={"dahl.rho": "polynomial:1"})
-    assert found.outcome.cost < 1e-10
+    fit_result = fit("dahl", records(0.0), laws={"dahl.rho": "polynomial:1"})
+    assert fit_result.outcome.cost < 1e-10
 
 
 @pytest.mark.parametrize("model", ["dahl", "dahl + spring + hyperbolic_tangent"])
@@ -172,7 +172,9 @@ def test_the_search_ends_where_scipy_ends(model: str) -> None:
 def test_two_parts_that_say_nearly_the_same_do_not_stop_the_search() -> None:
     damper = Damper("dahl + spring", {"dahl.kx": 800.0, "dahl.kw": 60.0, "dahl.rho": 40.0, "spring.k0": 100.0})
     record = sine(damper, 0.0, amplitude=0.004, noise=0.2)
-    found = fit("dahl + spring", record)
-    problem = found.problem
-    again = search(problem, replace(found.outcome.point, theta=found.outcome.point.theta * 1.3), tolerance=1e-11)
-    assert again.cost == pytest.approx(found.outcome.cost, rel=1e-6)
+    fit_result = fit("dahl + spring", record)
+    problem = fit_result.problem
+    again = search(
+        problem, replace(fit_result.outcome.point, theta=fit_result.outcome.point.theta * 1.3), tolerance=1e-11
+    )
+    assert again.cost == pytest.approx(fit_result.outcome.cost, rel=1e-6)

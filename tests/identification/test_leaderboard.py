@@ -102,7 +102,7 @@ class Backwards(Executor):
 
 @pytest.mark.prove
 def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[tuple[str, float]] = []
+    calls: list[tuple[str, float]] = []
     plain = parallel.run_all
 
     def run(some, executor, tell):
@@ -115,10 +115,10 @@ def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monk
         ("dahl", NAME),
         ("spring", "lag", "compliance"),
         executor=Backwards(),
-        progress=lambda *a: told.append(a),
+        progress=lambda *a: calls.append(a),
     )
     assert [(e.model, e.error) for e in same.entries] == [(e.model, e.error) for e in board.entries]
-    assert {what for what, _ in told} == {"choosing the velocity", "screening models", "validating the best"}
+    assert {what for what, _ in calls} == {"choosing the velocity", "screening models", "validating the best"}
 
 
 def test_forked_workers_are_refused() -> None:
@@ -132,8 +132,8 @@ def test_forked_workers_are_refused() -> None:
 
 def test_what_cannot_be_fitted_says_why_and_does_not_stop_the_rest() -> None:
     flat = [r.replace(note="one voltage", voltage=1.0) for r in campaign() if r.voltage == 1.0]
-    found = leaderboard([*flat, *(r.replace(note="again", name=r.name + "b") for r in flat)], ("dahl", NAME), ())
-    assert np.isnan(found.winner.unseen_input)  # one input cannot be left out
+    ranking = leaderboard([*flat, *(r.replace(note="again", name=r.name + "b") for r in flat)], ("dahl", NAME), ())
+    assert np.isnan(ranking.winner.unseen_input)  # one input cannot be left out
     with pytest.raises(InputError, match="five records or more"):
         leaderboard(flat)
     with pytest.raises(InputError, match="not among the parts"):
@@ -170,14 +170,14 @@ def without_velocity(rate: float = 200.0, seconds: float = 45.0) -> list[Record]
 
 @pytest.mark.parametrize("bandwidth", [None, 20.0])
 def test_records_without_velocity_may_differ_in_speed(bandwidth: float | None) -> None:
-    found = leaderboard(without_velocity(), ("dahl",), (), bandwidth=bandwidth)
-    assert found.bandwidth == (bandwidth or 40.0)  # a fifth of the rate, less than 15 times 5 Hz
-    assert found.velocity == f"derived with {found.bandwidth:g} Hz"
-    assert found.winner.fit is not None
-    assert found.winner.fit.damper is not None
-    assert found.winner.fit.damper.bandwidth == found.bandwidth
-    assert found.winner.error < 0.05
-    assert found.screened[0].bare.error < 0.05
+    ranking = leaderboard(without_velocity(), ("dahl",), (), bandwidth=bandwidth)
+    assert ranking.bandwidth == (bandwidth or 40.0)  # a fifth of the rate, less than 15 times 5 Hz
+    assert ranking.velocity == f"derived with {ranking.bandwidth:g} Hz"
+    assert ranking.winner.fit is not None
+    assert ranking.winner.fit.damper is not None
+    assert ranking.winner.fit.damper.bandwidth == ranking.bandwidth
+    assert ranking.winner.error < 0.05
+    assert ranking.screened[0].bare.error < 0.05
 
 
 def test_samples_are_left_out_after_the_velocity_is_derived() -> None:
@@ -192,10 +192,10 @@ def test_samples_are_left_out_after_the_velocity_is_derived() -> None:
 def test_records_whose_rates_no_bandwidth_serves_have_each_its_own() -> None:
     records = without_velocity()
     coarse = [r.thinned(20).replace(note="a slow logger", name=r.name) if "0.1Hz" in r.name else r for r in records]
-    found = leaderboard(coarse, ("dahl",), ())
-    assert found.bandwidth is None
-    assert found.velocity == "as recorded, or derived with each record's own bandwidth"
-    assert found.winner.error < 0.05
+    ranking = leaderboard(coarse, ("dahl",), ())
+    assert ranking.bandwidth is None
+    assert ranking.velocity == "as recorded, or derived with each record's own bandwidth"
+    assert ranking.winner.error < 0.05
 
 
 @pytest.mark.parametrize("call", [leaderboard, partial(fit, "dahl"), partial(cross_validate, "dahl", folds=2)])
@@ -222,9 +222,9 @@ def test_a_bandwidth_that_a_record_does_not_carry_is_refused_before_any_fit(
 @pytest.mark.parametrize("bandwidth", [None, 20.0])
 def test_the_campaign_without_its_velocity(campaign_folder: Path, bandwidth: float | None) -> None:
     records = [r.replace(note="no velocity", velocity=None) for r in read_campaign(campaign_folder)]
-    found = leaderboard(records, ("dahl",), ("spring",), finalists=1, bandwidth=bandwidth)
-    assert found.bandwidth == (bandwidth or pytest.approx(18.2, abs=0.1))
-    assert found.winner.error < 0.12
+    ranking = leaderboard(records, ("dahl",), ("spring",), finalists=1, bandwidth=bandwidth)
+    assert ranking.bandwidth == (bandwidth or pytest.approx(18.2, abs=0.1))
+    assert ranking.winner.error < 0.12
 
 
 @pytest.mark.prove

@@ -16,8 +16,8 @@ DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
 NUMBERS = np.array([900.0, 70.0, 2500.0])
 
 
-def values(found) -> np.ndarray:
-    return np.array(list(found.parameters.values()))
+def values(fit_result) -> np.ndarray:
+    return np.array(list(fit_result.parameters.values()))
 
 
 def spiked(record: Record) -> Record:
@@ -52,10 +52,10 @@ def test_without_outliers_the_losses_agree_within_their_errors(loss: str) -> Non
 def test_the_errors_of_the_robust_losses_are_of_the_right_size(loss: str) -> None:
     numbers, errors, naive = [], [], []
     for seed in range(20):
-        found = fit("dahl", sine(DAHL, 0.0, noise=4.0, seed=seed, seconds=12.0), loss=loss)
-        numbers.append(values(found))
-        errors.append(list(found.stderr.values()))
-        naive.append(list(found.naive_stderr.values()))
+        fit_result = fit("dahl", sine(DAHL, 0.0, noise=4.0, seed=seed, seconds=12.0), loss=loss)
+        numbers.append(values(fit_result))
+        errors.append(list(fit_result.stderr.values()))
+        naive.append(list(fit_result.naive_stderr.values()))
     for each in (errors, naive):
         ratio = np.std(numbers, axis=0) / np.mean(each, axis=0)
         assert np.all((ratio > 0.6) & (ratio < 1.6)), ratio
@@ -63,9 +63,9 @@ def test_the_errors_of_the_robust_losses_are_of_the_right_size(loss: str) -> Non
 
 def test_l1_is_the_least_sum_of_absolute_residuals_that_scipy_finds() -> None:
     record = spiked(sine(DAHL, 0.0, noise=3.0, seconds=10.0))
-    found = fit("dahl", record, loss="l1")
+    fit_result = fit("dahl", record, loss="l1")
     t, x, v = record.time, record.displacement, record.velocity
-    first = record.n - found.forces[0].size
+    first = record.n - fit_result.forces[0].size
 
     def absolute(z: np.ndarray) -> float:
         kx, kw, rho, offset, w0 = z * [900.0, 70.0, 2500.0, 100.0, 1.0]
@@ -74,7 +74,9 @@ def test_l1_is_the_least_sum_of_absolute_residuals_that_scipy_finds() -> None:
         return float(np.sum(np.abs(record.force[first:] - force - offset)))
 
     ours = absolute(
-        np.array([*values(found), found.nuisances["test"].offset, found.nuisances["test"].states["dahl.w"]])
+        np.array(
+            [*values(fit_result), fit_result.nuisances["test"].offset, fit_result.nuisances["test"].states["dahl.w"]]
+        )
         / [900.0, 70.0, 2500.0, 100.0, 1.0]
     )
     theirs = minimize(
@@ -100,33 +102,35 @@ def gained(gains: list[float], viscosities: list[float]) -> list[Record]:
 
 def test_gains_of_the_load_cell_come_back_relative_to_their_mean() -> None:
     gains = [1.04, 0.97, 1.02, 0.98, 1.0, 0.99]
-    found = fit("dahl", gained(gains, [1.0] * 6), nuisances=("offset", "state", "gain"))
-    assert found.converged, found.reason
+    fit_result = fit("dahl", gained(gains, [1.0] * 6), nuisances=("offset", "state", "gain"))
+    assert fit_result.converged, fit_result.reason
     mean = float(np.exp(np.mean(np.log(gains))))
-    ours = [n.gain for n in found.nuisances.values()]
+    ours = [n.gain for n in fit_result.nuisances.values()]
     np.testing.assert_allclose(ours, np.array(gains) / mean, rtol=2e-3)
     assert np.mean(np.log(ours)) == pytest.approx(0.0, abs=1e-6)
-    np.testing.assert_allclose(values(found), NUMBERS * [mean, mean, 1.0], rtol=0.01)
-    assert found.nuisance_spread["gain"] == pytest.approx(np.std(gains, ddof=1), rel=0.1)
+    np.testing.assert_allclose(values(fit_result), NUMBERS * [mean, mean, 1.0], rtol=0.01)
+    assert fit_result.nuisance_spread["gain"] == pytest.approx(np.std(gains, ddof=1), rel=0.1)
     assert fit("dahl", gained(gains, [1.0] * 6)).nuisances["r0"].gain == 1.0
 
 
 def test_temperatures_scale_the_viscosity_alone() -> None:
     warmth = [1.15, 0.9, 1.05, 0.95, 1.0, 0.97]
-    found = fit("dahl", gained([1.0] * 6, warmth), nuisances=("offset", "state", "temperature"))
+    fit_result = fit("dahl", gained([1.0] * 6, warmth), nuisances=("offset", "state", "temperature"))
     mean = float(np.exp(np.mean(np.log(warmth))))
-    np.testing.assert_allclose([n.temperature for n in found.nuisances.values()], np.array(warmth) / mean, rtol=0.02)
-    assert found.parameters["dahl.kx"] == pytest.approx(900.0 * mean, rel=0.01)
+    np.testing.assert_allclose(
+        [n.temperature for n in fit_result.nuisances.values()], np.array(warmth) / mean, rtol=0.02
+    )
+    assert fit_result.parameters["dahl.kx"] == pytest.approx(900.0 * mean, rel=0.01)
     plain = fit("dahl", gained([1.0] * 6, warmth))
-    assert found.scores["r0"].l1 < 0.5 * plain.scores["r0"].l1
+    assert fit_result.scores["r0"].l1 < 0.5 * plain.scores["r0"].l1
 
 
 def test_states_and_offsets_can_be_left_out() -> None:
     record = sine(DAHL, 0.0, offset=0.0)
-    found = fit("dahl", record, nuisances=())
-    np.testing.assert_allclose(values(found), NUMBERS, rtol=1e-5)
-    assert found.nuisances["test"].offset == 0.0
-    assert found.nuisances["test"].states["dahl.w"] == 0.0
+    fit_result = fit("dahl", record, nuisances=())
+    np.testing.assert_allclose(values(fit_result), NUMBERS, rtol=1e-5)
+    assert fit_result.nuisances["test"].offset == 0.0
+    assert fit_result.nuisances["test"].states["dahl.w"] == 0.0
 
 
 # ties
@@ -138,21 +142,25 @@ def test_a_tied_parameter_takes_the_law_of_the_other_and_is_counted_once() -> No
     laws |= {"hyperbolic_tangent.ft": Interpolation((0.0, 1.0), (60.0, 90.0))}
     truth = Damper("dahl + hyperbolic_tangent", laws)
     records = [sine(truth, u, f"{u:g}-{k}", 0.004 + 0.003 * k) for u in (0.0, 1.0) for k in range(3)]
-    found = fit(
+    fit_result = fit(
         "dahl + hyperbolic_tangent",
         records,
         fixed={"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0},
         tied={"hyperbolic_tangent.ft": "dahl.kw"},
     )
-    assert not any("ft" in label for label in found.parameters)
-    assert found.damper is not None
-    assert found.damper.all_laws["hyperbolic_tangent.ft"](1.0) == pytest.approx(90.0, rel=1e-4)
-    assert found.damper.all_laws["dahl.kw"](0.0) == pytest.approx(60.0, rel=1e-4)
-    names = list(found.damper.all_laws)
-    sizes = [len(law.coefficients) for law in found.damper.all_laws.values()]
+    assert not any("ft" in label for label in fit_result.parameters)
+    assert fit_result.damper is not None
+    assert fit_result.damper.all_laws["hyperbolic_tangent.ft"](1.0) == pytest.approx(90.0, rel=1e-4)
+    assert fit_result.damper.all_laws["dahl.kw"](0.0) == pytest.approx(60.0, rel=1e-4)
+    names = list(fit_result.damper.all_laws)
+    sizes = [len(law.coefficients) for law in fit_result.damper.all_laws.values()]
     starts = np.cumsum([0, *sizes])
     kw, ft = starts[names.index("dahl.kw")], starts[names.index("hyperbolic_tangent.ft")]
-    assert found.damper.covariance[kw, kw] == found.damper.covariance[ft, ft] == found.damper.covariance[kw, ft]
+    assert (
+        fit_result.damper.covariance[kw, kw]
+        == fit_result.damper.covariance[ft, ft]
+        == fit_result.damper.covariance[kw, ft]
+    )
 
 
 @pytest.mark.parametrize(
@@ -204,9 +212,9 @@ def test_several_starts_find_the_lower_of_two_minima(model: str) -> None:
 
 
 def test_all_starts_of_a_plain_problem_agree() -> None:
-    found = fit("dahl", sine(DAHL, 0.0, noise=1.0), starts=6)
-    assert found.starts == (6, 6)
-    np.testing.assert_allclose(values(found), values(fit("dahl", sine(DAHL, 0.0, noise=1.0))), rtol=1e-4)
+    fit_result = fit("dahl", sine(DAHL, 0.0, noise=1.0), starts=6)
+    assert fit_result.starts == (6, 6)
+    np.testing.assert_allclose(values(fit_result), values(fit("dahl", sine(DAHL, 0.0, noise=1.0))), rtol=1e-4)
 
 
 def test_cross_validation_takes_the_same_options() -> None:
@@ -220,21 +228,21 @@ def test_cross_validation_takes_the_same_options() -> None:
 
 def test_an_inverted_force_is_no_fit() -> None:
     record = sine(DAHL, 0.0, noise=1.0)
-    found = fit("dahl", record.replace(note="turned round", force=-record.force))
-    assert not found.converged
-    assert "the force sign is inverted" in found.reason
+    fit_result = fit("dahl", record.replace(note="turned round", force=-record.force))
+    assert not fit_result.converged
+    assert "the force sign is inverted" in fit_result.reason
 
 
 def test_motion_inside_pre_sliding_is_told() -> None:
     stiff = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 30.0})
-    found = fit("dahl", sine(stiff, 0.0, amplitude=0.002, noise=0.3))
-    assert any("never leaves pre-sliding" in note and "larger amplitudes" in note for note in found.notes)
+    fit_result = fit("dahl", sine(stiff, 0.0, amplitude=0.002, noise=0.3))
+    assert any("never leaves pre-sliding" in note and "larger amplitudes" in note for note in fit_result.notes)
     assert not any("pre-sliding" in note for note in fit("dahl", sine(DAHL, 0.0)).notes)
 
 
 def test_an_amplitude_of_a_few_steps_of_the_encoder_is_told() -> None:
     record = sine(DAHL, 0.0, amplitude=0.00004, noise=1.0)
     rough = record.replace(note="5 um steps", displacement=np.round(record.displacement / 5e-6) * 5e-6)
-    found = fit("dahl", rough)
-    assert any("takes only 17 values over 0.08 mm" in note for note in found.notes)
-    assert replace(found, notes=()).notes == ()
+    fit_result = fit("dahl", rough)
+    assert any("takes only 17 values over 0.08 mm" in note for note in fit_result.notes)
+    assert replace(fit_result, notes=()).notes == ()

@@ -24,8 +24,8 @@ NOISE = RNG.normal(0.0, 2.0, N)
 
 
 def trace(residual: np.ndarray, name: str = "a", u: float = 1.0, **changes: object) -> Trace:
-    known = {"stroke": 0.02, "frequency": F} | changes
-    return Trace(name, T, X, V, 100.0 * np.sign(V) + residual, residual, u, **known)
+    finite = {"stroke": 0.02, "frequency": F} | changes
+    return Trace(name, T, X, V, 100.0 * np.sign(V) + residual, residual, u, **finite)
 
 
 def ar1(phi: float, sigma: float, n: int = N, seed: int = 3) -> np.ndarray:
@@ -35,19 +35,19 @@ def ar1(phi: float, sigma: float, n: int = N, seed: int = 3) -> np.ndarray:
 
 
 def test_white_noise_is_noise_and_nothing_else() -> None:
-    found = analyse([trace(NOISE)])
-    (one,) = found.records
+    analysis = analyse([trace(NOISE)])
+    (one,) = analysis.records
     assert one.rms == pytest.approx(2.0, rel=0.03)
     assert one.noise == pytest.approx(one.rms, rel=0.03)
     assert one.correlation_time == pytest.approx(DT, rel=0.15)
-    assert found.effective == pytest.approx(N, rel=0.15)
+    assert analysis.effective == pytest.approx(N, rel=0.15)
     assert abs(one.repeats) < 0.05
     assert not one.misfit
-    assert warnings_of(found) == ()
-    told = " ".join(findings(found))
-    assert "nearly independent" in told
-    assert "alike in both directions" in told
-    assert "little of it repeats" in told
+    assert warnings_of(analysis) == ()
+    text = " ".join(findings(analysis))
+    assert "nearly independent" in text
+    assert "alike in both directions" in text
+    assert "little of it repeats" in text
 
 
 @pytest.mark.parametrize("phi", [0.5, 0.9, 0.97])
@@ -93,36 +93,36 @@ def test_the_criterion_of_misfit_is_the_one_that_is_stated() -> None:
 
 
 def test_sides_have_the_means_that_were_put_in() -> None:
-    found = analyse([trace(np.where(V > 0, 5.0, -3.0))])
-    sides = found.groups[0].sides
+    analysis = analyse([trace(np.where(V > 0, 5.0, -3.0))])
+    sides = analysis.groups[0].sides
     assert (sides["out"].mean, sides["in"].mean) == (5.0, -3.0)
     assert (sides["out"].rms, sides["in"].rms) == (5.0, 3.0)
     assert sides["out"].samples + sides["in"].samples == pytest.approx(N * (1 - 2 * np.arcsin(0.02) / np.pi), abs=60)
     assert any(
         "mean differs between the directions: 5 N when the damper is pulled, −3 N when pushed" in w
-        for w in warnings_of(found)
+        for w in warnings_of(analysis)
     )
-    assert any("larger when the damper is pulled: 5 N against 3 N rms" in text for text in findings(found))
+    assert any("larger when the damper is pulled: 5 N against 3 N rms" in text for text in findings(analysis))
 
 
 def test_each_quarter_of_the_cycle_has_its_own_side_in_spite_of_drift() -> None:
     phase = (F * T) % 1.0  # 0: the middle on the way out, 0.25 the upper turning point
     quarter = np.select([phase < 0.25, phase < 0.5, phase < 0.75], [1.0, 2.0, 3.0], 4.0)
     sides = analyse([trace(quarter)]).whole.sides
-    told = {name: side.mean for name, side in sides.items() if "," in name}
+    means = {name: side.mean for name, side in sides.items() if "," in name}
     expected = dict(zip(SIDES[2:], (4.0, 1.0, 2.0, 3.0), strict=True))
-    assert told == pytest.approx(expected, abs=0.08)
+    assert means == pytest.approx(expected, abs=0.08)
 
 
 def test_a_part_that_does_not_turn_round_is_uneven_and_one_that_does_is_not() -> None:
     """A dashpot harder in one direction leaves c|v|: both means are 0 once the offset is taken, and it is still found."""
     harder = 200.0 * np.abs(V)
     harder -= harder.mean()
-    found = analyse([trace(harder + 0.2 * NOISE)])
-    group = found.groups[0]
+    analysis = analyse([trace(harder + 0.2 * NOISE)])
+    group = analysis.groups[0]
     assert abs(group.sides["out"].mean - group.sides["in"].mean) < 0.2
     assert group.unevenness == pytest.approx(np.std(harder), rel=0.05)
-    assert any("at 1 V" in text and "does not change its sign" in text for text in warnings_of(found))
+    assert any("at 1 V" in text and "does not change its sign" in text for text in warnings_of(analysis))
     odd = analyse([trace(4000.0 * V**3 + 0.2 * NOISE)])
     assert odd.groups[0].unevenness < 0.1 * odd.whole.rms
     assert not any("does not change its sign" in text for text in warnings_of(odd))
@@ -131,15 +131,15 @@ def test_a_part_that_does_not_turn_round_is_uneven_and_one_that_does_is_not() ->
 @pytest.mark.parametrize("phi", [0.0, 0.95, 0.99, 0.999])
 def test_chance_alone_seldom_looks_uneven(phi: float) -> None:
     odd = [analyse([trace(ar1(phi, 1.0, seed=s))]) for s in range(100)]
-    assert sum("change its sign" in text for found in odd for text in warnings_of(found)) <= 5
+    assert sum("change its sign" in text for analysis in odd for text in warnings_of(analysis)) <= 5
 
 
 def test_curves_hold_the_quartiles() -> None:
     curve = analyse([trace(100.0 * V + NOISE)]).whole.curves["before the middle"]
-    known = np.isfinite(curve.median)
-    assert known.sum() >= 20
-    np.testing.assert_allclose(curve.median[known], 100.0 * curve.velocity[known], atol=1.2)
-    spread = np.median((curve.upper - curve.lower)[known])
+    finite = np.isfinite(curve.median)
+    assert finite.sum() >= 20
+    np.testing.assert_allclose(curve.median[finite], 100.0 * curve.velocity[finite], atol=1.2)
+    spread = np.median((curve.upper - curve.lower)[finite])
     assert spread == pytest.approx(2 * 0.6745 * 2.0, rel=0.15)
 
 
@@ -160,24 +160,24 @@ def campaign(
 def test_a_trend_is_spearmans_and_is_told_with_its_probability() -> None:
     f = np.linspace(0.5, 1.4, 10)
     size = np.array([5, 4, 6, 7, 9, 8, 10, 12, 11, 13.0]) / 100
-    found = campaign(size, f, np.zeros(10))
-    (one,) = trends(found)
+    analysis = campaign(size, f, np.zeros(10))
+    (one,) = trends(analysis)
     expected = spearmanr(f, size)
     assert (one.rank, one.p, one.records) == (pytest.approx(expected[0]), pytest.approx(expected[1]), 10)
     assert one.counts
     assert any(
         "at 0 V the residual relative to the force grows with frequency (rank correlation 0.96" in t
-        for t in findings(found)
+        for t in findings(analysis)
     )
 
 
 def test_what_goes_together_in_the_records_is_not_told_apart() -> None:
     f = np.linspace(0.5, 1.4, 10)
-    found = campaign(0.05 + 0.02 * f, f, np.zeros(10), strokes=0.03 / f)
-    told = [text for text in findings(found) if "rank correlation" in text]
-    assert len(told) == 1
-    assert "grows with frequency" in told[0]
-    assert "or with stroke: in these records the two go together (−1.00)" in told[0]
+    analysis = campaign(0.05 + 0.02 * f, f, np.zeros(10), strokes=0.03 / f)
+    statements = [text for text in findings(analysis) if "rank correlation" in text]
+    assert len(statements) == 1
+    assert "grows with frequency" in statements[0]
+    assert "or with stroke: in these records the two go together (−1.00)" in statements[0]
 
 
 def test_among_campaigns_without_trend_few_are_told_of_one() -> None:
@@ -190,24 +190,24 @@ def test_among_campaigns_without_trend_few_are_told_of_one() -> None:
             replace(r, relative=a, frequency=b, stroke=c)
             for r, (a, b, c) in zip(base.records, drawn.tolist(), strict=True)
         )
-        found = trends(replace(base, records=records))
-        assert len(found) == 9
-        alarms += any(one.counts for one in found)
+        campaign_trends = trends(replace(base, records=records))
+        assert len(campaign_trends) == 9
+        alarms += any(one.counts for one in campaign_trends)
     assert alarms <= 14  # 7.5 are expected of 150 at 5 %; 15 or more by chance in 1 %
 
 
 def test_few_records_make_no_trend() -> None:
-    found = campaign(np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]), np.arange(4.0))
-    assert trends(found) == ()
+    analysis = campaign(np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]), np.arange(4.0))
+    assert trends(analysis) == ()
 
 
 def test_groups_are_the_inputs_and_the_whole_is_all() -> None:
-    found = analyse([trace(NOISE, "b", 2.0), trace(2 * NOISE, "a", 0.0), trace(3 * NOISE, "c", 2.0)], "A")
-    assert [(g.input_value, g.records) for g in found.groups] == [(0.0, ("a",)), (2.0, ("b", "c"))]
-    assert found.whole.records == ("b", "a", "c")
-    assert found.samples == 3 * N
-    assert found.correlation_time == pytest.approx(found.samples * DT / found.effective)
-    assert found.noise == pytest.approx(noise_of(NOISE) * np.sqrt(14 / 3))
+    analysis = analyse([trace(NOISE, "b", 2.0), trace(2 * NOISE, "a", 0.0), trace(3 * NOISE, "c", 2.0)], "A")
+    assert [(g.input_value, g.records) for g in analysis.groups] == [(0.0, ("a",)), (2.0, ("b", "c"))]
+    assert analysis.whole.records == ("b", "a", "c")
+    assert analysis.samples == 3 * N
+    assert analysis.correlation_time == pytest.approx(analysis.samples * DT / analysis.effective)
+    assert analysis.noise == pytest.approx(noise_of(NOISE) * np.sqrt(14 / 3))
 
 
 @pytest.mark.parametrize(
@@ -255,10 +255,10 @@ def test_the_residual_of_a_fit_is_measured_less_modelled() -> None:
     """A force that is too large at speed, both ways, leaves a residual that is positive there and negative at rest."""
     records = [sine(DAHL, 0.0, f"t{k}", 0.006 + 0.002 * k, 1.2 - 0.1 * k, noise=1.0, seed=k) for k in range(3)]
     harder = [replace(r, force=r.force + 900.0 * np.abs(r.velocity)) for r in records]
-    found = fit("dahl", harder).residuals
-    for curve in found.whole.curves.values():
-        known = np.isfinite(curve.median)
-        fast = known & (np.abs(curve.velocity) > 0.8 * np.abs(curve.velocity[known]).max())
-        slow = known & (np.abs(curve.velocity) < 0.3 * np.abs(curve.velocity[known]).max())
+    residuals = fit("dahl", harder).residuals
+    for curve in residuals.whole.curves.values():
+        finite = np.isfinite(curve.median)
+        fast = finite & (np.abs(curve.velocity) > 0.8 * np.abs(curve.velocity[finite]).max())
+        slow = finite & (np.abs(curve.velocity) < 0.3 * np.abs(curve.velocity[finite]).max())
         assert curve.median[fast].min() > 5.0 > -5.0 > curve.median[slow].max()
-    assert any("does not change its sign" in text for text in warnings_of(found))
+    assert any("does not change its sign" in text for text in warnings_of(residuals))

@@ -21,43 +21,43 @@ def square(n: int = 800) -> Record:
 
 
 def test_the_truth_scores_zero_whatever_the_offset() -> None:
-    found = score(DAHL, sine(DAHL, 0.0, offset=555.0))
-    assert found.l1 < 1e-9
-    assert found.r2 == pytest.approx(1.0)
-    assert found.offset == pytest.approx(555.0)
-    assert found.energy == pytest.approx(0.0, abs=1e-9)
+    score_result = score(DAHL, sine(DAHL, 0.0, offset=555.0))
+    assert score_result.l1 < 1e-9
+    assert score_result.r2 == pytest.approx(1.0)
+    assert score_result.offset == pytest.approx(555.0)
+    assert score_result.energy == pytest.approx(0.0, abs=1e-9)
 
 
 def test_every_ratio_of_a_known_error() -> None:
     record = square()
     error = np.where(np.arange(record.n) % 2 == 0, 10.0, -10.0)
-    found = compare(record, record.force + error, window=(0.0, 7.99))
-    assert found.l1 == pytest.approx(0.10)
-    assert found.nrmse == pytest.approx(0.10)
-    assert found.r2 == pytest.approx(0.99)
-    assert found.pointwise == pytest.approx(0.10)
-    assert found.peak_force == pytest.approx(0.10)
+    score_result = compare(record, record.force + error, window=(0.0, 7.99))
+    assert score_result.l1 == pytest.approx(0.10)
+    assert score_result.nrmse == pytest.approx(0.10)
+    assert score_result.r2 == pytest.approx(0.99)
+    assert score_result.pointwise == pytest.approx(0.10)
+    assert score_result.peak_force == pytest.approx(0.10)
 
 
 def test_a_constant_error_is_the_offset() -> None:
     record = square()
-    found = compare(record, record.force - 25.0, window=(0.0, 7.99))
-    assert found.l1 == pytest.approx(0.0, abs=1e-12)
-    assert found.offset == pytest.approx(25.0)
+    score_result = compare(record, record.force - 25.0, window=(0.0, 7.99))
+    assert score_result.l1 == pytest.approx(0.0, abs=1e-12)
+    assert score_result.offset == pytest.approx(25.0)
 
 
 def test_energy_of_a_scaled_force() -> None:
     record = sine(DAHL, 0.0)
-    found = compare(record, 1.2 * (record.force - 120.0))
-    assert found.energy == pytest.approx(0.2, rel=1e-6)
+    score_result = compare(record, 1.2 * (record.force - 120.0))
+    assert score_result.energy == pytest.approx(0.2, rel=1e-6)
 
 
 def test_the_window_starts_two_seconds_after_the_motion_and_is_told() -> None:
     record = sine(DAHL, 0.0)
-    found = score(DAHL, record).window
-    assert found.start == pytest.approx(motion_start(record) + 2.0, abs=record.dt)
-    assert found.end == record.time[-1]
-    assert scoring_window(record, settling=0.5).start < found.start
+    window = score(DAHL, record).window
+    assert window.start == pytest.approx(motion_start(record) + 2.0, abs=record.dt)
+    assert window.end == record.time[-1]
+    assert scoring_window(record, settling=0.5).start < window.start
 
 
 def test_a_window_without_samples_is_refused() -> None:
@@ -78,6 +78,6 @@ def test_the_force_is_measured_from_the_middle_of_its_range() -> None:
     force = np.where((t % 2.0) < 0.5, 100.0, -50.0)
     record = Record(t, 0.01 * np.sin(np.pi * t), force, voltage=0.0, name="uneven")
     error = np.where(np.arange(record.n) % 2 == 0, 7.5, -7.5)
-    found = compare(record, force + error, window=(0.0, 7.99))
-    assert found.l1 == pytest.approx(7.5 / 75.0)
-    assert found.pointwise == pytest.approx(7.5 / 75.0)
+    score_result = compare(record, force + error, window=(0.0, 7.99))
+    assert score_result.l1 == pytest.approx(7.5 / 75.0)
+    assert score_result.pointwise == pytest.approx(7.5 / 75.0)

@@ -42,26 +42,26 @@ def mixed() -> Fit:
 
 @pytest.mark.parametrize("count", [3, 4])
 def test_three_records_are_enough_for_errors_by_record(count: int) -> None:
-    found = fit("dahl", records(2.0, count))
-    assert found.clusters == "record"
-    assert found.within_records == {}
-    assert found.freedom["dahl.kw"] == pytest.approx(count - 1, abs=0.5)
-    kw, error = found.parameters["dahl.kw"], found.stderr["dahl.kw"]
+    fit_result = fit("dahl", records(2.0, count))
+    assert fit_result.clusters == "record"
+    assert fit_result.within_records == {}
+    assert fit_result.freedom["dahl.kw"] == pytest.approx(count - 1, abs=0.5)
+    kw, error = fit_result.parameters["dahl.kw"], fit_result.stderr["dahl.kw"]
     assert error == pytest.approx(kw * 0.03 / np.sqrt(count), rel=0.6)
-    low, high = found.intervals()["dahl.kw"]
-    assert high - low == pytest.approx(2.0 * t.ppf(0.975, found.freedom["dahl.kw"]) * error)
-    assert not any("between-record" in note for note in found.notes)
+    low, high = fit_result.intervals()["dahl.kw"]
+    assert high - low == pytest.approx(2.0 * t.ppf(0.975, fit_result.freedom["dahl.kw"]) * error)
+    assert not any("between-record" in note for note in fit_result.notes)
 
 
 @pytest.mark.parametrize(("count", "words"), [(1, "1 record:"), (2, "2 records:")])
 def test_of_one_or_two_records_the_error_says_that_it_holds_within_them_only(count: int, words: str) -> None:
-    found = fit("dahl", records(2.0, count))
-    assert found.clusters == "cycle"
-    assert found.within_records == dict.fromkeys(found.parameters, count)
-    assert {found.error_holds(name) for name in found.parameters} == {"within these records only"}
-    assert all(0.0 < error < np.inf for error in found.stderr.values())
-    assert np.all(np.isnan(list(found.intervals().values())))
-    [note] = [note for note in found.notes if "between-record variance" in note]
+    fit_result = fit("dahl", records(2.0, count))
+    assert fit_result.clusters == "cycle"
+    assert fit_result.within_records == dict.fromkeys(fit_result.parameters, count)
+    assert {fit_result.error_holds(name) for name in fit_result.parameters} == {"within these records only"}
+    assert all(0.0 < error < np.inf for error in fit_result.stderr.values())
+    assert np.all(np.isnan(list(fit_result.intervals().values())))
+    [note] = [note for note in fit_result.notes if "between-record variance" in note]
     assert note == (
         f"between-record variance is not estimated from {words} the errors hold within these records only and give no 95 % "
         "interval; record 3 or more at this voltage"
@@ -97,17 +97,17 @@ def test_the_covariance_of_mixed_clusters_is_one_matrix_to_draw_from(mixed: Fit,
     card = mixed.damper.save(tmp_path / "card.toml")
     again = Damper.load(card)
     assert again.within_records == ("dahl.kx @ 2 V", "dahl.kw @ 2 V")
-    with pytest.warns(DampyrWarning, match="kx @ 2 V, dahl.kw @ 2 V hold within the fitted records only") as told:
+    with pytest.warns(DampyrWarning, match="kx @ 2 V, dahl.kw @ 2 V hold within the fitted records only") as caught:
         drawn = again.draws(400, seed=1)
-    assert len(told) == 1
+    assert len(caught) == 1
     spread = np.std([one.coefficients for one in drawn], axis=0)
     np.testing.assert_allclose(spread, list(mixed.stderr.values()), rtol=0.15)
 
 
 def test_a_card_of_enough_records_draws_without_a_warning(tmp_path: Path) -> None:
-    found = fit("dahl", records(0.0, 4))
-    assert found.damper is not None
-    card = found.damper.save(tmp_path / "card.toml")
+    fit_result = fit("dahl", records(0.0, 4))
+    assert fit_result.damper is not None
+    card = fit_result.damper.save(tmp_path / "card.toml")
     assert "within_records_only" not in card.read_text("utf-8")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -116,15 +116,15 @@ def test_a_card_of_enough_records_draws_without_a_warning(tmp_path: Path) -> Non
 
 def test_what_stands_at_a_limit_or_is_not_determined_is_not_labelled_twice() -> None:
     fixed = {"hyperbolic_tangent.ft": 1e-3, "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0}
-    found = fit("dahl + hyperbolic_tangent", records(2.0, 1), fixed=fixed)
-    assert found.stderr["dahl.kx"] == np.inf
-    assert found.error_holds("dahl.kx") == ""
-    assert "dahl.kx" not in found.within_records
-    assert found.within_records["dahl.kw"] == 1
+    fit_result = fit("dahl + hyperbolic_tangent", records(2.0, 1), fixed=fixed)
+    assert fit_result.stderr["dahl.kx"] == np.inf
+    assert fit_result.error_holds("dahl.kx") == ""
+    assert "dahl.kx" not in fit_result.within_records
+    assert fit_result.within_records["dahl.kw"] == 1
 
 
 def test_too_few_cycles_are_not_told_as_records_that_determine_nothing() -> None:
-    found = fit("dahl", sine(TRUTH, 2.0, frequency=0.6, noise=1.0, seconds=4.0))
-    assert all(np.isinf(list(found.stderr.values())))
-    assert any("fewer than 3 cycles speak of them" in note for note in found.notes)
-    assert not any("do not determine" in note for note in found.notes)
+    fit_result = fit("dahl", sine(TRUTH, 2.0, frequency=0.6, noise=1.0, seconds=4.0))
+    assert all(np.isinf(list(fit_result.stderr.values())))
+    assert any("fewer than 3 cycles speak of them" in note for note in fit_result.notes)
+    assert not any("do not determine" in note for note in fit_result.notes)

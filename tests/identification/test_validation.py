@@ -82,9 +82,9 @@ def test_one_kind_of_motion_is_predicted_from_the_other(records: list[Record]) -
 
 def test_what_lies_beyond_the_fitted_records_is_told(records: list[Record]) -> None:
     done = cross_validate("dahl", records, split="amplitude", folds=3)
-    told = {name: text for fold in done.folds for name, text in fold.outside.items()}
-    assert {name.partition("-")[2] for name in told} == {"2"}
-    assert all("displacement reaches 0.008 m" in text for text in told.values())
+    warnings_by_record = {name: text for fold in done.folds for name, text in fold.outside.items()}
+    assert {name.partition("-")[2] for name in warnings_by_record} == {"2"}
+    assert all("displacement reaches 0.008 m" in text for text in warnings_by_record.values())
 
 
 def test_folds_repeat_by_seed(records: list[Record]) -> None:

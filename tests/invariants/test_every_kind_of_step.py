@@ -31,8 +31,8 @@ def typical(name: str, **others: Any) -> Any:
     cls = kind(name)
     hints = get_type_hints(cls, include_extras=True)
     required = [f.name for f in dataclasses.fields(cls) if f.default is dataclasses.MISSING]
-    told = {key: BY_NAME.get(key, BY_UNIT[split(hints[key])[1].unit]) for key in required}
-    return cls(**told | others)
+    arguments = {key: BY_NAME.get(key, BY_UNIT[split(hints[key])[1].unit]) for key in required}
+    return cls(**arguments | others)
 
 
 def numeric(drive: Any) -> tuple[float, float]:
@@ -109,9 +109,9 @@ def test_what_passes_the_check_stays_within_the_limits(name: str, data: st.DataO
         way = step.duty * RIG.actuator.free_speed * (step.half_period / 2 + step.pause)
         assert way <= RIG.limits.stroke / 2
         return
-    asked = course(drive, RIG, DAMPER)
-    force = DAMPER.force(asked.t, asked.x, voltage=drive.voltage, velocity=asked.v)
-    braking = np.where(force * asked.v > 0, np.abs(force), 0.0)
+    motion = course(drive, RIG, DAMPER)
+    force = DAMPER.force(motion.t, motion.x, voltage=drive.voltage, velocity=motion.v)
+    braking = np.where(force * motion.v > 0, np.abs(force), 0.0)
     left = RIG.actuator.free_speed - RIG.actuator.droop * (braking + RIG.table.friction)
     chord = np.abs(np.diff(drive.displacement)) / drive.period
     assert np.all(chord <= left[1:] + 1e-9)
@@ -121,7 +121,7 @@ def test_what_passes_the_check_stays_within_the_limits(name: str, data: st.DataO
 def drawn(name: str, data: st.DataObject) -> Any:
     """A step with every measured field drawn, or None where such a step cannot be made."""
     cls = kind(name)
-    told: dict[str, Any] = {}
+    arguments: dict[str, Any] = {}
     for f in dataclasses.fields(cls):
         hint, quantity = split(get_type_hints(cls, include_extras=True)[f.name])
         if quantity is None or quantity.unit == "degC" or f.name in ("period", "rest_before"):
@@ -129,8 +129,8 @@ def drawn(name: str, data: st.DataObject) -> Any:
         low, high = SPANS[quantity.unit]
         value = st.floats(max(low, quantity.low if np.isfinite(quantity.low) else low), min(high, quantity.high))
         several = get_origin(hint) is tuple and bool(get_args(hint))
-        told[f.name] = tuple(data.draw(st.lists(value, min_size=1, max_size=3))) if several else data.draw(value)
+        arguments[f.name] = tuple(data.draw(st.lists(value, min_size=1, max_size=3))) if several else data.draw(value)
     try:
-        return cls(**told)
+        return cls(**arguments)
     except InputError:
         return None

@@ -96,11 +96,11 @@ def kernels() -> Iterator[Any]:
 def content(function: Any) -> tuple[Any, ...]:
     """What a function computes: its code, and by name what it reaches."""
     code, names = function.py_func.__code__, function.py_func.__globals__
-    reached = tuple((name, _told(names[name])) for name in code.co_names if name in names)
+    reached = tuple((name, _fingerprint(names[name])) for name in code.co_names if name in names)
     return code.co_code, code.co_consts, code.co_varnames, repr(function.targetoptions.get("forceinline")), reached
 
 
-def _told(value: Any) -> Any:
+def _fingerprint(value: Any) -> Any:
     if isinstance(value, Dispatcher):
         return content(value)
     return (type(value).__name__, value.tobytes()) if isinstance(value, np.generic) else repr(value)
@@ -114,12 +114,12 @@ def everything(function: Any) -> Iterator[Any]:
 
 
 def test_functions_of_one_symbol_are_one_function() -> None:
-    known: dict[tuple[str, str], Any] = {}
+    contents: dict[tuple[str, str], Any] = {}
     for kernel in kernels():
         for function in everything(kernel):
             plain = function.py_func
-            assert known.setdefault((plain.__module__, plain.__qualname__), content(function)) == content(function)
-    assert len(known) > 300
+            assert contents.setdefault((plain.__module__, plain.__qualname__), content(function)) == content(function)
+    assert len(contents) > 300
 
 
 def test_what_reaches_no_part_of_a_damper_is_compiled_once() -> None:

@@ -228,9 +228,9 @@ def test_draws_that_hold_within_the_records_only_say_so_once_and_for_the_parts_t
     few = Damper.load(few.save(tmp_path / "card.toml"))
     with pytest.warns(
         DampyrWarning, match=r"the draws of dahl\.kw, delay\.tau hold within the fitted records only"
-    ) as told:
+    ) as caught:
         few.draws(3, seed=1)
-    assert len(told) == 1
+    assert len(caught) == 1
     assert few.without("delay").within_records == few.without("delay").on_brace(1e6).within_records == ("dahl.kw",)
 
 

@@ -303,10 +303,10 @@ def test_an_unknown_set_lists_the_known_ones() -> None:
 
 def test_the_page_is_what_the_sets_say() -> None:
     root = Path(__file__).resolve().parents[2]
-    told = (root / "docs" / "reference" / "published.md").read_text(encoding="utf-8")
+    page = (root / "docs" / "reference" / "published.md").read_text(encoding="utf-8")
     made_now = runpy.run_path(str(root / "docs" / "reference" / "make_published.py"))["page"]()
-    assert told == made_now, "run python docs/reference/make_published.py"
+    assert page == made_now, "run python docs/reference/make_published.py"
     for name in published.names():
-        section = told.partition(f"## `{name}`\n")[2].partition("\n## ")[0]
+        section = page.partition(f"## `{name}`\n")[2].partition("\n## ")[0]
         for letter, (number, unit) in published.about(name).printed.items():
             assert f"| `{letter}` | {number:.15g} | {unit} |" in section

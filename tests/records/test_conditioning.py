@@ -30,8 +30,10 @@ def test_the_offset_is_the_mean_over_whole_cycles_not_over_the_record(make_sine)
 
 def test_uneven_sampling_does_not_bias_the_offset(make_sine):
     record = make_sine(duration=30.0, dt=0.002)
-    kept = np.flatnonzero((record.force > 120.0) | (np.arange(record.n) % 5 == 0))  # the upper half sampled more often
-    thinned = Record(record.time[kept], record.displacement[kept], record.force[kept])
+    selected = np.flatnonzero(
+        (record.force > 120.0) | (np.arange(record.n) % 5 == 0)
+    )  # the upper half sampled more often
+    thinned = Record(record.time[selected], record.displacement[selected], record.force[selected])
     assert mean_force(thinned) == pytest.approx(120.0, abs=1.0)
     assert abs(np.mean(thinned.force) - 120.0) > 20
 
@@ -47,10 +49,10 @@ def test_drift_is_measured_and_removed_when_asked(make_sine, slope):
 
 @pytest.mark.parametrize("lag", [-0.010, 0.0, 0.012, 0.030])
 def test_the_lag_of_a_dashpot_is_its_delay(make_sine, lag):
-    found = estimate_delay(make_sine(lag=lag, duration=20.0))
-    assert found.seconds == pytest.approx(lag, abs=6e-4)
-    assert found.spread < 2e-3
-    assert "upper bound" in str(found)
+    delay_estimate = estimate_delay(make_sine(lag=lag, duration=20.0))
+    assert delay_estimate.seconds == pytest.approx(lag, abs=6e-4)
+    assert delay_estimate.spread < 2e-3
+    assert "upper bound" in str(delay_estimate)
 
 
 def test_a_wrong_offset_parts_the_two_sides_and_leaves_the_lag(make_sine):
@@ -58,9 +60,9 @@ def test_a_wrong_offset_parts_the_two_sides_and_leaves_the_lag(make_sine):
     even_harmonic = record.replace(
         note="a spring", force=record.force + 15.0 * np.cos(4 * np.pi * 0.9 * (record.time - 2.0))
     )
-    found = estimate_delay(even_harmonic)
-    assert abs(found.after_upper - found.after_lower) > 0.01
-    assert found.seconds == pytest.approx(0.012, abs=2e-3)
+    delay_estimate = estimate_delay(even_harmonic)
+    assert abs(delay_estimate.after_upper - delay_estimate.after_lower) > 0.01
+    assert delay_estimate.seconds == pytest.approx(0.012, abs=2e-3)
 
 
 def test_correcting_moves_the_motion_and_leaves_the_force(make_sine):

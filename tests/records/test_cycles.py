@@ -62,20 +62,20 @@ def test_legs_are_peak_to_peak(make_sine):
 
 def test_cycles_follow_on_one_another_and_last_one_period(make_sine):
     record = make_sine()
-    found = cycles(record)
-    assert len(found) == 11
-    assert all(a[1] == b[0] for a, b in pairwise(found))
-    assert [i1 - i0 for i0, i1 in found] == pytest.approx([111.1] * 11, abs=3)
+    record_cycles = cycles(record)
+    assert len(record_cycles) == 11
+    assert all(a[1] == b[0] for a, b in pairwise(record_cycles))
+    assert [i1 - i0 for i0, i1 in record_cycles] == pytest.approx([111.1] * 11, abs=3)
 
 
 def test_run_in_and_stop_are_left_out(make_sine):
     record = make_sine(duration=30.0, rest=0.0)
     taper = np.clip(record.time / 6.0, 0, 1) * np.clip((30.0 - record.time) / 6.0, 0, 1)
     tapered = record.replace(note="tapered", displacement=record.displacement * taper)
-    found = cycles(tapered)
-    assert record.time[found[0][0]] > 3.0
-    assert record.time[found[-1][1]] < 27.0
-    assert len(found) > 15
+    record_cycles = cycles(tapered)
+    assert record.time[record_cycles[0][0]] > 3.0
+    assert record.time[record_cycles[-1][1]] < 27.0
+    assert len(record_cycles) > 15
 
 
 def test_no_motion_has_no_cycles():
@@ -104,12 +104,14 @@ def test_all_real_records_have_regular_cycles(campaign_folder):
     assert len(records) == 39
     for record in records:
         points = turning_points(record)
-        found = cycles(record)
+        record_cycles = cycles(record)
         sizes = np.abs(np.diff(record.displacement[points]))
         assert np.all(np.diff(np.sign(np.diff(record.displacement[points]))) != 0), record.name
         assert sizes.min() > 0.75 * np.median(sizes), record.name
         assert sizes.max() < 1.25 * np.median(sizes), record.name
         lasting = np.diff(record.time[points])
         assert lasting.max() < 1.3 * np.median(lasting), record.name
-        assert 4 <= len(found) <= 31, record.name
-        assert record.duration - (record.time[found[-1][1]] - record.time[found[0][0]]) < 8.0, record.name
+        assert 4 <= len(record_cycles) <= 31, record.name
+        assert record.duration - (record.time[record_cycles[-1][1]] - record.time[record_cycles[0][0]]) < 8.0, (
+            record.name
+        )

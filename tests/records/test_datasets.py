@@ -45,9 +45,9 @@ def server(source):
 
 
 def test_the_address_is_the_published_commit():
-    known = datasets.LABCONTROL
-    assert known.base_url.endswith("/labcontrol-data/mr-damper/e42439f08b227bb08e9923ee2736bedf2f4fe59a/data/")
-    assert "doi.org/10.5281/zenodo.4445334" in known.citation
+    labcontrol = datasets.LABCONTROL
+    assert labcontrol.base_url.endswith("/labcontrol-data/mr-damper/e42439f08b227bb08e9923ee2736bedf2f4fe59a/data/")
+    assert "doi.org/10.5281/zenodo.4445334" in labcontrol.citation
 
 
 def test_fetch_gets_every_file_and_the_table(server, source, tmp_path):
@@ -59,17 +59,17 @@ def test_fetch_gets_every_file_and_the_table(server, source, tmp_path):
 
 
 def test_a_file_that_is_there_is_kept_and_a_wrong_one_replaced(source, tmp_path):
-    asked = []
+    requested = []
 
     def downloader(url, output_file, pooch):
-        asked.append(url.rpartition("/")[2])
-        Path(output_file).write_bytes((source / asked[-1]).read_bytes())
+        requested.append(url.rpartition("/")[2])
+        Path(output_file).write_bytes((source / requested[-1]).read_bytes())
 
     fetch("labcontrol", tmp_path / "here", downloader=downloader)
-    assert asked == ["one.mat", "two.mat"]
+    assert requested == ["one.mat", "two.mat"]
     (tmp_path / "here" / "one.mat").write_bytes(b"spoilt")
     fetch("labcontrol", tmp_path / "here", downloader=downloader)
-    assert asked == ["one.mat", "two.mat", "one.mat"]
+    assert requested == ["one.mat", "two.mat", "one.mat"]
 
 
 def test_a_local_folder_serves_the_same(source, tmp_path):

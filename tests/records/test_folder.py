@@ -158,17 +158,17 @@ def measured(value: float, noise: float = 0.005, n: int = 2000, seed: int = 0, *
 def test_noisy_constants_that_agree_are_one_input() -> None:
     values = (-0.0141, 0.4996, 0.5003, 1.4991, 1.5027)
     records = [measured(value, seed=k) for k, value in enumerate(values)]
-    found = nominal_inputs(records)
-    assert [r.current for r in found] == [0.0, 0.5, 0.5, 1.501, 1.501]
-    assert "constant but for noise, 0.4995 A as measured: counts as 0.5 A" in found[1].history[-1]
+    nominal_records = nominal_inputs(records)
+    assert [r.current for r in nominal_records] == [0.0, 0.5, 0.5, 1.501, 1.501]
+    assert "constant but for noise, 0.4995 A as measured: counts as 0.5 A" in nominal_records[1].history[-1]
     assert all(isinstance(r.current, np.ndarray) for r in records)
-    again = nominal_inputs(found)
-    assert [r.current for r in again] == [r.current for r in found]
+    again = nominal_inputs(nominal_records)
+    assert [r.current for r in again] == [r.current for r in nominal_records]
 
 
 def test_inputs_that_differ_by_more_than_the_tolerance_stay_apart() -> None:
-    found = nominal_inputs([measured(value, seed=k) for k, value in enumerate((1.0, 1.04, 1.5))])
-    assert [r.current for r in found] == [1.0, 1.04, 1.5]
+    nominal_records = nominal_inputs([measured(value, seed=k) for k, value in enumerate((1.0, 1.04, 1.5))])
+    assert [r.current for r in nominal_records] == [1.0, 1.04, 1.5]
     chain = [measured(1.0 + 0.02 * k, noise=0.0, seed=k) for k in range(6)]
     assert len({r.input_value for r in nominal_inputs(chain)}) == 6
 
@@ -183,16 +183,16 @@ def test_an_input_that_varies_keeps_its_channel(shape: str) -> None:
         "wave": 0.75 + 0.2 * np.sin(60.0 * t),
     }[shape]
     record = Record(t, np.sin(t), np.cos(t), current=u)
-    [found, constant] = nominal_inputs([record, measured(1.0)])
-    assert found is record
+    [varying, constant] = nominal_inputs([record, measured(1.0)])
+    assert varying is record
     assert constant.current == 1.0
 
 
 def test_what_was_stated_stays_and_draws_what_was_measured() -> None:
     stated = [Record(*np.tile(np.arange(9.0), (3, 1)), current=value) for value in (0.0, 1.00, 1.01)]
-    found = nominal_inputs([*stated, measured(0.997)])
-    assert [r.current for r in found] == [0.0, 1.00, 1.01, 1.00]
-    assert found[1] is stated[1]
+    nominal_records = nominal_inputs([*stated, measured(0.997)])
+    assert [r.current for r in nominal_records] == [0.0, 1.00, 1.01, 1.00]
+    assert nominal_records[1] is stated[1]
     assert nominal_inputs([measured(1.497)], nominal_values=(0.0, 1.5))[0].current == 1.5
 
 

@@ -60,10 +60,10 @@ def test_the_layout_is_the_documented_one(tmp_path, full):
 def test_raw_readings_stay_beside_what_was_made_of_them(tmp_path, full):
     volts = h5.Raw(full.force / 445.0, "V", 445.0, 0.0, "N")
     path = write(full, tmp_path / "r.h5", raw={"load_cell": volts})
-    found = h5.read_raw(path)["load_cell"]
-    assert np.array_equal(found.values, volts.values)
-    assert found.gain * found.values + found.offset == pytest.approx(full.force)
-    assert (found.unit, found.calibrated_unit) == ("V", "N")
+    load_cell = h5.read_raw(path)["load_cell"]
+    assert np.array_equal(load_cell.values, volts.values)
+    assert load_cell.gain * load_cell.values + load_cell.offset == pytest.approx(full.force)
+    assert (load_cell.unit, load_cell.calibrated_unit) == ("V", "N")
 
 
 def test_a_truncated_file(tmp_path, full):

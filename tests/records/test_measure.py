@@ -10,21 +10,21 @@ from dampyr.records import Label, Record, campaign_rows, disagreements, measure,
 @pytest.mark.parametrize("fault", [{}, {"noise": 5e-5}, {"quantum": 1e-4}], ids=str)
 def test_a_drifting_distorted_sine(make_sine, fault):
     record = make_sine(amplitude=0.0085, frequency=0.873, third=-0.05, drift=5e-4, duration=20.0, **fault)
-    found = measure(record)
+    measurement = measure(record)
     exact = 0.0085 * 2 * 1.05  # the third harmonic, in antiphase, adds to both peaks
-    assert found.frequency_hz == pytest.approx(0.873, rel=3e-4)
-    assert found.peak_to_peak_m == pytest.approx(exact, rel=0.01)
-    assert found.harmonics[3] == pytest.approx(0.05, abs=2e-3)
-    assert max(found.harmonics[k] for k in (2, 4, 5, 6, 7)) < 5e-3
-    assert found.drift_m_per_s == pytest.approx(5e-4, abs=2e-5)
-    assert found.mean_force == pytest.approx(120.0, abs=1.0)
-    assert found.motion_start == pytest.approx(2.0, abs=0.03)
+    assert measurement.frequency_hz == pytest.approx(0.873, rel=3e-4)
+    assert measurement.peak_to_peak_m == pytest.approx(exact, rel=0.01)
+    assert measurement.harmonics[3] == pytest.approx(0.05, abs=2e-3)
+    assert max(measurement.harmonics[k] for k in (2, 4, 5, 6, 7)) < 5e-3
+    assert measurement.drift_m_per_s == pytest.approx(5e-4, abs=2e-5)
+    assert measurement.mean_force == pytest.approx(120.0, abs=1.0)
+    assert measurement.motion_start == pytest.approx(2.0, abs=0.03)
 
 
 def test_a_dashpot_dissipates_pi_c_omega_a2(make_sine):
-    found = measure(make_sine(amplitude=0.01, frequency=0.9, viscous=3000.0, duration=30.0))
-    assert found.energy_per_cycle == pytest.approx(np.pi * 3000.0 * 2 * np.pi * 0.9 * 0.01**2, rel=2e-3)
-    assert found.peak_speed == pytest.approx(2 * np.pi * 0.9 * 0.01, rel=0.02)
+    measurement = measure(make_sine(amplitude=0.01, frequency=0.9, viscous=3000.0, duration=30.0))
+    assert measurement.energy_per_cycle == pytest.approx(np.pi * 3000.0 * 2 * np.pi * 0.9 * 0.01**2, rel=2e-3)
+    assert measurement.peak_speed == pytest.approx(2 * np.pi * 0.9 * 0.01, rel=0.02)
 
 
 def test_gas_force_times_drift_is_no_dissipation(make_sine):
@@ -69,16 +69,16 @@ def test_only_row_10_of_table_4_3_disagrees(campaign_folder):
 def test_row_10_measures_0_675_hz_and_16_3_mm(campaign_folder):
     (row,) = [r for r in campaign_rows(campaign_folder) if (r.table, r.row) == ("4.3", 10)]
     (record,) = [r for r in read_campaign(campaign_folder) if r.name + ".mat" == row.file_name]
-    found = measure(record)
-    assert found.frequency_hz == pytest.approx(0.675, abs=2e-3)
-    assert found.peak_to_peak_m == pytest.approx(0.0163, abs=1e-4)
+    measurement = measure(record)
+    assert measurement.frequency_hz == pytest.approx(0.675, abs=2e-3)
+    assert measurement.peak_to_peak_m == pytest.approx(0.0163, abs=1e-4)
 
 
 def test_the_real_motion_is_a_distorted_sine_of_29_to_76_mm_per_s(campaign_folder):
-    found = [measure(record) for record in read_campaign(campaign_folder)]
-    assert 0.028 < min(m.peak_speed for m in found) < 0.030
-    assert 0.072 < max(m.peak_speed for m in found) < 0.077
-    assert min(m.harmonics[3] for m in found) > 0.022
-    assert max(m.harmonics[3] for m in found) < 0.085
-    assert all(m.harmonics[k] < 0.025 for m in found for k in (2, 4, 5, 6, 7))
-    assert all(m.energy_per_cycle > 0 for m in found)
+    measurements = [measure(record) for record in read_campaign(campaign_folder)]
+    assert 0.028 < min(m.peak_speed for m in measurements) < 0.030
+    assert 0.072 < max(m.peak_speed for m in measurements) < 0.077
+    assert min(m.harmonics[3] for m in measurements) > 0.022
+    assert max(m.harmonics[3] for m in measurements) < 0.085
+    assert all(m.harmonics[k] < 0.025 for m in measurements for k in (2, 4, 5, 6, 7))
+    assert all(m.energy_per_cycle > 0 for m in measurements)

@@ -11,8 +11,8 @@ import pytest
 from dampyr.records.new_file import _Output, new_file
 
 
-def written(path: Path, room: int = 0, n: int = 100_000) -> None:
-    with new_file(path, room) as file:
+def written(path: Path, reserve: int = 0, n: int = 100_000) -> None:
+    with new_file(path, reserve) as file:
         file.attrs["format"] = "a test"
         file.create_dataset("a/b", data=np.arange(n))
         file["a/b"].attrs.update({f"attribute {k}": "x" * 100 for k in range(100)})
@@ -20,10 +20,10 @@ def written(path: Path, room: int = 0, n: int = 100_000) -> None:
         file["c"] = ["text", "text"]
 
 
-@pytest.mark.parametrize("room", [0, 100, 10_000_000])
-def test_a_file_is_as_the_library_alone_would_write_it(tmp_path: Path, room: int) -> None:
+@pytest.mark.parametrize("reserve", [0, 100, 10_000_000])
+def test_a_file_is_as_the_library_alone_would_write_it(tmp_path: Path, reserve: int) -> None:
     (tmp_path / "a.h5").write_bytes(b"something else " * 1000)
-    written(tmp_path / "a.h5", room)
+    written(tmp_path / "a.h5", reserve)
     assert (tmp_path / "a.h5").stat().st_size < 900_000
     with h5py.File(tmp_path / "a.h5", "r") as file:
         np.testing.assert_array_equal(file["a/b"], np.arange(100_000))

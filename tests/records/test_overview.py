@@ -58,9 +58,9 @@ def test_half_a_cycle_with_an_inverted_force_is_flagged() -> None:
 def test_forces_side_by_side(tmp_path: Path) -> None:
     record = chirp()
     path = write_comparison(record, 0.5 * record.force, tmp_path / "a.csv", offset=3.0)
-    found = np.loadtxt(path, delimiter=",", skiprows=3)
-    np.testing.assert_allclose(found.T[:3], [record.time, record.displacement, record.force], rtol=1e-8)
-    np.testing.assert_allclose(found.T[3], 0.5 * record.force + 3.0, rtol=1e-8)
+    table = np.loadtxt(path, delimiter=",", skiprows=3)
+    np.testing.assert_allclose(table.T[:3], [record.time, record.displacement, record.force], rtol=1e-8)
+    np.testing.assert_allclose(table.T[3], 0.5 * record.force + 3.0, rtol=1e-8)
     assert path.read_text().splitlines()[2] == "time [s],displacement [m],measured force [N],predicted force [N]"
     write_comparison(record, record.force, path)
     np.testing.assert_allclose(np.loadtxt(path, delimiter=",", skiprows=3)[:, 3], record.force, rtol=1e-8)

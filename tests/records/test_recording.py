@@ -46,11 +46,11 @@ def test_what_was_acknowledged_is_read_while_it_goes_on(tmp_path: Path) -> None:
     for k in range(3):
         assert recording.append(block(40 * k)) == 40 * (k + 1)
     shutil.copy(tmp_path / "t.h5", tmp_path / "copy.h5")  # what a kill would leave
-    found = read(tmp_path / "copy.h5")
-    assert found.n == 120
-    assert found.provenance["complete"] == "no"
-    assert found.provenance["operator"] == "A"
-    np.testing.assert_array_equal(found.force, 100.0 * np.cos(np.arange(120)))
+    record = read(tmp_path / "copy.h5")
+    assert record.n == 120
+    assert record.provenance["complete"] == "no"
+    assert record.provenance["operator"] == "A"
+    np.testing.assert_array_equal(record.force, 100.0 * np.cos(np.arange(120)))
     np.testing.assert_array_equal(h5.read_raw(tmp_path / "copy.h5")["position"].values, np.arange(120))
     assert h5.state(tmp_path / "copy.h5") == h5.State(False, "03-sine", 2)
     recording.close()
@@ -60,11 +60,11 @@ def test_the_finished_file_is_as_long_as_it_became(tmp_path: Path) -> None:
     recording = Recording(tmp_path / "t.h5", 1000000, HEADER)
     recording.append(block(0))
     recording.finish({"exit_status": "complete", "reason": ""})
-    found = read(tmp_path / "t.h5")
-    assert found.n == 40
-    assert found.voltage == 0.5
-    assert found.provenance["exit_status"] == "complete"
-    assert "complete" not in found.provenance
+    record = read(tmp_path / "t.h5")
+    assert record.n == 40
+    assert record.voltage == 0.5
+    assert record.provenance["exit_status"] == "complete"
+    assert "complete" not in record.provenance
     assert h5.state(tmp_path / "t.h5").complete
     assert (tmp_path / "t.h5").stat().st_size < 40000
     assert [path.name for path in tmp_path.iterdir()] == ["t.h5"]
@@ -195,14 +195,14 @@ def killed(folder: Path, after: float) -> tuple[int, Path]:
             writer.wait(after)
         except subprocess.TimeoutExpired:
             os.kill(writer.pid, signal.SIGKILL)
-        told = [line for line in writer.stdout.read().split("\n")[:-1] if line]
-    return int(told[-1] if told else first), path
+        printed = [line for line in writer.stdout.read().split("\n")[:-1] if line]
+    return int(printed[-1] if printed else first), path
 
 
 def check(acknowledged: int, path: Path) -> None:
-    found = read(path)
-    assert found.n >= acknowledged
-    np.testing.assert_array_equal(found.force, 100.0 * np.cos(np.arange(found.n)))
+    record = read(path)
+    assert record.n >= acknowledged
+    np.testing.assert_array_equal(record.force, 100.0 * np.cos(np.arange(record.n)))
 
 
 @pytest.mark.parametrize("after", [0.05, 0.2])

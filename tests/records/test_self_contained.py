@@ -137,9 +137,9 @@ def test_what_points_out_of_a_file_is_refused(folder: Path, name: str) -> None:
         lambda: read_campaign(folder, incomplete=True),
     ]
     for call in calls:
-        with pytest.raises(FileError) as told:
+        with pytest.raises(FileError) as caught:
             call()
-        words = str(told.value)
+        words = str(caught.value)
         assert "a file is read only where it holds all of its data; copy it with h5repack" in words
         assert not any(secret in words for secret in ("777", "password", "137"))
 
@@ -165,10 +165,10 @@ def test_what_stays_in_the_file_is_read(folder: Path) -> None:
         file.attrs["an object"] = file["elsewhere"].ref
         file["provenance"].attrs["an object"] = file["elsewhere"].ref
         file["provenance"].attrs["a region"] = file["elsewhere"].regionref[2:5]
-    found = read(path)
-    np.testing.assert_array_equal(found.force, np.cos(np.arange(N) / 100.0))
-    assert "object" in found.provenance["an object"].lower()
-    assert "region" in found.provenance["a region"].lower()
+    record = read(path)
+    np.testing.assert_array_equal(record.force, np.cos(np.arange(N) / 100.0))
+    assert "object" in record.provenance["an object"].lower()
+    assert "region" in record.provenance["a region"].lower()
 
 
 @pytest.mark.parametrize("name", ["format", "schema", "complete", "name", "role", "test", "try"])

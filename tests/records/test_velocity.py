@@ -37,8 +37,8 @@ def test_exact_for_cubics_to_the_very_ends():
     t = 0.9 * T + 0.1 * t  # uneven
     for time in (T, t):
         exact = 2 - 3 * time + 1.5 * time**2
-        found = differentiate(time, 1 + 2 * time - 1.5 * time**2 + 0.5 * time**3, 10.0)
-        assert np.max(np.abs(found - exact)) < 1e-9 * np.max(np.abs(exact))
+        velocity = differentiate(time, 1 + 2 * time - 1.5 * time**2 + 0.5 * time**3, 10.0)
+        assert np.max(np.abs(velocity - exact)) < 1e-9 * np.max(np.abs(exact))
 
 
 def test_even_and_uneven_sampling_agree():
@@ -57,12 +57,12 @@ def test_a_bandwidth_that_the_sampling_cannot_carry(bandwidth):
 def test_with_velocity_states_its_bandwidth(make_sine):
     record = make_sine(quantum=5e-6)
     truth = 0.01 * 2 * np.pi * 0.9 * np.cos(2 * np.pi * 0.9 * (record.time - 2.0))
-    found = with_velocity(record)
+    derived = with_velocity(record)
     assert default_bandwidth(record) == pytest.approx(13.5, rel=0.01)
-    assert "-3 dB at 13.5" in found.history[-1]
-    assert float(found.provenance["velocity_bandwidth_hz"]) == pytest.approx(13.5, rel=0.01)
+    assert "-3 dB at 13.5" in derived.history[-1]
+    assert float(derived.provenance["velocity_bandwidth_hz"]) == pytest.approx(13.5, rel=0.01)
     inner = record.time > 2.3
     raw = np.gradient(record.displacement, record.time)
-    assert np.std((found.velocity - truth)[inner]) < 0.5 * np.std((raw - truth)[inner])
-    assert np.max(np.abs(found.velocity - truth)[inner]) < 0.01 * np.max(truth)
+    assert np.std((derived.velocity - truth)[inner]) < 0.5 * np.std((raw - truth)[inner])
+    assert np.max(np.abs(derived.velocity - truth)[inner]) < 0.01 * np.max(truth)
     assert with_velocity(record, 8.0).provenance["velocity_bandwidth_hz"] == "8"

@@ -79,12 +79,12 @@ def test_integrals_agree_with_quadrature_of_a_real_record() -> None:
 
 def test_el_centro_has_the_measures_that_are_known() -> None:
     """Chopra, Dynamics of Structures, figure 6.1.4: 0.319 g, 13.04 in/s, 8.40 in, after his baseline correction."""
-    found = measures(el_centro())
-    assert found.pga == pytest.approx(0.319 * G, rel=2e-3)
-    assert found.pgv == pytest.approx(13.04 * 0.0254, rel=0.1)
-    assert found.pgd == pytest.approx(8.40 * 0.0254, rel=0.01)
-    assert found.arias == pytest.approx(husid(el_centro())[-1])
-    assert 24.0 > found.duration_5_95 > found.duration_5_75 > 0
+    intensity_measures = measures(el_centro())
+    assert intensity_measures.pga == pytest.approx(0.319 * G, rel=2e-3)
+    assert intensity_measures.pgv == pytest.approx(13.04 * 0.0254, rel=0.1)
+    assert intensity_measures.pgd == pytest.approx(8.40 * 0.0254, rel=0.01)
+    assert intensity_measures.arias == pytest.approx(husid(el_centro())[-1])
+    assert 24.0 > intensity_measures.duration_5_95 > intensity_measures.duration_5_75 > 0
 
 
 def test_sa_is_that_of_the_spectrum() -> None:
@@ -93,8 +93,8 @@ def test_sa_is_that_of_the_spectrum() -> None:
 
 def test_rest_has_no_duration_to_speak_of() -> None:
     rest = GroundMotion(np.zeros(5), 0.1, name="rest")
-    found = measures(rest)
-    assert (found.arias, found.duration_5_95, found.pgd) == (0.0, 0.0, 0.0)
+    intensity_measures = measures(rest)
+    assert (intensity_measures.arias, intensity_measures.duration_5_95, intensity_measures.pgd) == (0.0, 0.0, 0.0)
     with pytest.raises(InputError, match="rest: all samples are 0"):
         significant_duration(rest)
     with pytest.raises(InputError, match=r"shares 0\.9 to 0\.1 are not allowed"):

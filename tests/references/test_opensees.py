@@ -23,8 +23,8 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.D
 
 @pytest.mark.parametrize("volts", PEAKS_MM)
 def test_its_peaks_go_to_ours_at_first_order(volts: float) -> None:
-    found = respond(two_storey(), el_centro(), {1: raminelli_2020.damper()}, voltage=volts, accuracy=2e-6)
-    ours = 1e3 * np.array([found.peak_displacement[0], found.peak_drift[1]])
+    response = respond(two_storey(), el_centro(), {1: raminelli_2020.damper()}, voltage=volts, accuracy=2e-6)
+    ours = 1e3 * np.array([response.peak_displacement[0], response.peak_drift[1]])
     theirs = np.array(PEAKS_MM[volts])
     np.testing.assert_allclose(2 * theirs[-1] - theirs[-2], ours, rtol=1e-5)
     gaps, digits = np.abs(theirs - ours), 1e-5 * ours
@@ -35,8 +35,8 @@ def test_its_peaks_go_to_ours_at_first_order(volts: float) -> None:
 @pytest.mark.parametrize(("accuracy", "allowed"), [("fast", 1e-3), ("strict", 2e-4)])
 def test_ensembles_meet_them(accuracy: str, allowed: float) -> None:
     volts = list(PEAKS_MM)
-    found = ensemble(two_storey(), el_centro(), raminelli_2020.damper(), volts, accuracy=accuracy)
-    ours = 1e3 * np.stack([found.displacement.isel(floor=0), found.drift.isel(storey=1)], axis=-1).reshape(
+    dataset = ensemble(two_storey(), el_centro(), raminelli_2020.damper(), volts, accuracy=accuracy)
+    ours = 1e3 * np.stack([dataset.displacement.isel(floor=0), dataset.drift.isel(storey=1)], axis=-1).reshape(
         len(volts), 2
     )
     limits = [2 * np.array(PEAKS_MM[u][-1]) - np.array(PEAKS_MM[u][-2]) for u in volts]

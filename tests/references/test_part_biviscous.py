@@ -37,6 +37,6 @@ def test_the_energy_of_a_cycle() -> None:
 
 
 def test_a_fit_gives_the_parameters_back() -> None:
-    found = fit("biviscous", sine(biviscous(), 0.0))
-    assert found.converged, found.reason
-    assert list(found.parameters.values()) == pytest.approx([C, FY, VY], rel=1e-5)
+    fit_result = fit("biviscous", sine(biviscous(), 0.0))
+    assert fit_result.converged, fit_result.reason
+    assert list(fit_result.parameters.values()) == pytest.approx([C, FY, VY], rel=1e-5)

@@ -46,6 +46,6 @@ def test_the_force_is_continuous_where_a_small_cycle_turns() -> None:
 
 
 def test_a_fit_gives_the_parameters_back() -> None:
-    found = fit("hysteretic_biviscous", sine(damper(), 0.0))
-    assert found.converged, found.reason
-    assert list(found.parameters.values()) == pytest.approx([C, FY, VY, VH], rel=1e-4)
+    fit_result = fit("hysteretic_biviscous", sine(damper(), 0.0))
+    assert fit_result.converged, fit_result.reason
+    assert list(fit_result.parameters.values()) == pytest.approx([C, FY, VY, VH], rel=1e-4)

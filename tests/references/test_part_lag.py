@@ -51,21 +51,21 @@ def test_a_fit_of_records_with_steps_of_the_command_gives_it_back() -> None:
     t, x, v, command = path()
     force = Damper("bingham + lag", LAWS).force(t, x, voltage=command, velocity=v) + rng.normal(0.0, 2.0, t.size)
     record = Record(time=t, displacement=x, velocity=v, force=force, voltage=command, name="steps")
-    found = fit(
+    fit_result = fit(
         "bingham + lag",
         record,
         laws={"bingham.v0": "constant", "bingham.c0": "polynomial:1", "bingham.fc": "polynomial:1"},
     )
-    assert found.converged, found.reason
-    assert found.parameters["lag.tau"] == pytest.approx(0.03, abs=4 * found.stderr["lag.tau"])
-    assert found.stderr["lag.tau"] < 0.002
-    assert found.damper is not None
+    assert fit_result.converged, fit_result.reason
+    assert fit_result.parameters["lag.tau"] == pytest.approx(0.03, abs=4 * fit_result.stderr["lag.tau"])
+    assert fit_result.stderr["lag.tau"] < 0.002
+    assert fit_result.damper is not None
 
 
 def test_constant_inputs_say_nothing_about_it() -> None:
     truth = Damper("bingham", {"bingham.c0": 500.0, "bingham.fc": 90.0, "bingham.v0": 0.004})
-    found = fit("bingham + lag", sine(truth, 0.0))
-    assert np.isinf(found.stderr["lag.tau"])
+    fit_result = fit("bingham + lag", sine(truth, 0.0))
+    assert np.isinf(fit_result.stderr["lag.tau"])
 
 
 def test_what_cannot_be_is_said() -> None:

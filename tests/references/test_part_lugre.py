@@ -87,6 +87,6 @@ def test_it_is_passive_with_enough_sigma2() -> None:
 
 def test_a_fit_gives_the_parameters_back() -> None:
     truth = damper()
-    found = fit("lugre", sine(truth, 0.0))
-    assert found.converged, found.reason
-    assert list(found.parameters.values()) == pytest.approx([FC, SIGMA1, SIGMA2, 900.0, E, VS], rel=1e-3)
+    fit_result = fit("lugre", sine(truth, 0.0))
+    assert fit_result.converged, fit_result.reason
+    assert list(fit_result.parameters.values()) == pytest.approx([FC, SIGMA1, SIGMA2, 900.0, E, VS], rel=1e-3)

@@ -95,6 +95,6 @@ def test_the_letters_of_the_source_come_back() -> None:
 @pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
     model = ModifiedBoucWen(kw=120.0, k1=600.0, vc=0.01, r=0.15, kappa=8.0, rho=900.0, sigma=1.0, n=1.6)
-    found = fit("modified_bouc_wen", sine(damper(model), 0.0))
-    assert found.converged, found.reason
-    assert list(found.parameters.values()) == pytest.approx(list(vars(model).values()), rel=1e-3)
+    fit_result = fit("modified_bouc_wen", sine(damper(model), 0.0))
+    assert fit_result.converged, fit_result.reason
+    assert list(fit_result.parameters.values()) == pytest.approx(list(vars(model).values()), rel=1e-3)

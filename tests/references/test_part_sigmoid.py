@@ -35,6 +35,6 @@ def test_its_letters_do_not_collide_with_the_motion() -> None:
 
 
 def test_a_fit_gives_the_parameters_back() -> None:
-    found = fit("sigmoid", sine(damper(), 0.0))
-    assert found.converged, found.reason
-    assert list(found.parameters.values()) == pytest.approx([FT, C, VK, VH], rel=1e-4)
+    fit_result = fit("sigmoid", sine(damper(), 0.0))
+    assert fit_result.converged, fit_result.reason
+    assert list(fit_result.parameters.values()) == pytest.approx([FT, C, VK, VH], rel=1e-4)

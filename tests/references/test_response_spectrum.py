@@ -27,26 +27,26 @@ def independent(motion: GroundMotion, period: float, damping: float, parts: int)
 
 @pytest.mark.parametrize(("period", "inside", "sampled"), [(0.5, 0.06825126, 0.0679169), (2.0, 0.18964375, 0.1896102)])
 def test_el_centro(period: float, inside: float, sampled: float) -> None:
-    found = spectrum(el_centro(), period, 0.02)
-    assert float(found.displacement) == pytest.approx(inside, abs=6e-9)
+    result = spectrum(el_centro(), period, 0.02)
+    assert float(result.displacement) == pytest.approx(inside, abs=6e-9)
     assert float(spectrum(el_centro(), period, 0.02, sampled=True).displacement) == pytest.approx(sampled, abs=6e-8)
     w = 2 * math.pi / period
-    assert float(found.pseudo_velocity) == pytest.approx(w * inside, rel=1e-7)
-    assert float(found.pseudo_acceleration) == pytest.approx(w * w * inside, rel=1e-7)
+    assert float(result.pseudo_velocity) == pytest.approx(w * inside, rel=1e-7)
+    assert float(result.pseudo_acceleration) == pytest.approx(w * w * inside, rel=1e-7)
 
 
 @pytest.mark.parametrize(("period", "published"), [(0.5, 0.0679401), (2.0, 0.1896749)])
 def test_the_published_values_are_sampled_and_use_another_g(period: float, published: float) -> None:
-    found = spectrum(el_centro().scaled(9.81 / 9.80665), period, 0.02, sampled=True)
-    assert float(found.displacement) == pytest.approx(published, abs=6e-8)
+    result = spectrum(el_centro().scaled(9.81 / 9.80665), period, 0.02, sampled=True)
+    assert float(result.displacement) == pytest.approx(published, abs=6e-8)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 1.0, 1.7])
 @pytest.mark.parametrize("period", [0.03, 0.21, 1.0, 8.0])
 def test_all_peaks_agree_with_an_independent_solver(period: float, damping: float) -> None:
     motion = GroundMotion(el_centro().acceleration[:500], 0.02)
-    found = spectrum(motion, period, damping)
-    ours = np.array([found.displacement, found.velocity, found.acceleration])
+    result = spectrum(motion, period, damping)
+    ours = np.array([result.displacement, result.velocity, result.acceleration])
     fine = independent(motion, period, damping, 40)
     assert np.all(ours >= fine * (1 - 1e-12)), "a grid cannot exceed the peak of the motion itself"
     np.testing.assert_allclose(ours, fine, rtol=2 * (2 * math.pi / period * 0.02 / 40) ** 2 / 8 + 2e-5)
@@ -72,27 +72,31 @@ def test_nor_does_it_where_responses_turn_and_turn_back_within_a_step() -> None:
 
 def test_a_rigid_oscillator_feels_the_ground() -> None:
     motion = el_centro()
-    found = spectrum(motion, [0.0, 5e-4, 2e-3], 0.05)
-    np.testing.assert_allclose(found.pseudo_acceleration, motion.pga, rtol=2e-2)
-    assert found.pseudo_acceleration[0] == found.acceleration[0] == motion.pga
-    assert found.displacement[0] == 0.0
-    assert found.acceleration[1] == pytest.approx(motion.pga, rel=5e-3)
+    result = spectrum(motion, [0.0, 5e-4, 2e-3], 0.05)
+    np.testing.assert_allclose(result.pseudo_acceleration, motion.pga, rtol=2e-2)
+    assert result.pseudo_acceleration[0] == result.acceleration[0] == motion.pga
+    assert result.displacement[0] == 0.0
+    assert result.acceleration[1] == pytest.approx(motion.pga, rel=5e-3)
 
 
 def test_a_very_soft_oscillator_stays_where_it_is() -> None:
     motion = corrected(el_centro())
-    found = spectrum(motion, [1e4, 1e6], 0.05)
-    np.testing.assert_allclose(found.displacement[1], np.abs(resampled(motion, 0.002).displacement).max(), rtol=1e-4)
-    np.testing.assert_allclose(found.velocity[1], np.abs(resampled(motion, 0.0002).velocity).max(), rtol=1e-4)
+    result = spectrum(motion, [1e4, 1e6], 0.05)
+    np.testing.assert_allclose(result.displacement[1], np.abs(resampled(motion, 0.002).displacement).max(), rtol=1e-4)
+    np.testing.assert_allclose(result.velocity[1], np.abs(resampled(motion, 0.0002).velocity).max(), rtol=1e-4)
 
 
 def test_an_undamped_oscillator_on_a_constant_push_has_a_closed_form() -> None:
     """a_g = -p from rest: u = p/w^2 (1 - cos wt), peaks 2p/w^2, p/w and 2p; no sample stands on a peak."""
     p, period = 1.7, 0.77
     w = 2 * math.pi / period
-    found = spectrum(GroundMotion(np.full(24, -p), 0.05), period, 0.0)
+    result = spectrum(GroundMotion(np.full(24, -p), 0.05), period, 0.0)
     expected = [2 * p / w**2, p / w, 2 * p]
-    np.testing.assert_allclose([found.displacement, found.velocity, found.acceleration], expected, rtol=1e-13)
+    np.testing.assert_allclose(
+        [result.displacement, result.velocity, result.acceleration],
+        expected,
+        rtol=1e-13,
+    )
     assert float(spectrum(GroundMotion(np.full(24, -p), 0.05), period, 0.0, sampled=True).displacement) < expected[0]
 
 
@@ -100,8 +104,8 @@ def test_a_slow_overdamped_oscillator_on_a_constant_push_has_a_closed_form() -> 
     p, w, zeta, t = 0.9, 2.0, 3.0, 4.0
     r1, r2 = w * (-zeta + math.sqrt(zeta**2 - 1)), w * (-zeta - math.sqrt(zeta**2 - 1))
     u = p / w**2 * (1 - (r2 * math.exp(r1 * t) - r1 * math.exp(r2 * t)) / (r2 - r1))
-    found = spectrum(GroundMotion(np.full(401, p), 0.01), 2 * math.pi / w, zeta)
-    assert float(found.displacement) == pytest.approx(u, rel=1e-12)
+    result = spectrum(GroundMotion(np.full(401, p), 0.01), 2 * math.pi / w, zeta)
+    assert float(result.displacement) == pytest.approx(u, rel=1e-12)
 
 
 def test_what_happens_after_the_motion_is_seen_with_a_rest() -> None:
@@ -127,9 +131,9 @@ def test_shapes_and_labels() -> None:
     assert data.pseudo_acceleration.attrs["units"] == "m/s^2"
     assert spectrum(motion, 0.5).to_xarray().displacement.shape == (1, 1)
     given = np.array([0.2, 0.5])
-    kept = spectrum(motion, given)
+    result = spectrum(motion, given)
     given[0] = 9.0
-    assert kept.periods[0] == 0.2, "a result does not change with what it was made from"
+    assert result.periods[0] == 0.2, "a result does not change with what it was made from"
     one = spectrum(motion, [0.2, 0.5, 1.0], 0.02)
     np.testing.assert_array_equal(both.displacement[0], one.displacement)
 

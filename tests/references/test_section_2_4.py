@@ -25,13 +25,13 @@ def branch(phase: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def test_the_example_comes_back_to_a_millionth() -> None:
     x, force, v = branch(0.0)
-    found = limit_cycle(x, force, v)
-    assert found.kx == pytest.approx(KX, rel=1e-6)
-    assert found.a == pytest.approx(KW * RHO, rel=1e-6)
-    assert found.rho == pytest.approx(RHO, rel=1e-6)
-    assert found.kw == pytest.approx(KW, rel=1e-6)
-    assert found.rho_range == pytest.approx((RHO, RHO), rel=1e-5)
-    assert found.x_star == pytest.approx(-A + np.log(2.0) / RHO, rel=1e-7)
+    estimate = limit_cycle(x, force, v)
+    assert estimate.kx == pytest.approx(KX, rel=1e-6)
+    assert estimate.a == pytest.approx(KW * RHO, rel=1e-6)
+    assert estimate.rho == pytest.approx(RHO, rel=1e-6)
+    assert estimate.kw == pytest.approx(KW, rel=1e-6)
+    assert estimate.rho_range == pytest.approx((RHO, RHO), rel=1e-5)
+    assert estimate.x_star == pytest.approx(-A + np.log(2.0) / RHO, rel=1e-7)
 
 
 def test_the_velocities_of_step_2() -> None:
@@ -43,9 +43,9 @@ def test_the_velocities_of_step_2() -> None:
 @pytest.mark.parametrize(("phase", "a"), [(0.14, 4466.3), (0.0, 4449.4)])
 def test_the_published_slope_depends_on_where_a_sample_falls(phase: float, a: float) -> None:
     x, force, v = branch(phase)
-    found = limit_cycle(x, force, v, kx=KX, nearest=True, x_star1=-0.002092)
-    assert found.a / 100 == pytest.approx(a, abs=0.06)
-    assert found.kw == pytest.approx(6.32, abs=0.005)
+    estimate = limit_cycle(x, force, v, kx=KX, nearest=True, x_star1=-0.002092)
+    assert estimate.a / 100 == pytest.approx(a, abs=0.06)
+    assert estimate.kw == pytest.approx(6.32, abs=0.005)
 
 
 def test_the_published_rho() -> None:
@@ -71,7 +71,7 @@ def test_an_offset_that_hides_the_zero_is_named() -> None:
 def test_the_second_point_is_chosen_on_the_rise_even_where_theta_falls_again() -> None:
     x, force, v = branch(0.0)
     falling = force - 0.5 * KW * (x - x[0]) / (x[-1] - x[0])
-    found = limit_cycle(x, falling, v, kx=KX)
-    assert found.x_star1 < -A + 3.0 / RHO
-    assert found.rho == pytest.approx(RHO, rel=0.05)
-    assert found.rho_range == pytest.approx((RHO, RHO), rel=0.05)
+    estimate = limit_cycle(x, falling, v, kx=KX)
+    assert estimate.x_star1 < -A + 3.0 / RHO
+    assert estimate.rho == pytest.approx(RHO, rel=0.05)
+    assert estimate.rho_range == pytest.approx((RHO, RHO), rel=0.05)

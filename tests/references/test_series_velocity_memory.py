@@ -99,13 +99,13 @@ def damper(part: str, stretcher: str) -> Damper:
 def reference(part: str, stretcher: str, seed: int, peak: float) -> np.ndarray:
     """The force at 1601 samples, its error of first order in the step extrapolated away."""
     kind = FREE_PLAY if stretcher == "free_play" else COMPLIANCE
-    found = []
+    forces = []
     for fold in (32, 64):
         t, x, _ = motion(seed, peak, 1600 * fold + 1)
         force = along_the_piston(PARTS[part], kind, x, t[1], C[part], YIELD, V_YIELD, V_SHIFT, K0)
-        found.append(force[::fold])
-    assert np.abs(found[1] - found[0]).sum() < 0.005 * np.abs(found[1]).sum()
-    return 2.0 * found[1] - found[0]
+        forces.append(force[::fold])
+    assert np.abs(forces[1] - forces[0]).sum() < 0.005 * np.abs(forces[1]).sum()
+    return 2.0 * forces[1] - forces[0]
 
 
 @pytest.mark.parametrize(

@@ -20,16 +20,16 @@ WEAK = replace(WEAK, force=0.7 * WEAK.force)
 BEYOND = replace(sine(CARD, 1.0, "beyond", 0.004, 1.3), voltage=3.0)
 
 
-def written(found: list[Acceptance], path: Path) -> tuple[Reader, str]:
-    html = write_acceptance_page(found, path / "page.html", "my card.toml").read_text("utf-8")
+def written(acceptances: list[Acceptance], path: Path) -> tuple[Reader, str]:
+    html = write_acceptance_page(acceptances, path / "page.html", "my card.toml").read_text("utf-8")
     reader = Reader(html)
     assert reader.open == []
     return reader, html
 
 
 def test_a_page_says_who_passed_and_what_is_outside(tmp_path: Path) -> None:
-    found = [accept(r, CARD, Tolerance(0.15, 5.0)) for r in (GOOD, WEAK, BEYOND)]
-    reader, html = written(found, tmp_path)
+    acceptances = [accept(r, CARD, Tolerance(0.15, 5.0)) for r in (GOOD, WEAK, BEYOND)]
+    reader, html = written(acceptances, tmp_path)
     assert reader.inside("h1") == ["Judged by my card.toml"]
     assert "1 passed, 1 failed, 1 not judged" in " ".join(reader.inside("p"))
     assert "within ± 15 % and 5 N of the reference" in html
@@ -37,8 +37,8 @@ def test_a_page_says_who_passed_and_what_is_outside(tmp_path: Path) -> None:
         assert words in html
     assert "Voltage 3 V is outside the calibrated range 0 to 2 V." in reader.inside("td")
     assert html.count("<svg") == 4  # one for each input, and the shares of the band
-    outside = found[1].outside
-    assert len(outside) == len(found[1].points)
+    outside = acceptances[1].outside
+    assert len(outside) == len(acceptances[1].points)
     assert reader.inside("td").count("weak") == 1 + len(outside)
 
 

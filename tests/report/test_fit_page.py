@@ -47,15 +47,15 @@ def as_current(record: Record) -> Record:
     return replace(record, current=record.voltage, voltage=None)
 
 
-def unknown(found: Fit) -> Fit:
+def unknown(fit_result: Fit) -> Fit:
     """As where the records hold nothing of one number and another stands at its limit."""
-    first, second, *_ = found.parameters
-    r = found.correlation.copy()
+    first, second, *_ = fit_result.parameters
+    r = fit_result.correlation.copy()
     r[0, :] = r[:, 0] = np.nan
     return replace(
-        found,
-        stderr=found.stderr | {first: np.inf, second: np.nan},
-        naive_stderr=found.naive_stderr | {first: np.inf, second: np.nan},
+        fit_result,
+        stderr=fit_result.stderr | {first: np.inf, second: np.nan},
+        naive_stderr=fit_result.naive_stderr | {first: np.inf, second: np.nan},
         correlation=r,
     )
 
@@ -89,8 +89,8 @@ CASES: dict[str, Callable[[], Fit]] = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> None:
-    found = CASES[name]()
-    html = write_fit_page(found, tmp_path / "page.html").read_text("utf-8")
+    fit_result = CASES[name]()
+    html = write_fit_page(fit_result, tmp_path / "page.html").read_text("utf-8")
     reader = Reader(html)
     assert reader.open == []
     ids = reader.values("id")
@@ -98,7 +98,7 @@ def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> N
     titles = reader.inside("h2")
     for title in ("In short", "Parameters", "Where it was calibrated", "What the model leaves"):
         assert title in titles
-    assert set(found.parameters) <= set(reader.inside("td"))
+    assert set(fit_result.parameters) <= set(reader.inside("td"))
     assert not re.search(r"\bnan\b|\binf\b", " ".join(reader.inside("p") + reader.inside("td") + reader.inside("text")))
     fixed = set(re.findall(r"(?:fill|stroke): (#\w+)", html))
     assert fixed <= {"#ffffff"}, "a fixed colour would vanish on a dark page"
@@ -109,8 +109,8 @@ def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> N
 
 
 def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path: Path) -> None:
-    found = fit("dahl", [*records((0.0,), 3), *records((2.0,), 2)], laws={"dahl.rho": "constant"})
-    table = parameter_table(found)
+    fit_result = fit("dahl", [*records((0.0,), 3), *records((2.0,), 2)], laws={"dahl.rho": "constant"})
+    table = parameter_table(fit_result)
     rows = {row[0]: dict(zip(table.columns, row, strict=True)) for row in table.rows}
     assert rows["dahl.kx @ 2 V"]["95 % from"] is rows["dahl.kx @ 2 V"]["to"] is None
     assert {name: row["error holds"] for name, row in rows.items()} == {
@@ -120,17 +120,17 @@ def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path
         "dahl.kw @ 2 V": "within these records only",
         "dahl.rho": "between records",
     }
-    html = write_fit_page(found, tmp_path / "page.html").read_text("utf-8")
+    html = write_fit_page(fit_result, tmp_path / "page.html").read_text("utf-8")
     assert "2 of these errors hold within these records only" in html
     assert "between-record variance is not estimated from 2 records" in html.lower()
 
 
 def test_intervals_are_those_of_the_fit_in_the_units_of_people() -> None:
-    found = fit("dahl", records(each=3))
-    assert "error holds" not in parameter_table(found).columns
-    row = next(row for row in parameter_table(found).rows if row[0] == "dahl.kx @ 1 V")
-    low, high = found.intervals()["dahl.kx @ 1 V"]
-    assert row[1:4] == pytest.approx([1e-3 * found.parameters["dahl.kx @ 1 V"], 1e-3 * low, 1e-3 * high])
+    fit_result = fit("dahl", records(each=3))
+    assert "error holds" not in parameter_table(fit_result).columns
+    row = next(row for row in parameter_table(fit_result).rows if row[0] == "dahl.kx @ 1 V")
+    low, high = fit_result.intervals()["dahl.kx @ 1 V"]
+    assert row[1:4] == pytest.approx([1e-3 * fit_result.parameters["dahl.kx @ 1 V"], 1e-3 * low, 1e-3 * high])
     assert row[-1] == "N s/mm"
 
 
@@ -206,6 +206,6 @@ def test_a_validation_that_predicted_nothing_is_shown(joint: Fit) -> None:
 def test_a_misfit_is_told_before_anything_else(tmp_path: Path) -> None:
     skewed = [replace(r, force=r.force + 3000.0 * np.abs(r.velocity)) for r in records()]
     reader = Reader(write_fit_page(fit("dahl", skewed), tmp_path / "page.html").read_text("utf-8"))
-    told = " ".join(reader.inside("p"))
-    assert told.index("the intervals describe the fit") < told.index("The search converged")
-    assert "does not change its sign with the direction" in told
+    text = " ".join(reader.inside("p"))
+    assert text.index("the intervals describe the fit") < text.index("The search converged")
+    assert "does not change its sign with the direction" in text

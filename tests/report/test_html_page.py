@@ -140,14 +140,14 @@ def test_figures_of_a_page_are_left_as_vector_files_where_they_are_asked_for(tmp
         full_page()
     full_page()
     names = [f"{number}-loops.{kind}" for number in ("01", "02") for kind in ("pdf", "svg")]
-    found = {path.name: path.read_bytes() for path in (tmp_path / "drawn").iterdir()}
-    assert sorted(found) == names
-    assert found["01-loops.pdf"].startswith(b"%PDF")
-    assert b"displacement [mm]" in found["02-loops.svg"]
-    assert b"var(--" not in found["02-loops.svg"]
+    drawn_files = {path.name: path.read_bytes() for path in (tmp_path / "drawn").iterdir()}
+    assert sorted(drawn_files) == names
+    assert drawn_files["01-loops.pdf"].startswith(b"%PDF")
+    assert b"displacement [mm]" in drawn_files["02-loops.svg"]
+    assert b"var(--" not in drawn_files["02-loops.svg"]
     with figure_files(tmp_path / "again"):
         full_page()
-    assert {path.name: path.read_bytes() for path in (tmp_path / "again").iterdir()} == found
+    assert {path.name: path.read_bytes() for path in (tmp_path / "again").iterdir()} == drawn_files
 
 
 def test_tables_with_one_caption_are_told_apart_by_those_who_hear_them() -> None:

@@ -22,9 +22,9 @@ STEPS = [
 
 
 def test_the_page_tells_every_test_every_refusal_and_every_note(tmp_path):
-    found = campaigns.plan(campaigns.read({"name": "a page", "operator": "me", "step": STEPS}))
-    html = write_plan_page(found, tmp_path / "plan.html").read_text(encoding="utf-8")
-    for test in found.tests:
+    campaign_plan = campaigns.plan(campaigns.read({"name": "a page", "operator": "me", "step": STEPS}))
+    html = write_plan_page(campaign_plan, tmp_path / "plan.html").read_text(encoding="utf-8")
+    for test in campaign_plan.tests:
         assert test.name in html
     assert "needs 251.3 mm/s" in html
     assert "scaled to" in html
@@ -34,8 +34,8 @@ def test_the_page_tells_every_test_every_refusal_and_every_note(tmp_path):
 
 
 def test_a_plan_without_motion_has_a_page(tmp_path):
-    found = campaigns.plan(campaigns.read({"step": [STEPS[3]], "check_amplitude": 0}))
-    assert "<svg" not in write_plan_page(found, tmp_path / "plan.html").read_text(encoding="utf-8")
+    campaign_plan = campaigns.plan(campaigns.read({"step": [STEPS[3]], "check_amplitude": 0}))
+    assert "<svg" not in write_plan_page(campaign_plan, tmp_path / "plan.html").read_text(encoding="utf-8")
 
 
 def test_the_rows_are_in_the_units_that_people_read():
@@ -44,8 +44,8 @@ def test_the_rows_are_in_the_units_that_people_read():
 
 
 def test_a_note_on_a_repeated_test_is_told_once_for_each_name():
-    found = campaigns.plan(campaigns.read({"step": [STEPS[2] | {"repeats": 2}]}))
-    assert len(plan_notes(found)) == 1 + 2
+    campaign_plan = campaigns.plan(campaigns.read({"step": [STEPS[2] | {"repeats": 2}]}))
+    assert len(plan_notes(campaign_plan)) == 1 + 2
 
 
 @pytest.mark.parametrize(("frequency", "lag"), [(0.1, 0.025), (1.0, 1e-9), (1.0, 0.025), (2.0, 0.01)])
@@ -53,7 +53,7 @@ def test_the_line_of_the_figure_is_where_the_check_refuses(frequency, lag):
     """At 0 N the line is the check's own limit, of a sine with a long taper."""
     rig = RigSettings()
     rig = replace(rig, actuator=replace(rig.actuator, lag=lag, droop=1e-12))
-    most = float(largest_amplitude(rig, np.array(frequency), 0.0))
+    max_amplitude = float(largest_amplitude(rig, np.array(frequency), 0.0))
     for share, passes in ((0.99, True), (1.01, False)):
-        step = kind("sine")(share * most, frequency, taper=8, period=0.005)
+        step = kind("sine")(share * max_amplitude, frequency, taper=8, period=0.005)
         assert (findings(step, rig) == ()) is passes

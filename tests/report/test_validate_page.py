@@ -65,10 +65,10 @@ def test_what_the_card_does_not_say_is_not_known(records: str, expected: list[bo
 def test_what_lies_outside_is_listed_in_the_units_of_people() -> None:
     assert beyond(CARD, RECORDS[0]) == []
     wide = sine(replace(CARD, ranges={}), 1.0, "wide", 0.009, 0.8)
-    told = {row[0]: row[1:] for row in beyond(CARD, wide)}
-    assert list(told) == ["displacement from the middle", "frequency"]
-    assert told["displacement from the middle"] == [pytest.approx(9.0, rel=0.02), 0.0, 6.0, "mm"]
-    assert told["frequency"] == [pytest.approx(0.8, rel=0.02), 1.0, 1.5, "Hz"]
+    by_quantity = {row[0]: row[1:] for row in beyond(CARD, wide)}
+    assert list(by_quantity) == ["displacement from the middle", "frequency"]
+    assert by_quantity["displacement from the middle"] == [pytest.approx(9.0, rel=0.02), 0.0, 6.0, "mm"]
+    assert by_quantity["frequency"] == [pytest.approx(0.8, rel=0.02), 1.0, 1.5, "Hz"]
     beyond_input = beyond(CARD, replace(RECORDS[0], voltage=2.5))
     assert [row[:2] for row in beyond_input] == [["voltage", 2.5]]
 
@@ -84,17 +84,17 @@ def test_the_prediction_is_drawn_with_the_offset_of_its_score(tmp_path: Path) ->
     """The synthetic force stands 120 N above the card's: undrawn, the residual would be of that size."""
     from dampyr.report import validate_page
 
-    known = scored(RECORDS)
-    section = validate_page._record(CARD, RECORDS, known, "The record", "a")
+    scores = scored(RECORDS)
+    section = validate_page._record(CARD, RECORDS, scores, "The record", "a")
     history = section.blocks[1].figure.axes[1].lines[0]
     assert np.std(history.get_ydata()) < 2.0
     assert abs(np.mean(history.get_ydata())) < 1.0
 
 
 def test_a_score_that_is_no_number_counts_as_worst(tmp_path: Path) -> None:
-    known = scored(RECORDS)
-    known["a"] = replace(known["a"], l1=float("nan"), energy=float("inf"))
-    reader = Reader(write_validate_page(CARD, RECORDS, known, tmp_path / "p.html", "card").read_text("utf-8"))
+    scores = scored(RECORDS)
+    scores["a"] = replace(scores["a"], l1=float("nan"), energy=float("inf"))
+    reader = Reader(write_validate_page(CARD, RECORDS, scores, tmp_path / "p.html", "card").read_text("utf-8"))
     assert "The worst record: a" in reader.inside("h2")
 
 

@@ -18,7 +18,7 @@ def nothing_set_aside():
     gc.unfreeze()
 
 
-def longest_collection():
+def time_full_collection():
     """s of a full collection."""
     begun = time.perf_counter()
     gc.collect()
@@ -26,11 +26,11 @@ def longest_collection():
 
 
 def test_what_exists_is_not_looked_at_again():
-    kept = [[k] for k in range(150_000)]
-    before = longest_collection()
+    objects = [[k] for k in range(150_000)]
+    before = time_full_collection()
     release = disable_gc()
-    assert gc.get_freeze_count() > len(kept)
-    assert longest_collection() < before / 10
+    assert gc.get_freeze_count() > len(objects)
+    assert time_full_collection() < before / 10
     release()
     assert gc.get_freeze_count() == 0
 
@@ -42,9 +42,9 @@ def test_new_garbage_is_still_collected():
         circle = []
         circle.append(circle)
     del circle
-    found = gc.collect()
+    collected = gc.collect()
     release()
-    assert found >= 100
+    assert collected >= 100
 
 
 def test_what_was_garbage_before_is_not_kept():
@@ -86,9 +86,9 @@ def test_a_rig_in_real_time_sets_aside_what_exists_when_it_is_connected_and_when
     with simulated(real_time=True) as rig:
         connected = gc.get_freeze_count()
         assert connected > 0
-        kept = [[k] for k in range(100_000)]
+        objects = [[k] for k in range(100_000)]
         rig.uno.hello = unplugged
         with pytest.raises(RigFault, match="the wire is cut"), rig.armed():
             pass
-        assert gc.get_freeze_count() > connected + 0.9 * len(kept)
+        assert gc.get_freeze_count() > connected + 0.9 * len(objects)
     assert gc.get_freeze_count() == 0

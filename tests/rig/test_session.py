@@ -80,7 +80,10 @@ def test_a_drive_is_followed_and_recorded_on_one_clock(ready: tuple[Rig, Simulat
     with rig.armed() as table:
         begun = simulator.time
         started = begun - table.loop.next / rig.settings.board.rate
-        got = [(block.time[kept], block.displacement[kept], block.voltage[kept]) for block, kept in table.play(drive)]
+        got = [
+            (block.time[selected], block.displacement[selected], block.voltage[selected])
+            for block, selected in table.play(drive)
+        ]
         t, x, u = (np.concatenate(rows) for rows in zip(*got, strict=True))
         assert len(t) == 4001
         np.testing.assert_allclose(np.diff(t), 1e-3, atol=1e-12)
@@ -99,14 +102,15 @@ def test_the_coil_follows_steps_of_voltage_to_the_sample(ready: tuple[Rig, Simul
     steps = np.repeat([0.5, 1.5, 1.0, 2.0], 25)
     with rig.armed() as table:
         blocks = [
-            (block.time[kept], block.voltage[kept]) for block, kept in table.play(Drive(0.01, np.zeros(100), steps))
+            (block.time[selected], block.voltage[selected])
+            for block, selected in table.play(Drive(0.01, np.zeros(100), steps))
         ]
         t, u = (np.concatenate(rows) for rows in zip(*blocks, strict=True))
     truth = simulator.truth
     for volts in (0.5, 1.5, 1.0, 2.0):
-        told = t[u == volts]
+        commanded = t[u == volts]
         really = truth.time[np.isclose(truth.voltage, volts, rtol=0.02)]
-        assert really.max() - really.min() == pytest.approx(told.max() - told.min(), abs=0.045)
+        assert really.max() - really.min() == pytest.approx(commanded.max() - commanded.min(), abs=0.045)
     assert np.flatnonzero(np.diff(u)).tolist() == [249, 499, 749]
 
 
@@ -144,9 +148,9 @@ def test_abort_brakes_and_whoever_waits_is_told(ready: tuple[Rig, Simulator]) ->
             since = simulator.time
             table.abort("by the operator")
 
-    with pytest.raises(RigFault, match="aborted: by the operator") as told:
+    with pytest.raises(RigFault, match="aborted: by the operator") as caught:
         played(rig, sine(0.012, 0.9, 6.0), press)
-    assert told.value.ring == "operator"
+    assert caught.value.ring == "operator"
     check_safe(simulator, since)
 
 
@@ -161,9 +165,9 @@ def test_leaving_goes_on_where_a_step_fails(ready: tuple[Rig, Simulator], monkey
             since = simulator.time
             raise ValueError("mine")
 
-    with pytest.raises(ValueError, match="mine") as told:
+    with pytest.raises(ValueError, match="mine") as caught:
         played(rig, sine(0.012, 0.9, 6.0), fail)
-    assert any("the cable is out" in note for note in told.value.__notes__)
+    assert any("the cable is out" in note for note in caught.value.__notes__)
     check_safe(simulator, since)
 
 
@@ -172,9 +176,9 @@ def test_leaving_goes_on_where_a_step_fails(ready: tuple[Rig, Simulator], monkey
 
 def test_ring_one_alone_the_stroke() -> None:
     rig, simulator = made(interlocked=False)
-    with pytest.raises(RigFault, match="the upper end of the stroke") as told:
+    with pytest.raises(RigFault, match="the upper end of the stroke") as caught:
         played(rig, one_way(5.0))
-    assert told.value.ring == "firmware"
+    assert caught.value.ring == "firmware"
     assert simulator.truth.position.max() < 0.0376  # 37 mm and the way to stop
 
 
@@ -198,9 +202,9 @@ def test_ring_one_alone_a_silent_host() -> None:
 
 def test_ring_one_refuses_set_points_beyond_the_stroke() -> None:
     rig, _ = made(interlocked=False)
-    with pytest.raises(RigFault, match="the Uno refused SETPOINTS: a value is out of range") as told:
+    with pytest.raises(RigFault, match="the Uno refused SETPOINTS: a value is out of range") as caught:
         played(rig, ramp(0.045, 4.0))
-    assert told.value.ring == "firmware"
+    assert caught.value.ring == "firmware"
 
 
 # ring 2: the interlock, with the firmware's limits wide open and no check
@@ -215,10 +219,10 @@ def opened_wide(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def tripped(rig: Rig, drive: Drive, monkeypatch: pytest.MonkeyPatch) -> str:
     opened_wide(rig, monkeypatch)
-    with pytest.raises(RigFault) as told:
+    with pytest.raises(RigFault) as caught:
         played(rig, drive)
-    assert told.value.ring == "interlock", told.value
-    return str(told.value)
+    assert caught.value.ring == "interlock", caught.value
+    return str(caught.value)
 
 
 def test_ring_two_alone_the_stroke(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -270,12 +274,12 @@ def test_ring_two_alone_an_estimated_temperature(monkeypatch: pytest.MonkeyPatch
 
 
 def test_ring_three_alone() -> None:
-    told = {"step": [{"kind": "sine", "amplitude": "20 mm", "frequency": "2 Hz"}]}
-    plan = campaigns.plan(campaigns.read(told), RigSettings())
+    settings = {"step": [{"kind": "sine", "amplitude": "20 mm", "frequency": "2 Hz"}]}
+    plan = campaigns.plan(campaigns.read(settings), RigSettings())
     assert "needs 251.3 mm/s, the actuator gives" in plan.refusals[0]
     rig, simulator = made()
     with pytest.raises(InputError, match=r"needs 251\.3 mm/s"):
-        campaigns.perform(campaigns.read(told), rig, "nowhere")
+        campaigns.perform(campaigns.read(settings), rig, "nowhere")
     assert simulator.time == 0.0
 
 
@@ -325,15 +329,15 @@ def test_the_real_wires_give_what_the_plant_gives() -> None:
     """Lockstep over TCP and gRPC: the same samples as in this process."""
 
     def samples(table: Table) -> list[float]:
-        return [float(v) for block, kept in table.play(sine(0.005, 1.0, 3.0)) for v in block.force[kept]]
+        return [float(v) for block, selected in table.play(sine(0.005, 1.0, 3.0)) for v in block.force[selected]]
 
-    found = []
+    forces = []
     for in_process in (True, False):
         with simulated(in_process=in_process, seed=3) as rig, rig.armed() as table:
             table.home()
             table.go(0.0)
-            found.append(samples(table))
-    np.testing.assert_array_equal(*found)
+            forces.append(samples(table))
+    np.testing.assert_array_equal(*forces)
 
 
 # one rig over many runs, wherever its table stands
@@ -495,11 +499,11 @@ def test_the_interlock_still_sees_that_the_positions_differ(which: str, homed_ag
             table.home()
             table.go(0.012)
         simulator.faults = parse_faults([f"stuck-encoder-{which}@{simulator.time + 0.001:.3f}s"])
-        with pytest.raises(RigFault) as told:
+        with pytest.raises(RigFault) as caught:
             table.go(0.002)
-    assert told.value.ring == "interlock"
-    assert "distance of the board's and the Uno's position" in str(told.value)
-    passed = float(str(told.value).split("position ")[1].split()[0])
+    assert caught.value.ring == "interlock"
+    assert "distance of the board's and the Uno's position" in str(caught.value)
+    passed = float(str(caught.value).split("position ")[1].split()[0])
     assert APART < passed < 2 * APART
 
 

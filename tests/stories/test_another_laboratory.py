@@ -22,7 +22,7 @@ def run(*arguments: str | Path) -> Result:
     return CliRunner().invoke(cli, [*map(str, arguments)], catch_exceptions=False)
 
 
-def told(*arguments: str | Path) -> str:
+def run_output(*arguments: str | Path) -> str:
     done = run(*arguments)
     assert done.exit_code == 0, done.stderr
     return done.stdout
@@ -53,7 +53,7 @@ def laboratory(as_it_came: Path, tmp_path_factory: pytest.TempPathFactory) -> Pa
 @pytest.fixture(scope="module")
 def card(laboratory: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("card") / "card.toml"
-    told("identify", laboratory, "--model", MODEL, "--save", path)
+    run_output("identify", laboratory, "--model", MODEL, "--save", path)
     return path
 
 
@@ -65,7 +65,7 @@ def test_the_first_look_says_what_is_missing(as_it_came: Path) -> None:
     assert (
         "earthquake_0.7A.txt: the columns 'Time', 'Displacement', 'Force', 'Velocity', 'Current' have no unit" in line
     )
-    assert "32 records" in told("records", as_it_came, *SAID)
+    assert "32 records" in run_output("records", as_it_came, *SAID)
 
 
 def test_the_records_are_listed_by_what_was_set(laboratory: Path) -> None:
@@ -90,7 +90,7 @@ def test_the_earthquake_is_predicted(laboratory: Path, card: Path, tmp_path: Pat
     assert "energy –: no whole cycle in the window, so it is not scored" in done.stdout
     assert "nan" not in done.stdout
     assert "mean L1" in done.stdout
-    scores = json.loads(told("validate", card, laboratory, "--role", "validation", "--json"))["scores"]
+    scores = json.loads(run_output("validate", card, laboratory, "--role", "validation", "--json"))["scores"]
     assert list(scores) == ["earthquake_0.7A", "earthquake_1.2A"]
     assert all(score["l1"] < 0.10 and not score["fitted_on"] for score in scores.values())
     for name, score in scores.items():
@@ -104,8 +104,8 @@ def test_the_earthquake_is_predicted(laboratory: Path, card: Path, tmp_path: Pat
 @pytest.mark.prove
 def test_a_model_that_remembers_the_path_predicts_better(laboratory: Path, tmp_path: Path) -> None:
     card = tmp_path / "card.toml"
-    told("identify", laboratory, "--model", "dahl + hyperbolic_tangent + compliance", "--save", card)
-    scores = json.loads(told("validate", card, laboratory, "--role", "validation", "--json"))["scores"]
+    run_output("identify", laboratory, "--model", "dahl + hyperbolic_tangent + compliance", "--save", card)
+    scores = json.loads(run_output("validate", card, laboratory, "--role", "validation", "--json"))["scores"]
     assert all(score["l1"] < 0.02 for score in scores.values())
 
 
@@ -113,14 +113,14 @@ def test_a_model_that_remembers_the_path_predicts_better(laboratory: Path, tmp_p
 def test_the_leaderboard_finds_a_model_that_predicts_both_earthquakes(laboratory: Path, tmp_path: Path) -> None:
     """Measured: 1.2 and 0.9 %, with dahl + hyperbolic_tangent + compliance and small add-ons."""
     card = tmp_path / "card.toml"
-    told("identify", laboratory, "--save", card)
-    scores = json.loads(told("validate", card, laboratory, "--role", "validation", "--json"))["scores"]
+    run_output("identify", laboratory, "--save", card)
+    scores = json.loads(run_output("validate", card, laboratory, "--role", "validation", "--json"))["scores"]
     assert list(scores) == ["earthquake_0.7A", "earthquake_1.2A"]
     assert all(score["l1"] < 0.02 for score in scores.values())
 
 
 def test_the_scores_are_told_by_input(laboratory: Path, card: Path) -> None:
-    rows = json.loads(told("validate", card, laboratory, "--json"))["by_input"]
+    rows = json.loads(run_output("validate", card, laboratory, "--json"))["by_input"]
     inputs = [row["input"] for row in rows]
     assert inputs == sorted(inputs)
     assert [row["records"] for row in rows] == [6, 6, 6, 1, 6, 1, 6]
@@ -129,7 +129,7 @@ def test_the_scores_are_told_by_input(laboratory: Path, card: Path) -> None:
 
 def test_a_page_of_the_prediction(laboratory: Path, card: Path, tmp_path: Path) -> None:
     pytest.importorskip("dampyr.report.validate_page", reason="the page of a validation is not there yet")
-    shown = told("validate", card, laboratory, "--role", "validation", "--report", tmp_path / "v.html")
+    shown = run_output("validate", card, laboratory, "--role", "validation", "--report", tmp_path / "v.html")
     assert f"page: {tmp_path / 'v.html'}" in shown
     assert "earthquake_1.2A" in (tmp_path / "v.html").read_text(encoding="utf-8")
 
@@ -142,7 +142,7 @@ def test_two_records_of_one_name_are_not_scored_as_one(laboratory: Path, card: P
 def test_forces_replace_their_own_files_only(laboratory: Path, card: Path, tmp_path: Path) -> None:
     quake = laboratory / "earthquake_0.7A.txt"
     for _ in range(2):
-        told("validate", card, quake, "--forces", tmp_path)
+        run_output("validate", card, quake, "--forces", tmp_path)
     (tmp_path / "earthquake_0.7A.csv").write_text("mine\n")
     line = run("validate", card, quake, "--forces", tmp_path).stderr.splitlines()[-1]
     assert "was not written by dampyr; choose another folder" in line
@@ -158,7 +158,7 @@ def test_the_current_of_a_single_file_may_lie_at_the_edge_of_the_card(
         rows[:, 4] += 0.005
         path = tmp_path / f"again_{current:g}A.txt"
         path.write_text(text(rows))
-        assert "again" in told("validate", card, path, *SAID)
+        assert "again" in run_output("validate", card, path, *SAID)
 
 
 def rows_of(current: float = 0.5) -> np.ndarray:
@@ -205,7 +205,7 @@ def test_an_inverted_force_is_flagged(tmp_path: Path, command: str) -> None:
 
 
 def measured(path: Path, *options: str) -> dict[str, float]:
-    [record] = json.loads(told("records", path, *options, "--json"))["records"]
+    [record] = json.loads(run_output("records", path, *options, "--json"))["records"]
     assert record["input_value"] == pytest.approx(0.5, abs=0.002)
     return {
         key: record["measured"][key] for key in ("frequency_hz", "peak_to_peak_m", "mean_force", "energy_per_cycle")

@@ -8,7 +8,7 @@ import pytest
 from tests.stories.test_bad_input import dampyr
 
 
-def told(*arguments: str | Path) -> dict:
+def run_json(*arguments: str | Path) -> dict:
     done = dampyr(*arguments, "--json")
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
@@ -16,28 +16,28 @@ def told(*arguments: str | Path) -> dict:
 
 def test_from_measured_records_to_the_building(campaign_folder: Path, tmp_path: Path) -> None:
     card, page = tmp_path / "damper.toml", tmp_path / "fit.html"
-    found = told("identify", campaign_folder, "--model", "dahl + spring", "--save", card, "--report", page)
-    assert found["converged"]
-    assert len(found["records"]) == 38
-    assert "ensaio.vali.1" not in found["records"]
+    output = run_json("identify", campaign_folder, "--model", "dahl + spring", "--save", card, "--report", page)
+    assert output["converged"]
+    assert len(output["records"]) == 38
+    assert "ensaio.vali.1" not in output["records"]
     assert "<html" in page.read_text()
 
-    scores = told("validate", card, campaign_folder, "--role", "validation")["scores"]
+    scores = run_json("validate", card, campaign_folder, "--role", "validation")["scores"]
     assert list(scores) == ["ensaio.vali.1"]
     assert scores["ensaio.vali.1"]["fitted_on"] is False
     assert 0.05 < scores["ensaio.vali.1"]["l1"] < 0.10
 
-    cases = told("simulate", card, "--voltage", "0", "--voltage", "1.98")
+    cases = run_json("simulate", card, "--voltage", "0", "--voltage", "1.98")
     peaks = [case["peak_displacement_m"][0] for case in cases.values()]
     assert peaks[0] == pytest.approx(45.5340e-3, rel=2e-4)
     assert peaks[0] > peaks[1] > peaks[2] > 0
 
-    written = told("export", card, "--to", "c", "--out", tmp_path / "c")["written"]
+    written = run_json("export", card, "--to", "c", "--out", tmp_path / "c")["written"]
     assert [Path(p).name for p in written] == ["damper.h", "damper.c"]
 
 
 def test_the_demonstration_needs_nothing_but_the_installation(tmp_path: Path) -> None:
-    done = told("demo", "--out", tmp_path / "demo")
+    done = run_json("demo", "--out", tmp_path / "demo")
     assert done["converged"]
     assert len(list((tmp_path / "demo" / "records").glob("*.h5"))) == 22
     assert all(l1 < 0.05 for l1 in done["l1_held_out"].values())
@@ -46,19 +46,19 @@ def test_the_demonstration_needs_nothing_but_the_installation(tmp_path: Path) ->
     assert peaks[0] > peaks[1] > peaks[2]
     page = (tmp_path / "demo" / "report.html").read_text()
     assert "http://" not in page.replace("http://www.w3.org", "")
-    again = told("validate", done["card"], tmp_path / "demo" / "records", "--role", "validation")
+    again = run_json("validate", done["card"], tmp_path / "demo" / "records", "--role", "validation")
     assert {k: v["l1"] for k, v in again["scores"].items()} == pytest.approx(done["l1_held_out"])
 
 
 @pytest.mark.prove
 def test_the_demonstration_is_the_same_twice(tmp_path: Path) -> None:
-    first, second = (told("demo", "--out", tmp_path / name) for name in ("a", "b"))
+    first, second = (run_json("demo", "--out", tmp_path / name) for name in ("a", "b"))
     assert first["parameters"] == second["parameters"]
 
 
 def test_predictions_of_records_that_were_not_fitted(campaign_folder: Path) -> None:
-    found = told("identify", campaign_folder, "--model", "dahl", "--predict", "record", "--predict", "input")
-    by_record, by_input = found["predictions"]
+    output = run_json("identify", campaign_folder, "--model", "dahl", "--predict", "record", "--predict", "input")
+    by_record, by_input = output["predictions"]
     assert by_record["split"] == "record"
     assert sum(len(fold["scores"]) for fold in by_record["folds"]) == 38
     assert all(not set(fold["scores"]) & set(fold["fitted_on"]) for fold in by_record["folds"])

@@ -17,18 +17,18 @@ MODEL = "hyperbolic_tangent + spring + offset"
 
 
 def run(*arguments: str) -> tuple[int, str]:
-    found = CliRunner().invoke(cli, list(arguments), standalone_mode=False)
-    code = found.exception.code if isinstance(found.exception, SystemExit) else found.exit_code
-    return int(code or 0), found.output
+    result = CliRunner().invoke(cli, list(arguments), standalone_mode=False)
+    code = result.exception.code if isinstance(result.exception, SystemExit) else result.exit_code
+    return int(code or 0), result.output
 
 
 def test_three_tests_over_the_wires_and_their_fit(tmp_path: Path) -> None:
-    code, told = run("run", str(ROOT / "examples/quick_campaign.toml"), "--out", str(tmp_path / "out"), "--json")
-    assert code == 0, told
+    code, output = run("run", str(ROOT / "examples/quick_campaign.toml"), "--out", str(tmp_path / "out"), "--json")
+    assert code == 0, output
     assert {test.state for test in read_journal(tmp_path / "out")[0]} == {"complete"}
     card = tmp_path / "card.toml"
-    code, told = run("identify", str(tmp_path / "out"), "--model", MODEL, "--save", str(card))
-    assert code == 0, told
+    code, output = run("identify", str(tmp_path / "out"), "--model", MODEL, "--save", str(card))
+    assert code == 0, output
     assert card.is_file()
 
 
@@ -40,16 +40,16 @@ def test_the_forty_tests_faster_than_real_time_and_their_parameters(tmp_path: Pa
     is below 1.5 % of every parameter (most: below 0.3 %), and moves a few of them out of intervals that are narrower still.
     """
     begun = time.monotonic()
-    code, told = run("run", str(ROOT / "examples/campaign.toml"), "--out", str(tmp_path / "out"), "--json")
+    code, output = run("run", str(ROOT / "examples/campaign.toml"), "--out", str(tmp_path / "out"), "--json")
     took = time.monotonic() - begun
-    assert code == 0, told[-2000:]
-    found = records.read_campaign(tmp_path / "out")
-    assert len(found) == 40
-    assert sorted({record.voltage for record in found}) == [0.0, 0.8712, 1.98, 3.212]
-    recorded = sum(float(record.time[-1] - record.time[0]) for record in found)
+    assert code == 0, output[-2000:]
+    campaign = records.read_campaign(tmp_path / "out")
+    assert len(campaign) == 40
+    assert sorted({record.voltage for record in campaign}) == [0.0, 0.8712, 1.98, 3.212]
+    recorded = sum(float(record.time[-1] - record.time[0]) for record in campaign)
     print(json.dumps({"recorded_s": recorded, "took_s": took}))
     assert took < recorded  # floor of the issue; the measured ratio is in the docs
-    fit = identification.fit(MODEL, found)
+    fit = identification.fit(MODEL, campaign)
     assert fit.converged
     laws, outside, intervals = default_specimen().all_laws, [], fit.intervals()
     for label, value in fit.parameters.items():

@@ -21,12 +21,12 @@ def test_a_cluster_gives_the_same_numbers(cubics: Damper, monkeypatch: pytest.Mo
     given = (two_storey(), motions, [None, cubics], [0.0, 1.98], np.linspace(0.2, 2.0, 10))
     with ThreadPoolExecutor(1) as one:
         alone = ensemble(*given, one)
-    told: list[int] = []
+    calls: list[int] = []
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        found = ensemble(*given, client.get_executor(), progress=lambda done, _: told.append(done))
-    assert found.identical(alone)
-    assert len(told) == 5
-    assert told[-1] == alone.attrs["cases"] == 160
+        dataset = ensemble(*given, client.get_executor(), progress=lambda done, _: calls.append(done))
+    assert dataset.identical(alone)
+    assert len(calls) == 5
+    assert calls[-1] == alone.attrs["cases"] == 160

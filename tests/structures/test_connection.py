@@ -112,8 +112,8 @@ def test_the_calibrated_stroke_holds_over_two_storeys_too(building, cubics):
 
 def test_the_largest_stroke_lies_between_samples():
     t = np.arange(0.0, 1.0, 0.05) + 0.013
-    found = largest(np.sin(7.0 * t), 7.0 * np.cos(7.0 * t), 0.05)
-    assert found == pytest.approx(1.0, abs=2e-4)
+    largest_stroke = largest(np.sin(7.0 * t), 7.0 * np.cos(7.0 * t), 0.05)
+    assert largest_stroke == pytest.approx(1.0, abs=2e-4)
     assert np.abs(np.sin(7.0 * t)).max() < 1.0 - 2e-4
 
 

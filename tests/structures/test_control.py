@@ -40,9 +40,9 @@ class Follow:
 
 
 def gains(law, building, row):
-    found = np.zeros(2 * building.n + 1)
-    found[building.n] = 1.0
-    return found
+    weights = np.zeros(2 * building.n + 1)
+    weights[building.n] = 1.0
+    return weights
 
 
 def decide(signal: float, low: float, high: float, bias: float) -> float:
@@ -109,10 +109,10 @@ def test_equals_scipy(damper, name, chosen, period, lag):
     motion = short(2.6)
     peak, end = reference(damper, motion, chosen, period, lag)
     law = control_law(name, high=HIGH, period=period, lag=lag)
-    found = respond(two_storey(), motion, {1: damper}, voltage=law)
-    assert found.converged
-    assert found.scheme == "exact path"
-    assert found.peak_displacement == pytest.approx(peak, rel=1e-4)
+    response = respond(two_storey(), motion, {1: damper}, voltage=law)
+    assert response.converged
+    assert response.scheme == "exact path"
+    assert response.peak_displacement == pytest.approx(peak, rel=1e-4)
     fine = respond(two_storey(), motion, {1: damper}, voltage=law, step=2.5e-4)
     assert fine.peak_displacement == pytest.approx(peak, rel=5e-6)
     assert fine.displacement[:, -1] == pytest.approx(end[:2], abs=1e-6 * peak.max())
@@ -123,11 +123,11 @@ def test_optimal_control_equals_scipy(damper):
     from dampyr.structures.control_law import gains as sensed
 
     law = control_law("clipped_optimal", high=HIGH, period=0.01)
-    told = sensed(law, two_storey(), two_storey().connection(1))
+    weights = sensed(law, two_storey(), two_storey().connection(1))
     motion = short(2.6)
 
     def chosen(q, v, ground, f):
-        return HIGH if (told[:4] @ np.concatenate([q, v]) - f) * f > 0 else 0.0
+        return HIGH if (weights[:4] @ np.concatenate([q, v]) - f) * f > 0 else 0.0
 
     peak, _ = reference(damper, motion, chosen, 0.01, 0.0)
     assert respond(two_storey(), motion, {1: damper}, voltage=law).peak_displacement == pytest.approx(peak, rel=1e-4)
@@ -138,36 +138,36 @@ def test_optimal_control_equals_scipy(damper):
 def test_a_law_with_nothing_to_choose_is_a_constant_input(damper, name, lag):
     constant = respond(two_storey(), short(6.0), {1: damper}, voltage=1.98, step=0.0025)
     law = control_law(name, low=1.98, high=1.98, lag=lag)
-    found = respond(two_storey(), short(6.0), {1: damper}, voltage=law, step=0.0025)
-    assert found.displacement == pytest.approx(constant.displacement, abs=1e-14)
-    assert found.force == pytest.approx(constant.force, abs=1e-9)
-    assert np.all(found.input == 1.98)
+    response = respond(two_storey(), short(6.0), {1: damper}, voltage=law, step=0.0025)
+    assert response.displacement == pytest.approx(constant.displacement, abs=1e-14)
+    assert response.force == pytest.approx(constant.force, abs=1e-9)
+    assert np.all(response.input == 1.98)
     assert np.all(constant.input == 1.98)
 
 
 @pytest.mark.parametrize("name", control_laws())
 def test_every_law_keeps_its_input_in_bounds_and_uses_both_ends(damper, name):
     law = control_law(name, low=0.4, high=3.0, lag=0.002)
-    found = respond(two_storey(), el_centro(), {1: damper}, voltage=law)
-    assert found.converged
-    assert 0.4 <= found.input.min() < 0.5
-    assert 2.9 < found.input.max() <= 3.0
-    assert found.laws == (f"{name} 0.4 to 3 V, lag 0.002 s",)
-    assert found.inputs == (None,)
+    response = respond(two_storey(), el_centro(), {1: damper}, voltage=law)
+    assert response.converged
+    assert 0.4 <= response.input.min() < 0.5
+    assert 2.9 < response.input.max() <= 3.0
+    assert response.laws == (f"{name} 0.4 to 3 V, lag 0.002 s",)
+    assert response.inputs == (None,)
 
 
 def test_every_law_does_better_than_the_damper_without_input(damper):
     passive_off, passive_on = (respond(two_storey(), el_centro(), {1: damper}, voltage=u) for u in (0.0, HIGH))
     for name in control_laws():
-        found = respond(two_storey(), el_centro(), {1: damper}, voltage=control_law(name, high=HIGH))
-        assert passive_on.peak_displacement[0] < found.peak_displacement[0] < passive_off.peak_displacement[0]
-        assert found.peak_drift[1] < min(passive_on.peak_drift[1], passive_off.peak_drift[1])
-        assert 0.0 < found.input.mean() < HIGH
+        response = respond(two_storey(), el_centro(), {1: damper}, voltage=control_law(name, high=HIGH))
+        assert passive_on.peak_displacement[0] < response.peak_displacement[0] < passive_off.peak_displacement[0]
+        assert response.peak_drift[1] < min(passive_on.peak_drift[1], passive_off.peak_drift[1])
+        assert 0.0 < response.input.mean() < HIGH
 
 
 def test_the_input_is_held_between_decisions(damper):
-    found = respond(two_storey(), el_centro(), {1: damper}, voltage=control_law("skyhook", high=HIGH, period=0.1))
-    held = found.input[0, 1:].reshape(-1)[:1555].reshape(-1, 5)  # a jump at a sample shows at the next one
+    response = respond(two_storey(), el_centro(), {1: damper}, voltage=control_law("skyhook", high=HIGH, period=0.1))
+    held = response.input[0, 1:].reshape(-1)[:1555].reshape(-1, 5)  # a jump at a sample shows at the next one
     assert np.all(held == held[:, :1])
     assert np.unique(held[:, 0]).size > 10
 
@@ -191,8 +191,8 @@ def test_the_lag_of_the_damper_is_that_of_the_coil(damper):
     expected = respond(
         two_storey(), short(4.0), {1: damper}, voltage=control_law("on_off", high=HIGH, lag=0.01), step=0.001
     )
-    found = respond(two_storey(), short(4.0), {1: lagging}, voltage=control_law("on_off", high=HIGH), step=0.001)
-    assert found.displacement == pytest.approx(expected.displacement, abs=1e-15)
+    response = respond(two_storey(), short(4.0), {1: lagging}, voltage=control_law("on_off", high=HIGH), step=0.001)
+    assert response.displacement == pytest.approx(expected.displacement, abs=1e-15)
     with pytest.raises(InputError, match=r"a lag of 0.01 s and on_off one of 0.02 s; leave one"):
         respond(two_storey(), short(1.0), {1: lagging}, voltage=control_law("on_off", high=HIGH, lag=0.02))
 
@@ -210,14 +210,14 @@ def test_energy_closes_and_its_residual_falls_with_the_step(damper, lag):
 
 def test_where_the_force_jumps_the_motion_obeys_its_equation(damper):
     building = two_storey()
-    found = respond(building, el_centro(), {1: damper}, voltage=control_law("on_off", high=HIGH, period=0.02))
+    response = respond(building, el_centro(), {1: damper}, voltage=control_law("on_off", high=HIGH, period=0.02))
     row = building.connection(1)
-    pull = -building.K @ found.displacement - building.C @ found.velocity - np.outer(row, found.force[0])
-    assert found.acceleration == pytest.approx(np.linalg.solve(building.M, pull), abs=1e-9)
-    kx, kw, _ = damper.values(found.input[0]).T
-    w = (found.force[0] - kx * found.velocity[0]) / kw
+    pull = -building.K @ response.displacement - building.C @ response.velocity - np.outer(row, response.force[0])
+    assert response.acceleration == pytest.approx(np.linalg.solve(building.M, pull), abs=1e-9)
+    kx, kw, _ = damper.values(response.input[0]).T
+    w = (response.force[0] - kx * response.velocity[0]) / kw
     assert np.abs(w).max() <= 1 + 1e-9  # the force is that of the input beside it
-    assert np.count_nonzero(np.diff(found.input[0])) > 100
+    assert np.count_nonzero(np.diff(response.input[0])) > 100
 
 
 @pytest.mark.prove  # its kernels take long to compile
@@ -229,10 +229,10 @@ def test_a_mass_in_the_damper_answers_its_jumps(damper):
     other = Building(heavy, b.C, b.K, influence=np.linalg.solve(heavy, b.M @ b.influence))
     with_mass = Damper("dahl + inertia", dict(damper.all_laws) | {"inertia.m": extra})
     expected = respond(other, short(6.0), {1: damper}, voltage=Follow(), step=0.0005)
-    found = respond(b, short(6.0), {1: with_mass}, voltage=Follow(), step=0.0005)
-    assert found.displacement == pytest.approx(expected.displacement, abs=1e-6 * expected.peak_displacement.max())
-    assert np.array_equal(found.input, expected.input)
-    assert 0.2 < np.mean(found.input > 0) < 0.8
+    response = respond(b, short(6.0), {1: with_mass}, voltage=Follow(), step=0.0005)
+    assert response.displacement == pytest.approx(expected.displacement, abs=1e-6 * expected.peak_displacement.max())
+    assert np.array_equal(response.input, expected.input)
+    assert 0.2 < np.mean(response.input > 0) < 0.8
 
 
 @pytest.mark.prove  # its kernels take long to compile
@@ -260,11 +260,11 @@ def test_laws_numbers_and_clocks_side_by_side(damper):
 def test_a_damper_over_the_current_takes_laws_too(damper):
     by_current = Damper("dahl", damper.all_laws, input="A")
     law = control_law("on_off", high=HIGH)
-    found = respond(two_storey(), short(2.0), {1: by_current}, current=law, step=0.001)
+    response = respond(two_storey(), short(2.0), {1: by_current}, current=law, step=0.001)
     expected = respond(two_storey(), short(2.0), {1: damper}, voltage=law, step=0.001)
-    assert found.displacement == pytest.approx(expected.displacement, abs=1e-15)
-    assert found.to_xarray().input.attrs["units"] == "A"
-    assert found.laws == ("on_off 0 to 3.212 A",)
+    assert response.displacement == pytest.approx(expected.displacement, abs=1e-15)
+    assert response.to_xarray().input.attrs["units"] == "A"
+    assert response.laws == ("on_off 0 to 3.212 A",)
     with pytest.raises(InputError, match="takes a current"):
         respond(two_storey(), short(1.0), {1: by_current}, voltage=law)
 
@@ -280,9 +280,9 @@ def test_other_dampers_settle_with_the_step(damper, parts):
     }
     given = (two_storey(), short(4.0), {1: Damper(parts, laws)})
     law = control_law("on_off", high=HIGH, period=0.02)
-    found, fine = respond(*given, voltage=law, accuracy=1e-3), respond(*given, voltage=law, step=5e-5)
-    assert found.converged
-    assert found.peak_displacement == pytest.approx(fine.peak_displacement, rel=2e-3)
+    response, fine = respond(*given, voltage=law, accuracy=1e-3), respond(*given, voltage=law, step=5e-5)
+    assert response.converged
+    assert response.peak_displacement == pytest.approx(fine.peak_displacement, rel=2e-3)
     assert fine.input.max() == HIGH
 
 
@@ -338,5 +338,7 @@ def test_accuracy_that_is_not_reached_is_said(damper, monkeypatch):
 
     monkeypatch.setattr(sys.modules["dampyr.structures.respond"], "MOST_STEPS", 2000)
     with pytest.warns(DampyrWarning, match="not to its accuracy"):
-        found = respond(two_storey(), short(2.0), {1: damper}, voltage=control_law("on_off", high=HIGH), accuracy=1e-12)
-    assert not found.converged
+        response = respond(
+            two_storey(), short(2.0), {1: damper}, voltage=control_law("on_off", high=HIGH), accuracy=1e-12
+        )
+    assert not response.converged

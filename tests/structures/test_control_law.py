@@ -64,10 +64,10 @@ def test_the_digest_knows_every_setting_exactly():
     ],
 )
 def test_laws_decide_at_the_ends_of_steps(periods, dt, expected):
-    found = parts([OnOff(0.0, 1.0, period) for period in periods], dt)
-    assert found == expected
+    steps = parts([OnOff(0.0, 1.0, period) for period in periods], dt)
+    assert steps == expected
     for period in periods:
-        assert period / (dt / found) == pytest.approx(round(period / (dt / found)), abs=1e-9)
+        assert period / (dt / steps) == pytest.approx(round(period / (dt / steps)), abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -24,8 +24,8 @@ def pole_ratios(building):
 @pytest.mark.parametrize(("modes", "ratios"), [((1, 2), (0.02, 0.05)), ((1, 3), (0.03, 0.03)), ((4, 2), (0.06, 0.03))])
 def test_rayleigh_is_exact_at_the_chosen_modes(modes, ratios):
     building = shear_building(MASSES, SPRINGS, damping_ratio=ratios, modes=modes)
-    found = pole_ratios(building)
-    assert [found[m - 1] for m in modes] == pytest.approx(ratios, rel=1e-9)
+    damping_ratios = pole_ratios(building)
+    assert [damping_ratios[m - 1] for m in modes] == pytest.approx(ratios, rel=1e-9)
     pencil = np.column_stack([building.M.ravel(), building.K.ravel()])
     fit, *_ = np.linalg.lstsq(pencil, building.C.ravel(), rcond=None)
     assert pencil @ fit == pytest.approx(building.C.ravel(), abs=1e-12)

@@ -40,13 +40,13 @@ def motions() -> list[GroundMotion]:
 
 
 def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list[GroundMotion]) -> None:
-    found = ensemble(two_storey(), motions, cubics, [0.0, 2.25], [0.5, 2.0], accuracy="strict")
-    assert found.attrs["error_estimate"] < 5e-4
+    dataset = ensemble(two_storey(), motions, cubics, [0.0, 2.25], [0.5, 2.0], accuracy="strict")
+    assert dataset.attrs["error_estimate"] < 5e-4
     for u in (0.0, 2.25):
         for k, motion in enumerate(motions):
             for scale in (0.5, 2.0):
                 one = respond(two_storey(), motion.scaled(scale), {1: cubics}, voltage=u, accuracy=5e-5)
-                here = found.isel(building=0, damper=0, motion=k).sel(input=u, scale=scale)
+                here = dataset.isel(building=0, damper=0, motion=k).sel(input=u, scale=scale)
                 np.testing.assert_allclose(here.displacement, one.peak_displacement, rtol=1e-3)
                 np.testing.assert_allclose(here.drift, one.peak_drift, rtol=1e-3)
                 np.testing.assert_allclose(here.force, one.peak_force, rtol=1e-3)
@@ -57,10 +57,10 @@ def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list[G
 
 @pytest.mark.parametrize("precision", [64, 32])
 def test_a_bare_building(precision: int) -> None:
-    found = ensemble(two_storey(), el_centro(), scales=[1.0, -1.0], precision=precision)
-    np.testing.assert_allclose(found.displacement[0, 0, 0, 0, 0, 0], 45.5340e-3, rtol=1e-4)  # FACTS, finding 13
-    np.testing.assert_array_equal(found.displacement[..., 0, :], found.displacement[..., 1, :])
-    assert "force" not in found or found.sizes["site"] == 0
+    dataset = ensemble(two_storey(), el_centro(), scales=[1.0, -1.0], precision=precision)
+    np.testing.assert_allclose(dataset.displacement[0, 0, 0, 0, 0, 0], 45.5340e-3, rtol=1e-4)  # FACTS, finding 13
+    np.testing.assert_array_equal(dataset.displacement[..., 0, :], dataset.displacement[..., 1, :])
+    assert "force" not in dataset or dataset.sizes["site"] == 0
 
 
 def test_single_precision_is_good_for_four_digits(cubics: Damper) -> None:
@@ -92,9 +92,9 @@ def test_bit_identical_however_it_is_cut(cubics: Damper, motions: list[GroundMot
 def test_shards_are_many_enough_to_share_out_and_worth_their_beginning(lines: int, scales: int, shards: int) -> None:
     what = cases(two_storey(), el_centro(), [None] * lines, None, np.linspace(0.1, 2.0, scales))
     assert what.shards() == shards
-    found = [what.lines_of(k, shards) for k in range(shards)]
-    assert all(found)
-    assert sum(map(len, found)) == lines
+    shard_lines = [what.lines_of(k, shards) for k in range(shards)]
+    assert all(shard_lines)
+    assert sum(map(len, shard_lines)) == lines
 
 
 def test_shards_under_laws_are_small(cubics: Damper) -> None:
@@ -120,23 +120,23 @@ def test_modal_and_dense_agree(monkeypatch: pytest.MonkeyPatch, cubics: Damper, 
 def test_a_killed_run_goes_on(cubics: Damper, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 8)
     given = (two_storey(), el_centro(), cubics, [0.0, 0.5, 1.0, 1.5], np.linspace(0.5, 2.0, 8))
-    told: list[tuple[int, int]] = []
+    calls: list[tuple[int, int]] = []
 
     def killed(done: int, size: int) -> None:
-        told.append((done, size))
-        if len(told) == 2:
+        calls.append((done, size))
+        if len(calls) == 2:
             raise KeyboardInterrupt
 
     with ThreadPoolExecutor(1) as pool:
         with pytest.raises(KeyboardInterrupt):
             ensemble(*given, pool, out=tmp_path / "e.h5", progress=killed)
-        assert told == [(8, 32), (16, 32)]
+        assert calls == [(8, 32), (16, 32)]
         again: list[tuple[int, int]] = []
         monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 16)  # the file goes on as it was begun
-        found = ensemble(*given, pool, out=tmp_path / "e.h5", progress=lambda *now: again.append(now))
+        dataset = ensemble(*given, pool, out=tmp_path / "e.h5", progress=lambda *now: again.append(now))
     assert again == [(24, 32), (32, 32)]
     monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 8)  # the error is measured in every shard
-    assert found.identical(ensemble(*given))
+    assert dataset.identical(ensemble(*given))
     with pytest.raises(FileError, match="holds another ensemble"):
         ensemble(*given[:3], [0.0], out=tmp_path / "e.h5")
 
@@ -184,9 +184,9 @@ def test_large_results_stay_in_their_file(
     small = ensemble(*given, out=tmp_path / "small.h5")
     monkeypatch.setattr("dampyr.structures.store.MAPPED", 0)
     large, again = ensemble(*given, out=tmp_path / "large.h5"), read_ensemble(tmp_path / "small.h5")
-    for found in (large, again):
-        assert found.identical(small)
-        assert all(isinstance(found[q].variable._data.base, np.memmap | mmap) for q in found.data_vars)
+    for dataset in (large, again):
+        assert dataset.identical(small)
+        assert all(isinstance(dataset[q].variable._data.base, np.memmap | mmap) for q in dataset.data_vars)
 
 
 HELD = {
@@ -220,36 +220,38 @@ def of(name: str) -> Damper:
 )
 def test_every_kind_of_damper(name: str, one_by_one: int) -> None:
     motion = GroundMotion(el_centro().acceleration[:400], 0.02)
-    found = ensemble(two_storey(), motion, of(name), [0.0], quantities=("drift", "force", "energy"), accuracy="strict")
-    assert found.attrs["one_by_one"] == one_by_one
+    dataset = ensemble(
+        two_storey(), motion, of(name), [0.0], quantities=("drift", "force", "energy"), accuracy="strict"
+    )
+    assert dataset.attrs["one_by_one"] == one_by_one
     one = respond(two_storey(), motion, {1: of(name)}, voltage=0.0, accuracy=5e-5)
-    np.testing.assert_allclose(found.drift[0, 0, 0, 0, 0], one.peak_drift, rtol=1.5e-3)
-    np.testing.assert_allclose(found.force[0, 0, 0, 0, 0], one.peak_force, rtol=2e-3)
-    np.testing.assert_allclose(found.energy[0, 0, 0, 0, 0], one.energy.dampers[:, -1], rtol=3e-3)
+    np.testing.assert_allclose(dataset.drift[0, 0, 0, 0, 0], one.peak_drift, rtol=1.5e-3)
+    np.testing.assert_allclose(dataset.force[0, 0, 0, 0, 0], one.peak_force, rtol=2e-3)
+    np.testing.assert_allclose(dataset.energy[0, 0, 0, 0, 0], one.energy.dampers[:, -1], rtol=3e-3)
 
 
 def test_a_delay_of_nothing_is_no_delay() -> None:
     given = dict(zip(compose("dahl + delay").parameters, (1400.0, 227.0, 18800.0, 0.0)))
-    found = ensemble(two_storey(), el_centro(), [Damper("dahl + delay", given), of("dahl")], [0.0])
-    assert found.attrs["one_by_one"] == 0
-    np.testing.assert_array_equal(found.drift[:, 0], found.drift[:, 1])
+    dataset = ensemble(two_storey(), el_centro(), [Damper("dahl + delay", given), of("dahl")], [0.0])
+    assert dataset.attrs["one_by_one"] == 0
+    np.testing.assert_array_equal(dataset.drift[:, 0], dataset.drift[:, 1])
 
 
 @pytest.mark.prove  # its kernels take long to compile
 def test_several_dampers_of_different_kinds() -> None:
     placement = {1: [of("dahl"), of("hyperbolic_tangent")], 2: of("dahl + delay")}
     motion = GroundMotion(el_centro().acceleration[:400], 0.02)
-    found = ensemble(two_storey(), motion, placement, [0.0], accuracy="strict")
+    dataset = ensemble(two_storey(), motion, placement, [0.0], accuracy="strict")
     one = respond(two_storey(), motion, placement, voltage=0.0, accuracy=5e-5)
-    np.testing.assert_allclose(found.drift[0, 0, 0, 0, 0], one.peak_drift, rtol=1e-3)
-    np.testing.assert_allclose(found.force[0, 0, 0, 0, 0], one.peak_force, rtol=2e-3)
+    np.testing.assert_allclose(dataset.drift[0, 0, 0, 0, 0], one.peak_drift, rtol=1e-3)
+    np.testing.assert_allclose(dataset.force[0, 0, 0, 0, 0], one.peak_force, rtol=2e-3)
 
 
 def test_unbounded_cases_are_counted(motions: list[GroundMotion]) -> None:
     feeding = Damper("spring + dahl", {"spring.k0": -3e5, "dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 10.0})
     with pytest.warns(DampyrWarning, match="1 cases grew without bound"):
-        found = ensemble(two_storey(), motions[0].scaled(1e6), feeding, [0.0], [1e300])
-    assert np.isnan(found.drift).all()
+        dataset = ensemble(two_storey(), motions[0].scaled(1e6), feeding, [0.0], [1e300])
+    assert np.isnan(dataset.drift).all()
 
 
 @pytest.mark.parametrize(
@@ -304,10 +306,10 @@ def test_an_engine_is_told_its_steps(cubics: Damper) -> None:
     """Half the step moves the peaks by less than the fourth order allows."""
     site = cases(two_storey(), el_centro(), cubics, [0.0], [1.0]).sites_of(0, 0, 0)
     rows = connections(two_storey(), site)
-    found = []
+    peaks = []
     for m in (4, 8, 16):
         one = engine(two_storey(), rows, (site[0].composition,), 0.02, m, ("displacement",))
-        found.append(
+        peaks.append(
             one.run([el_centro().acceleration], [site[0].values[None]], np.zeros((1, 1)))["displacement"][0, 0]
         )
-    assert abs(found[1] - found[2]) < abs(found[0] - found[2]) < 1e-3 * found[2]
+    assert abs(peaks[1] - peaks[2]) < abs(peaks[0] - peaks[2]) < 1e-3 * peaks[2]

@@ -27,7 +27,7 @@ def synthetic(seed: int, pga: float) -> GroundMotion:
 
 def peaks(damper: Damper, given: list[tuple[GroundMotion, float, float]], accuracy: str | None) -> Array:
     """Peak displacements and drifts (cases, 4); of the reference where no accuracy is named."""
-    found = np.empty((len(given), 4))
+    values_by_case = np.empty((len(given), 4))
     sites = [cases(two_storey(), m, damper, [u], [s]).sites_of(0, 0, 0) for m, u, s in given]
     steps = [
         FINEST if accuracy is None else np.ceil(0.02 / (STEPS[accuracy] * max_step(two_storey(), s)) - 1e-9)
@@ -40,8 +40,8 @@ def peaks(damper: Damper, given: list[tuple[GroundMotion, float, float]], accura
             motions = [given[k][0].acceleration * given[k][2] for k in block]
             values = np.array([sites[k][0].values for k in block])
             out = made.run(motions, [values], np.zeros((len(block), 1)))
-            found[block] = np.hstack([out[quantity] for quantity in JUDGED])
-    return found
+            values_by_case[block] = np.hstack([out[quantity] for quantity in JUDGED])
+    return values_by_case
 
 
 def worst(damper: Damper, given: list[tuple[GroundMotion, float, float]], accuracy: str) -> tuple[float, int]:
@@ -64,9 +64,9 @@ def test_the_standard_suite(cubics: Damper, accuracy: str) -> None:
 def test_the_reference_is_that_of_respond(cubics: Damper) -> None:
     """Its own kernel, Newton to 1e-10, turning points split."""
     given = suite()[1::4]
-    for found, (motion, u, scale) in zip(peaks(cubics, given, None), given):
+    for case_peaks, (motion, u, scale) in zip(peaks(cubics, given, None), given):
         one = respond(two_storey(), motion.scaled(scale), {1: cubics}, voltage=u, step=0.02 / FINEST)
-        np.testing.assert_allclose(found, [*one.peak_displacement, *one.peak_drift], rtol=1e-5)
+        np.testing.assert_allclose(case_peaks, [*one.peak_displacement, *one.peak_drift], rtol=1e-5)
 
 
 @pytest.mark.prove
@@ -89,14 +89,14 @@ def test_how_far_single_cases_of_many_are_off(cubics: Damper, monkeypatch: pytes
     drawn = [Damper("dahl", dict(zip(cubics.laws, map(float, values * row)))) for row in spread]
     motions = [kanai_tajimi(30.0, 0.02, seed=k, pga=4.0, rest=0.0) for k in range(20)]
     given = (two_storey(), motions, drawn, 0.0, [0.05, 0.15, 0.45, 1.0, 2.0])
-    found = {accuracy: ensemble(*given, accuracy=accuracy) for accuracy in STEPS}
+    datasets = {accuracy: ensemble(*given, accuracy=accuracy) for accuracy in STEPS}
     monkeypatch.setitem(STEPS, "strict", 0.05)
     reference = ensemble(*given, accuracy="strict")
     limits = {"fast": (1e-3, 0.015, 0.015, 0.12), "strict": (1e-4, 2e-3, 1e-3, 0.025)}
     for accuracy, bounds in limits.items():
-        for names, typical, most in ((JUDGED, *bounds[:2]), (("acceleration",), *bounds[2:])):
-            errors = np.concatenate([np.abs(found[accuracy][q] / reference[q] - 1.0).values.ravel() for q in names])
+        for names, typical, max_error in ((JUDGED, *bounds[:2]), (("acceleration",), *bounds[2:])):
+            errors = np.concatenate([np.abs(datasets[accuracy][q] / reference[q] - 1.0).values.ravel() for q in names])
             ninety, largest = np.quantile(errors, 0.9), errors.max()
             print(f"{accuracy}, {' and '.join(names)}: 90 % of cases within {ninety:.1e}, the worst {largest:.1e}")
             assert ninety < typical
-            assert largest < most
+            assert largest < max_error

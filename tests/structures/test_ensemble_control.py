@@ -44,20 +44,20 @@ def law() -> object:
 def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list, law: object) -> None:
     optimal = control_law("clipped_optimal", high=HIGH, lag=0.01)
     inputs = [0.0, law, HIGH, optimal]
-    found = ensemble(two_storey(), motions, [None, cubics], inputs, [0.5, 2.0], accuracy="strict")
-    assert found.attrs["one_by_one"] == 2 * 2 * 2
-    assert found.attrs["error_estimate"] < 1e-3
+    dataset = ensemble(two_storey(), motions, [None, cubics], inputs, [0.5, 2.0], accuracy="strict")
+    assert dataset.attrs["one_by_one"] == 2 * 2 * 2
+    assert dataset.attrs["error_estimate"] < 1e-3
     for u, name in ((1, law), (3, optimal)):
         for k, motion in enumerate(motions):
             for s, scale in enumerate((0.5, 2.0)):
                 one = respond(two_storey(), motion.scaled(scale), {1: cubics}, voltage=name, accuracy=5e-5)
-                here = found.isel(building=0, damper=1, input=u, motion=k, scale=s)
+                here = dataset.isel(building=0, damper=1, input=u, motion=k, scale=s)
                 np.testing.assert_allclose(here.drift, one.peak_drift, rtol=1e-3)
                 np.testing.assert_allclose(here.displacement, one.peak_displacement, rtol=1e-3)
                 np.testing.assert_allclose(here.energy, one.energy.dampers[:, -1], rtol=2e-3)
     alone = ensemble(two_storey(), motions, cubics, [0.0, HIGH], [0.5, 2.0], accuracy="strict")
     np.testing.assert_array_equal(
-        found.drift[:, 1, [0, 2]], alone.drift[:, 0]
+        dataset.drift[:, 1, [0, 2]], alone.drift[:, 0]
     )  # numbers beside laws are as without them
 
 
@@ -65,23 +65,23 @@ def test_no_case_under_a_law_is_off_by_a_decision_that_fell_the_other_way(cubics
     """At the step of the rule some of these are: by 35 % the worst of them."""
     law = control_law("lyapunov", high=HIGH)
     motions = [kanai_tajimi(10.0, 0.01, seed=(7, k), pga=3.0) for k in range(1, 6)]
-    found = ensemble(two_storey(), motions, cubics, law, [0.5, 2.0])
-    assert found.attrs["judged"] == found.attrs["one_by_one"] == 10
+    dataset = ensemble(two_storey(), motions, cubics, law, [0.5, 2.0])
+    assert dataset.attrs["judged"] == dataset.attrs["one_by_one"] == 10
     for k, motion in enumerate(motions):
         for s, scale in enumerate((0.5, 2.0)):
             one = respond(two_storey(), motion.scaled(scale), {1: cubics}, voltage=law, accuracy=2e-5)
-            np.testing.assert_allclose(found.drift[0, 0, 0, k, s], one.peak_drift, rtol=1e-3)
+            np.testing.assert_allclose(dataset.drift[0, 0, 0, k, s], one.peak_drift, rtol=1e-3)
 
 
 def test_laws_are_named_on_their_axis(cubics: Damper, motions: list, law: object) -> None:
     lagging = control_law("on_off", high=HIGH, lag=0.01)
-    found = ensemble(two_storey(), motions[1], cubics, [1.0, law, lagging], [1.0, 2.0])
+    dataset = ensemble(two_storey(), motions[1], cubics, [1.0, law, lagging], [1.0, 2.0])
     names = ["1 V", "on_off 0 to 3.212 V", "on_off 0 to 3.212 V, lag 0.01 s"]
-    assert found.input_name.values.tolist() == names
-    assert np.array_equal(found.input, [1.0, np.nan, np.nan], equal_nan=True)
-    assert float(found.drift.sel(input=1.0)[0, 0, 0, 0, 0]) == float(found.drift[0, 0, 0, 0, 0, 0])
-    assert [row.name for row in summary(found)][::2] == names
-    assert [curve.name for curve in fragility(found, limit=0.01, draws=10).curves] == names
+    assert dataset.input_name.values.tolist() == names
+    assert np.array_equal(dataset.input, [1.0, np.nan, np.nan], equal_nan=True)
+    assert float(dataset.drift.sel(input=1.0)[0, 0, 0, 0, 0]) == float(dataset.drift[0, 0, 0, 0, 0, 0])
+    assert [row.name for row in summary(dataset)][::2] == names
+    assert [curve.name for curve in fragility(dataset, limit=0.01, draws=10).curves] == names
 
 
 def test_one_law_need_not_be_a_list(cubics: Damper, motions: list, law: object) -> None:
@@ -111,10 +111,10 @@ def test_a_killed_run_goes_on(
         with pytest.raises(KeyboardInterrupt):
             ensemble(*given, pool, out=path, progress=killed)
         again: list[int] = []
-        found = ensemble(*given, pool, out=path, progress=lambda done, size: again.append(done))
+        dataset = ensemble(*given, pool, out=path, progress=lambda done, size: again.append(done))
         assert again == [4, 6, 8]
-        assert found.identical(ensemble(*given, pool))
-    assert read_ensemble(path).identical(found)
+        assert dataset.identical(ensemble(*given, pool))
+    assert read_ensemble(path).identical(dataset)
     other = control_law("on_off", high=HIGH, period=0.01)
     with pytest.raises(FileError, match="holds another ensemble"):
         ensemble(*given[:3], [other, 0.5], given[4], out=path)

@@ -54,8 +54,8 @@ def test_the_likelihood_is_that_of_the_binomial() -> None:
         return -float(binom.logpmf(k, 30, norm.cdf(np.log(x / np.exp(p[0])) / np.exp(p[1]))).sum())
 
     best = minimize(cost, [0.0, 0.0], method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-12, "maxiter": 4000})
-    found = fit_binomial(x, k, n)
-    assert [found.theta, found.beta] == pytest.approx(np.exp(best.x), rel=1e-5)
+    curve = fit_binomial(x, k, n)
+    assert [curve.theta, curve.beta] == pytest.approx(np.exp(best.x), rel=1e-5)
 
 
 def test_the_likelihood_of_censored_capacities() -> None:
@@ -72,15 +72,15 @@ def test_the_likelihood_of_censored_capacities() -> None:
         return -float(terms.sum())
 
     best = minimize(cost, [0.0, 0.0], method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-12, "maxiter": 4000})
-    found = by_capacity(x, kind, np.ones(60))
-    assert [found.theta, found.beta] == pytest.approx(np.exp(best.x), rel=1e-5)
+    curve = by_capacity(x, kind, np.ones(60))
+    assert [curve.theta, curve.beta] == pytest.approx(np.exp(best.x), rel=1e-5)
 
 
 def test_uncensored_capacities_have_the_moments_of_their_logarithms() -> None:
     capacity = np.random.default_rng(5).lognormal(0.3, 0.6, 50)
-    found = by_capacity(capacity, np.zeros(50), np.ones(50))
-    assert found.theta == pytest.approx(np.exp(np.log(capacity).mean()), rel=1e-9)
-    assert found.beta == pytest.approx(np.log(capacity).std(), rel=1e-9)
+    curve = by_capacity(capacity, np.zeros(50), np.ones(50))
+    assert curve.theta == pytest.approx(np.exp(np.log(capacity).mean()), rel=1e-9)
+    assert curve.beta == pytest.approx(np.log(capacity).std(), rel=1e-9)
 
 
 def test_first_exceedances_lie_where_the_peak_crosses() -> None:
@@ -159,17 +159,17 @@ def test_seeds() -> None:
 def test_a_bare_building_is_never_pooled_and_curves_compare_in_pairs() -> None:
     base = drawn(60, beta=0.5)
     capacity = np.concatenate([np.repeat(base, 2, axis=1), np.concatenate([1.3 * base, 1.6 * base], axis=1)])
-    found = fragility(
+    result = fragility(
         made(capacity, np.linspace(0.1, 8, 60), ("no damper", "damper")), "drift", 1.0, "scale", draws=200
     )
-    assert [curve.name for curve in found.curves] == ["no damper", "0 V", "1 V"]
-    ratio, low, high = found.ratio("1 V", "no damper")
+    assert [curve.name for curve in result.curves] == ["no damper", "0 V", "1 V"]
+    ratio, low, high = result.ratio("1 V", "no damper")
     assert low <= ratio <= high
     assert ratio == pytest.approx(1.6, rel=0.02)
     assert high - low < 0.1  # as pairs; each median alone is known to about 20 %
-    assert found.to_xarray().sel(curve="0 V").theta == found["0 V"].theta
+    assert result.to_xarray().sel(curve="0 V").theta == result["0 V"].theta
     with pytest.raises(InputError, match="there is no curve '2 V'; choose from no damper, 0 V, 1 V"):
-        found["2 V"]
+        result["2 V"]
 
 
 def test_the_intensity_is_that_of_the_scaled_motion() -> None:
@@ -185,9 +185,9 @@ def test_the_intensity_is_that_of_the_scaled_motion() -> None:
 
 def test_fractiles_are_those_across_motions_at_one_intensity() -> None:
     capacity = drawn(41)
-    found = incremental(made(capacity), intensity="scale", fractions=(0.16, 0.5))
+    curves = incremental(made(capacity), intensity="scale", fractions=(0.16, 0.5))
     np.testing.assert_allclose(
-        found["0 V"].fractiles, np.quantile(SCALES / capacity[0, 0][:, None], (0.16, 0.5), axis=0), rtol=1e-12
+        curves["0 V"].fractiles, np.quantile(SCALES / capacity[0, 0][:, None], (0.16, 0.5), axis=0), rtol=1e-12
     )
     pga = np.linspace(1.0, 3.0, 41)
     sweep = incremental(made(capacity, pga=pga), intensity="pga", fractions=(0.5,)).sweeps[0]

@@ -27,30 +27,30 @@ def what(cubics: Damper, volts: tuple[float, ...] = (0.0, 0.5, 1.0)) -> Cases:
 
 @pytest.fixture(scope="module")
 def folder(cubics: Damper, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    found = tmp_path_factory.mktemp("parts") / "new"
+    path = tmp_path_factory.mktemp("parts") / "new"
     for part in (3, 1, 2, 5, 4):
-        write_part(what(cubics), part, 5, found)
-    return found
+        write_part(what(cubics), part, 5, path)
+    return path
 
 
 def test_parts_are_the_whole(cubics: Damper, folder: Path, tmp_path: Path) -> None:
     motions = list(what(cubics).motions)
     whole = ensemble(two_storey(), motions, [None, cubics], [0.0, 0.5, 1.0], SCALES)
-    found = collect(folder, tmp_path / "all.h5")
-    assert found.drop_attrs().identical(whole.drop_attrs())
-    assert found.attrs["cases"] == whole.attrs["cases"]
-    assert found.attrs["judged"] >= whole.attrs["judged"]
-    assert read_ensemble(tmp_path / "all.h5").identical(found)
+    collected = collect(folder, tmp_path / "all.h5")
+    assert collected.drop_attrs().identical(whole.drop_attrs())
+    assert collected.attrs["cases"] == whole.attrs["cases"]
+    assert collected.attrs["judged"] >= whole.attrs["judged"]
+    assert read_ensemble(tmp_path / "all.h5").identical(collected)
 
 
 def test_small_shards_in_a_part_are_the_same(
     cubics: Damper, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 4)
-    told: list[tuple[int, int]] = []
-    path = write_part(what(cubics), 2, 5, tmp_path, progress=lambda *now: told.append(now))
-    assert told[-1] == (10, 10)
-    assert len(told) > 1
+    calls: list[tuple[int, int]] = []
+    path = write_part(what(cubics), 2, 5, tmp_path, progress=lambda *now: calls.append(now))
+    assert calls[-1] == (10, 10)
+    assert len(calls) > 1
     with h5py.File(path) as one, h5py.File(folder / path.name) as other:
         np.testing.assert_array_equal(one["drift"], other["drift"])
 
@@ -91,10 +91,10 @@ def test_a_damaged_part_is_named(tmp_path: Path) -> None:
 def test_a_finished_file_reads_as_it_was(cubics: Damper, tmp_path: Path) -> None:
     path = tmp_path / "e.h5"
     buildings = [two_storey(), shear_building([1e3] * 3, [2e6] * 3, damping_ratio=0.03)]
-    found = ensemble(buildings, el_centro(), [cubics, None], [0.0, 1.0], quantities=["drift", "force"], out=path)
-    assert read_ensemble(path).identical(found)
-    assert found.damper_name.values.tolist() == ["damper", "no damper"]
-    assert found.pga.values == pytest.approx([el_centro().pga])
+    dataset = ensemble(buildings, el_centro(), [cubics, None], [0.0, 1.0], quantities=["drift", "force"], out=path)
+    assert read_ensemble(path).identical(dataset)
+    assert dataset.damper_name.values.tolist() == ["damper", "no damper"]
+    assert dataset.pga.values == pytest.approx([el_centro().pga])
     assert progress_of(path) == (1, 1)
     with h5py.File(path, "a") as file:
         file["done"][0] = False

@@ -53,9 +53,9 @@ def fifth() -> Part:
 
 def one(source: Study | Part, artefact: str, start: str) -> Finding:
     """The only finding of an artefact whose quantity begins so."""
-    found = [f for f in source.findings if f.artefact == artefact and f.quantity.startswith(start)]
-    assert len(found) == 1, [f.quantity for f in source.findings if f.artefact == artefact]
-    return found[0]
+    matches = [f for f in source.findings if f.artefact == artefact and f.quantity.startswith(start)]
+    assert len(matches) == 1, [f.quantity for f in source.findings if f.artefact == artefact]
+    return matches[0]
 
 
 class TestDamper:
@@ -97,9 +97,9 @@ class TestSection24:
         exact = replace(PUBLISHED, example=replace(PUBLISHED.example, a=Printed("4457.6")))
         assert one(chapter_2(exact), "Section 2.4, steps 3 to 5", "a of Step 4, exact").verdict == "agrees"
         far = replace(PUBLISHED, example=replace(PUBLISHED.example, a=Printed("4600.0")))
-        found = one(chapter_2(far), "Section 2.4, steps 3 to 5", "a of Step 4, exact")
-        assert "no phase" in found.reason
-        assert "outside" in found.reason
+        finding = one(chapter_2(far), "Section 2.4, steps 3 to 5", "a of Step 4, exact")
+        assert "no phase" in finding.reason
+        assert "outside" in finding.reason
 
 
 class TestTable41AndCubics:
@@ -117,8 +117,8 @@ class TestTable41AndCubics:
         right = dict(PUBLISHED.table_4_1) | {"rho": (Printed("42.5375"), Printed("11.7852"))}
         assert one(table_4_1(replace(PUBLISHED, table_4_1=right)), "Table 4.1", "mean of ρ").verdict == "agrees"
         wrong = dict(PUBLISHED.table_4_1) | {"rho": (Printed("41.0000"), Printed("11.7852"))}
-        found = one(table_4_1(replace(PUBLISHED, table_4_1=wrong)), "Table 4.1", "mean of ρ")
-        assert "leaving out any one" in found.reason
+        finding = one(table_4_1(replace(PUBLISHED, table_4_1=wrong)), "Table 4.1", "mean of ρ")
+        assert "leaving out any one" in finding.reason
 
     def test_another_row_changes_the_mean(self) -> None:
         rows = tuple(replace(r, kx=0.9) if (r.table, r.row) == ("4.2", 1) else r for r in PUBLISHED.rows)
@@ -146,20 +146,20 @@ class TestTable41AndCubics:
 class TestChapter5:
     def test_the_peaks(self, fifth: Part) -> None:
         for case, peak in (("case 1", 45.5340), ("case 2", 27.2081), ("case 3", 3.5215)):
-            found = one(fifth, "Figure 5.4", f"peak of the first floor, {case}")
-            assert (found.ours, found.verdict) == (pytest.approx(peak, rel=2e-4), "differs")
+            finding = one(fifth, "Figure 5.4", f"peak of the first floor, {case}")
+            assert (finding.ours, finding.verdict) == (pytest.approx(peak, rel=2e-4), "differs")
         assert "4.9005" in one(fifth, "Figure 5.4", "peak of the first floor, case 1").reason
 
     def test_the_unit_slip_is_likely_and_not_proven(self, fifth: Part) -> None:
-        found = one(fifth, "Figure 5.4", "a unit slip")
-        assert "likely, not proven" in found.quantity
-        two, three = (float(word) for word in str(found.ours).replace(" mm", "").split(" and "))
+        finding = one(fifth, "Figure 5.4", "a unit slip")
+        assert "likely, not proven" in finding.quantity
+        two, three = (float(word) for word in str(finding.ours).replace(" mm", "").split(" and "))
         assert (two, three) == (pytest.approx(216.34, abs=0.05), pytest.approx(219.79, abs=0.05))
 
     def test_the_percentages_from_the_printed_peaks(self, fifth: Part) -> None:
-        found = [one(fifth, "Section 5.2", f"reduction in case {k}") for k in (2, 3)]
-        assert [round(float(f.ours), 2) for f in found] == [2.82, 9.69]
-        assert {f.verdict for f in found} == {"differs"}
+        findings = [one(fifth, "Section 5.2", f"reduction in case {k}") for k in (2, 3)]
+        assert [round(float(f.ours), 2) for f in findings] == [2.82, 9.69]
+        assert {f.verdict for f in findings} == {"differs"}
 
     def test_the_sign_of_the_output(self, fifth: Part) -> None:
         erratum = next(e for e in fifth.errata if e.place == "(5.6)")
@@ -210,8 +210,8 @@ class TestWithoutData:
 class TestOnTheFiles:
     def test_every_row_is_there(self, study: Study) -> None:
         for table in ("4.2", "4.3", "4.4", "4.5"):
-            found = study.artefacts[f"Table {table}"]
-            assert len([f for f in found if f.quantity.startswith("row ")]) == 50
+            findings = study.artefacts[f"Table {table}"]
+            assert len([f for f in findings if f.quantity.startswith("row ")]) == 50
         lost = {f.quantity.partition(":")[0] for f in study.artefacts["Table 4.4"] if f.verdict == "cannot be checked"}
         assert lost == {"row 2", "row 4"}
         assert list(study.left_out) == [
@@ -254,9 +254,9 @@ class TestOnTheFiles:
         text = study.page.read_text("utf-8")
         assert [name for name in ARTEFACTS if name not in text] == []
         assert text.count("<svg") == 12
-        told = json.loads((study.page.parent / "reproduce.json").read_text("utf-8"))
-        assert len(told["findings"]) == len(study.findings)
-        assert told["artefacts"]["(4.7)"] == {"verdict": "agrees", "agrees": 4, "differs": 0, "cannot be checked": 0}
+        output = json.loads((study.page.parent / "reproduce.json").read_text("utf-8"))
+        assert len(output["findings"]) == len(study.findings)
+        assert output["artefacts"]["(4.7)"] == {"verdict": "agrees", "agrees": 4, "differs": 0, "cannot be checked": 0}
 
     def test_every_verdict_of_a_number_follows_from_it(self, study: Study) -> None:
         """A number without a value of ours is never judged, and one with a value always is."""

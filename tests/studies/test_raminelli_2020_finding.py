@@ -40,8 +40,8 @@ def test_the_reason_is_the_candidate_that_meets_the_printed_value() -> None:
 
 
 def test_nothing_finite_cannot_be_checked() -> None:
-    found = judge("a", "q", 1.0, math.nan)
-    assert (found.verdict, found.ours) == ("cannot be checked", None)
+    finding = judge("a", "q", 1.0, math.nan)
+    assert (finding.verdict, finding.ours) == ("cannot be checked", None)
 
 
 def test_an_artefact_differs_where_one_number_does() -> None:

@@ -26,10 +26,15 @@ def shown(plan: Plan) -> Iterator[Show]:
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
     from rich.progress import Progress as Bars
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[told]}"))
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[message]}"),
+    )
     with Bars(*columns, console=Console(stderr=True), refresh_per_second=10) as bars:
-        whole = bars.add_task(plan.campaign.header.name, total=len(plan.tests), told="")
-        test = bars.add_task("", total=100, told="")
+        whole = bars.add_task(plan.campaign.header.name, total=len(plan.tests), message="")
+        test = bars.add_task("", total=100, message="")
         last = 0.0
 
         def show(progress: Progress) -> None:
@@ -37,9 +42,9 @@ def shown(plan: Plan) -> Iterator[Show]:
             if progress.samples is not None and time.monotonic() - last < LOOKS:
                 return
             last = time.monotonic()
-            bars.update(whole, completed=progress.done, told=f"{_clock(progress.time_left)} of rig time left")
+            bars.update(whole, completed=progress.done, message=f"{_clock(progress.time_left)} of rig time left")
             name = f"{progress.phase} {progress.name}".strip()
-            bars.update(test, description=name, completed=round(100 * progress.fraction), told=_live(progress))
+            bars.update(test, description=name, completed=round(100 * progress.fraction), message=_live(progress))
 
         yield show
 

@@ -25,7 +25,7 @@ from dampyr.ground_motions.measures import (
     significant_duration,
 )
 from dampyr.ground_motions.motion import GroundMotion
-from dampyr.ground_motions.motion_files import formats as known_formats
+from dampyr.ground_motions.motion_files import formats as available_formats
 from dampyr.ground_motions.motion_files import read
 from dampyr.ground_motions.resampling import resampled
 from dampyr.ground_motions.response_spectrum import STANDARD_PERIODS, Spectrum, spectrum
@@ -36,7 +36,7 @@ __all__ = [
     "GroundMotion",
     "el_centro",
     "read",
-    "known_formats",
+    "available_formats",
     "Spectrum",
     "spectrum",
     "STANDARD_PERIODS",

@@ -177,12 +177,12 @@ class Batch:
     @classmethod
     def of(cls, cases: Cases, members: list[Member]) -> Batch:
         """Members in their order."""
-        count, known = len(members[0].sites), {id(member.sites): _rest(member.sites) for member in members}
+        count, rest_forces = len(members[0].sites), {id(member.sites): _rest(member.sites) for member in members}
         return cls(
             np.array([member.row for member in members]),
             [cases.motions[member.motion].acceleration for member in members],
             [np.array([member.sites[d].values for member in members]) for d in range(count)],
-            np.array([known[id(member.sites)] for member in members]),
+            np.array([rest_forces[id(member.sites)] for member in members]),
             np.array([[site.delay for site in member.sites] for member in members]),
         )
 

@@ -19,8 +19,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
 from dampyr.structures.connection import describe_place, label
-from dampyr.structures.control_law import describe_law as told_law
-from dampyr.structures.control_law import lag_of, parts
+from dampyr.structures.control_law import describe_law, lag_of, parts
 from dampyr.structures.kernel_run import Run, connections, drifts, runner
 from dampyr.structures.linear_response import largest
 from dampyr.structures.response import Energy, Response
@@ -192,7 +191,7 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         storeys=tuple(site.storey for site in sites),
         sites=tuple(label(building, site.place) for site in sites),
         inputs=tuple(site.input_value for site in sites),
-        laws=tuple(told_law(site.law, site.damper.input) if site.law else "" for site in sites),
+        laws=tuple(describe_law(site.law, site.damper.input) if site.law else "" for site in sites),
         input=np.ascontiguousarray(out.input.T),
         input_units=tuple(site.damper.input for site in sites),
         floors=tuple(building.floors),

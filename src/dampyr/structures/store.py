@@ -33,7 +33,7 @@ class Store:
             self.values: dict[str, Any] = {q: np.full(self._shape(q), np.nan) for q in what.quantities}
         else:
             self._open(self.path)
-        self.told = np.zeros((self.shards, len(DIAGNOSTICS))) if self.file is None else self.file["told"][:]
+        self.diagnostics = np.zeros((self.shards, len(DIAGNOSTICS))) if self.file is None else self.file["told"][:]
 
     def _shape(self, quantity: str) -> tuple[int, int, int]:
         return self.what.lines, len(self.what.scales), self.what.width(quantity)
@@ -75,9 +75,9 @@ class Store:
         """Keep a shard; it counts as done only after its values are written."""
         for quantity, values in shard.values.items():
             self.values[quantity][shard.lines.start : shard.lines.stop] = values
-        self.told[shard.number] = [getattr(shard, name) for name in DIAGNOSTICS]
+        self.diagnostics[shard.number] = [getattr(shard, name) for name in DIAGNOSTICS]
         if self.file is not None:
-            self.file["told"][shard.number] = self.told[shard.number]
+            self.file["told"][shard.number] = self.diagnostics[shard.number]
             self.file.flush()
             self.done[shard.number] = True
             self.file.flush()
@@ -94,7 +94,7 @@ class Store:
     def dataset(self) -> Any:
         """All values with labels, and what was measured of them."""
         made = (self.what.accuracy, self.what.precision)
-        return self.labels.dataset(dict(self.values), attributes(self.told, *made, self.what.size))
+        return self.labels.dataset(dict(self.values), attributes(self.diagnostics, *made, self.what.size))
 
 
 def allocate_dataset(file: Any, quantity: str, shape: tuple[int, ...]) -> Any:

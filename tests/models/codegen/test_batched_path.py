@@ -36,10 +36,10 @@ def test_sums_of_products_are_those_of_the_stored_columns(name: str, varying: bo
     source = np.arange(J.shape[1] + 2)
     table = weight * np.column_stack((J, F, np.ones(N), force - F))
     ends = np.array([1, 129, 400, N])
-    found = products_along(composition, path, p, state0, force, weight, source, np.ones((1, source.size)), 1.0, ends)
+    products = products_along(composition, path, p, state0, force, weight, source, np.ones((1, source.size)), 1.0, ends)
     expected = np.stack([part.T @ part for part in np.split(table, ends[:-1])])
     scale = np.sqrt(np.einsum("gii->gi", expected)) + 1e-100
-    assert np.max(np.abs(found - expected) / (scale[:, :, None] * scale[:, None, :])) < 1e-11
+    assert np.max(np.abs(products - expected) / (scale[:, :, None] * scale[:, None, :])) < 1e-11
 
 
 def test_what_no_state_enters_is_computed_ahead() -> None:

@@ -27,11 +27,11 @@ def by_phases(y: float, xi: float, n: float, c: float) -> float:
 
 def cases(count: int = 600) -> list[tuple[float, float, float, float]]:
     rng = np.random.default_rng(0)
-    found = []
+    rows = []
     for k in range(count):
         y = rng.uniform(-1.0, 0.999) if k % 3 else 1.0 - 10.0 ** rng.uniform(-9, -1)
-        found.append((y, 10.0 ** rng.uniform(-3, 0.3), rng.uniform(1.01, 5.0), 2.0 * rng.uniform(0.3, 3.0) - 1.0))
-    return found
+        rows.append((y, 10.0 ** rng.uniform(-3, 0.3), rng.uniform(1.01, 5.0), 2.0 * rng.uniform(0.3, 3.0) - 1.0))
+    return rows
 
 
 def test_short_steps_and_phases_are_the_same_flow() -> None:
@@ -51,8 +51,8 @@ def test_a_solver_in_small_steps_agrees(y: float, xi: float, n: float, c: float)
     def rate(_: float, s: np.ndarray) -> np.ndarray:
         return np.where(s < 0, 1.0 + c * np.abs(s) ** n, 1.0 - np.abs(s) ** n)
 
-    found = solve_ivp(rate, (0.0, xi), [y], "DOP853", rtol=1e-12, atol=1e-13, max_step=xi / 200)
-    assert flow(y, xi, n, c) == pytest.approx(found.y[0, -1], abs=1e-8)
+    solution = solve_ivp(rate, (0.0, xi), [y], "DOP853", rtol=1e-12, atol=1e-13, max_step=xi / 200)
+    assert flow(y, xi, n, c) == pytest.approx(solution.y[0, -1], abs=1e-8)
 
 
 def test_derivatives_by_the_exponent_and_the_shape() -> None:
@@ -74,8 +74,8 @@ def test_every_term_of_the_series_is_right() -> None:
     worst, taken = 0.0, 0
     for y in np.linspace(0.2, 0.98, 40):
         for h in np.linspace(0.5, 2.0, 8) * short_enough(y, 2.0, 1.0, -1.0):
-            found = short_step(y, h, 2.0, 1.0, -1.0)
-            if found > 0.0:
-                worst, taken = max(worst, abs(found - np.tanh(np.arctanh(y) + h))), taken + 1
+            value = short_step(y, h, 2.0, 1.0, -1.0)
+            if value > 0.0:
+                worst, taken = max(worst, abs(value - np.tanh(np.arctanh(y) + h))), taken + 1
     assert taken > 100
     assert worst < 6e-15

@@ -25,6 +25,6 @@ def test_ends_of_the_range_and_what_is_no_number() -> None:
     assert values(fast_math.quick_exp, y) == pytest.approx(
         [0.0, 0.0, 0.0, 1.0, np.inf, np.inf, np.inf, np.nan], nan_ok=True
     )
-    found = values(fast_math.quick_tanh, [-np.inf, -1e300, -0.0, 0.0, 1e300, np.inf, np.nan])
-    assert found == pytest.approx([-1.0, -1.0, -0.0, 0.0, 1.0, 1.0, np.nan], nan_ok=True)
-    assert math.copysign(1.0, found[2]) == -1.0
+    result = values(fast_math.quick_tanh, [-np.inf, -1e300, -0.0, 0.0, 1e300, np.inf, np.nan])
+    assert result == pytest.approx([-1.0, -1.0, -0.0, 0.0, 1.0, 1.0, np.nan], nan_ok=True)
+    assert math.copysign(1.0, result[2]) == -1.0

@@ -200,10 +200,12 @@ def test_the_force_is_the_dampers_own_along_the_same_path() -> None:
     host.wait()
     follow(made, host, sine(0.008, 0.8, 5, 0.01))
     truth = made.truth
-    kept = truth.time > 0.2
-    damper, t = default_specimen(), truth.time[kept]
-    force = damper.force(t, truth.position[kept], voltage=4.4 * truth.current[kept], velocity=truth.speed[kept])
-    np.testing.assert_allclose(truth.force[kept], force, atol=0.002 * np.ptp(force))
+    settled = truth.time > 0.2
+    damper, t = default_specimen(), truth.time[settled]
+    force = damper.force(
+        t, truth.position[settled], voltage=4.4 * truth.current[settled], velocity=truth.speed[settled]
+    )
+    np.testing.assert_allclose(truth.force[settled], force, atol=0.002 * np.ptp(force))
 
 
 @pytest.mark.parametrize(
@@ -219,17 +221,17 @@ def test_the_force_is_the_dampers_own_along_the_same_path() -> None:
 )  # fmt: skip
 @pytest.mark.prove
 def test_it_converges_with_its_step_for_stiff_specimens(parts: str, laws: dict[str, float]) -> None:
-    found = []
+    results = []
     for step in (2e-4, 1e-4, 1.25e-5):
         made, host = rig(settings(load_cell={"noise": 0.0}), specimen=Damper(parts, laws), step=step)
         host.arm()
         follow(made, host, sine(0.006, 1.0, 4, 0.01))
-        found.append((made.truth.position, made.plant[plant.Y_WORK]))
-    stroke = np.ptp(found[2][0])
-    errors = [np.abs(x - found[2][0]).max() / stroke for x, _ in found]
+        results.append((made.truth.position, made.plant[plant.Y_WORK]))
+    stroke = np.ptp(results[2][0])
+    errors = [np.abs(x - results[2][0]).max() / stroke for x, _ in results]
     assert errors[1] < 4e-3
     assert errors[1] < 0.8 * errors[0] + 2e-4
-    assert found[1][1] == pytest.approx(found[2][1], rel=0.01)
+    assert results[1][1] == pytest.approx(results[2][1], rel=0.01)
 
 
 @pytest.mark.prove

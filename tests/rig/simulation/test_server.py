@@ -128,9 +128,9 @@ def when(rig: Served, event: str, after: float = 0.0) -> float:
     """When something happened, waiting for it."""
     deadline = time.monotonic() + 30
     while time.monotonic() < deadline:
-        found = [t for t, words in rig.events if words == event and t >= after]
-        if found:
-            return found[0]
+        times = [t for t, words in rig.events if words == event and t >= after]
+        if times:
+            return times[0]
         time.sleep(0.02)
     raise AssertionError(f"no {event!r} in {rig.events}")
 

@@ -26,16 +26,16 @@ def simulated() -> dict[tuple[float, int], Characteristics]:
     return {(v, top): characteristics(open_loop(RigSettings(), drive(v, top), v)) for v in VOLTAGES for top in TOPS}
 
 
-def within_bands(found: Characteristics) -> None:
+def within_bands(measured: Characteristics) -> None:
     """What holds for every record of the original rig, and for every simulated one."""
-    assert 0.026 < found.peak_speed < 0.076
-    assert 0.02 < found.third < 0.09
-    assert found.others < 0.025
-    assert 0.8 < found.period < 2.3
-    assert found.displacement_step == pytest.approx(5e-6, rel=1e-6)
-    assert found.force_step == pytest.approx(0.187, abs=1e-3)
-    assert 75.0 < found.mean_force < 155.0
-    assert abs(found.drift) < 0.7e-3
+    assert 0.026 < measured.peak_speed < 0.076
+    assert 0.02 < measured.third < 0.09
+    assert measured.others < 0.025
+    assert 0.8 < measured.period < 2.3
+    assert measured.displacement_step == pytest.approx(5e-6, rel=1e-6)
+    assert measured.force_step == pytest.approx(0.187, abs=1e-3)
+    assert 75.0 < measured.mean_force < 155.0
+    assert abs(measured.drift) < 0.7e-3
 
 
 @pytest.mark.parametrize("voltage", VOLTAGES)
@@ -54,8 +54,8 @@ def test_measured_records_lie_in_the_bands(campaign_folder: Path) -> None:
 
 def nearest(records: list[Record], voltage: float, period: float) -> Characteristics:
     """The measured record at a voltage whose period is nearest."""
-    found = [characteristics(r) for r in records if abs(float(np.mean(r.voltage)) - voltage) < 0.01]
-    return min(found, key=lambda each: abs(each.period - period))
+    candidates = [characteristics(r) for r in records if abs(float(np.mean(r.voltage)) - voltage) < 0.01]
+    return min(candidates, key=lambda each: abs(each.period - period))
 
 
 def test_each_resembles_the_record_of_the_same_drive(
@@ -81,14 +81,14 @@ def test_what_is_measured_of_a_made_up_record_is_what_was_made() -> None:
     w = 2 * np.pi * 0.9
     x = np.where(t < 1, 0.0, 0.01 * np.sin(w * (t - 1)) + 0.0005 * np.sin(3 * w * (t - 1)) + 2e-4 * (t - 1))
     force = np.round((120 + 300 * np.cos(w * t)) / 0.5) * 0.5
-    found = characteristics(Record(t, np.round(x / 1e-5) * 1e-5, force))
-    assert found.period == pytest.approx(1 / 0.9, rel=2e-3)
-    assert found.stroke == pytest.approx(0.02, rel=5e-3)
-    assert found.third == pytest.approx(0.05, abs=1e-3)
-    assert found.others < 0.003
-    assert found.drift == pytest.approx(2e-4, rel=0.1)
-    assert (found.force_step, found.displacement_step) == (pytest.approx(0.5), pytest.approx(1e-5))
-    assert found.mean_force == pytest.approx(120, abs=2.0)
+    measured = characteristics(Record(t, np.round(x / 1e-5) * 1e-5, force))
+    assert measured.period == pytest.approx(1 / 0.9, rel=2e-3)
+    assert measured.stroke == pytest.approx(0.02, rel=5e-3)
+    assert measured.third == pytest.approx(0.05, abs=1e-3)
+    assert measured.others < 0.003
+    assert measured.drift == pytest.approx(2e-4, rel=0.1)
+    assert (measured.force_step, measured.displacement_step) == (pytest.approx(0.5), pytest.approx(1e-5))
+    assert measured.mean_force == pytest.approx(120, abs=2.0)
 
 
 def test_a_record_of_two_cycles_is_too_short() -> None:

@@ -53,17 +53,17 @@ def cases(count, shapes, seed=3):
 
 
 @pytest.mark.parametrize(
-    ("shapes", "most"),
+    ("shapes", "tolerance"),
     [(((1, 1), (0, 1)), 1e-6), (((2, 2), (0, 1)), 5e-6), (((1, 2), (0, 1)), 5e-6), (((1, 3), (-0.3, 1.5)), 2e-4)],
 )
-def test_it_is_the_exact_flow(walk, shapes, most):
+def test_it_is_the_exact_flow(walk, shapes, tolerance):
     y, xi, n, c = cases(3000, shapes)
-    found, rates = walk(y, xi, n, c)
+    states, rates = walk(y, xi, n, c)
     wanted = np.array([exact.flow(*one) for one in zip(y, xi, n, c)])
-    assert np.abs(found - wanted).max() < most
-    assert np.abs(rates - [exact.rate(*one) for one in zip(wanted, n, c)]).max() < 4 * most
+    assert np.abs(states - wanted).max() < tolerance
+    assert np.abs(rates - [exact.rate(*one) for one in zip(wanted, n, c)]).max() < 4 * tolerance
     still = xi == 0
-    assert np.abs(found - y)[still].max() < max(4 * walk.rounding, 1e-10)
+    assert np.abs(states - y)[still].max() < max(4 * walk.rounding, 1e-10)
 
 
 @pytest.mark.parametrize(
@@ -85,19 +85,19 @@ def test_peaks_are_those_of_the_exact_state(n, sigma):
         with ThreadPoolExecutor(1) as one:
             return ensemble(two_storey(), el_centro(), damper(n, sigma), [0.0], [0.05, 1.0], one, quantities=("drift",))
 
-    found = peaks()
+    dataset = peaks()
     with patch("dampyr.structures.ensemble_batches.flow.together", lambda _: False):
         wanted = peaks()
-    assert not found.identical(wanted)  # they did run differently
-    np.testing.assert_allclose(found.drift, wanted.drift, rtol=2e-6)
+    assert not dataset.identical(wanted)  # they did run differently
+    np.testing.assert_allclose(dataset.drift, wanted.drift, rtol=2e-6)
 
 
 @pytest.mark.prove  # its kernels take long to compile
 def test_strict_is_respond():
     motion, one = el_centro(), damper(1.5, 0.7)
-    found = ensemble(two_storey(), motion, one, [0.0], 1.0, accuracy="strict", quantities=("drift",))
+    dataset = ensemble(two_storey(), motion, one, [0.0], 1.0, accuracy="strict", quantities=("drift",))
     single = respond(two_storey(), motion, {1: one}, 0.0, accuracy="strict")
-    np.testing.assert_allclose(found.drift.squeeze(), single.peak_drift, rtol=1e-3)
+    np.testing.assert_allclose(dataset.drift.squeeze(), single.peak_drift, rtol=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -56,7 +56,7 @@ class Writer:
         self.force = self.offset + composition.n_states
         self.functions: list[str] = []
         self.workspace_rows = 0
-        self.kept: dict[str, str] = {}
+        self.stored: dict[str, str] = {}
 
     def texts(self) -> list[str]:
         """The functions that ``walk`` calls, and itself."""
@@ -84,7 +84,7 @@ class Writer:
         text = tangents(formula, f"walked_{formula.name}", used, [*units, *(None for _ in slot.states)])
         called = self._called(text, formula, places, seeds, ahead)
         keep = {name: self._row() for name in homes}
-        self.kept |= keep
+        self.stored |= keep
         store_lines = [f"{row} = {name}" for name, row in keep.items()]
         lines += [f"{name} = {home}" for name, home in homes.items()]
         lines += ["if still == 1:", *(f"    {line.replace(', m]', ', 0]')}" for line in store_lines), "else:"]
@@ -94,11 +94,11 @@ class Writer:
     def _columns(self, slot: Slot, formula: Formula) -> list[str]:
         """The lines that fill a part's columns and add its force."""
         used = {n: k for n, k in slot.states.items() if n in formula.arguments}
-        places = SAMPLE | _values(slot) | {n: self.kept[f"s{k}"] for n, k in used.items()}
+        places = SAMPLE | _values(slot) | {n: self.stored[f"s{k}"] for n, k in used.items()}
         units: dict[int, str | None] = {}
         seeds: list[str] = []
         for name, c in [*slot.values.items(), *(("", self.offset + k) for k in slot.states.values())]:
-            here = [self.kept.get(f"D{k}_{c}", "0.0") for k in used.values()]
+            here = [self.stored.get(f"D{k}_{c}", "0.0") for k in used.values()]
             if name in formula.arguments or any(seed != "0.0" for seed in here):
                 units[c] = name if name in formula.arguments else None
                 seeds += here

@@ -236,13 +236,13 @@ class Text:
             "acceleration": self.step.acceleration,
             "force": forces,
         }
-        found = []
+        peak_rows = []
         for quantity in self.quantities:
             for i, row in enumerate(rows.get(quantity, none)):
                 wide = np.zeros(self.size + self.sites)
                 wide[: len(row)] = row
-                found.append((quantity, i, wide))
-        return found
+                peak_rows.append((quantity, i, wide))
+        return peak_rows
 
     def peak(self, name: str, now: str, mid: str, old: str) -> list[str]:
         """The largest size of a value at three nodes in a row: at the middle one, and where the parabola turns near it."""

@@ -43,7 +43,7 @@ LAST = ("cancel", "DELETE", "disarm", "disconnect")  # what takes things away co
 
 
 @pytest.fixture(scope="module")
-def house(tmp_path_factory, campaign_folder):
+def full_console(tmp_path_factory, campaign_folder):
     """A console over a full data folder, with a bench to which one page listens."""
     folder = tmp_path_factory.mktemp("full") / "data"
     fill(folder, campaign_folder)
@@ -51,7 +51,8 @@ def house(tmp_path_factory, campaign_folder):
     made = app(folder, at_once=0)
     api = schemathesis.openapi.from_asgi("/api/openapi.json", made, headers=HERE)
     with asgi.get_client(made) as client:
-        yield SimpleNamespace(folder=folder, client=client, known=known(jobs), api=api, own=made.inner.state.dampyr.own)
+        own = made.inner.state.dampyr.own
+        yield SimpleNamespace(folder=folder, client=client, values=existing_values(jobs), api=api, own=own)
 
 
 def listens(clients):
@@ -78,13 +79,13 @@ def worked(folder):
     """Jobs that are done, one of each kind."""
     made = app(folder, at_once=2)
     with asgi.get_client(made) as client:
-        asked = [
+        replies = [
             client.post(
                 f"/api/{'identify/jobs' if kind == 'identify' else f'building/{kind}'}", json=body, headers=HERE
             )
             for kind, body in JOBS.items()
         ]
-        ids = [answer.json()["id"] for answer in asked]
+        ids = [answer.json()["id"] for answer in replies]
         for _ in range(1200):
             states = [client.get(f"/api/jobs/{id}", headers=HERE).json()["state"] for id in ids]
             if set(states) <= {"done", "failed", "cancelled"}:
@@ -94,7 +95,7 @@ def worked(folder):
     return ids
 
 
-def known(jobs):
+def existing_values(jobs):
     """Values that lead somewhere, by the name of their parameter."""
     keys = ["data/one.csv", "data/uploads/up.h5", "data/broken.csv", "data/cards/one.toml"]
     return {
@@ -108,9 +109,9 @@ def known(jobs):
     }  # fmt: skip
 
 
-def pointed(case, known, pick):
+def pointed(case, existing, pick):
     """The case, about what is there: each parameter that has a known value takes one, three times of four."""
-    names = known | {"name": ["sines", "one.csv", "up.h5", "one"], "kind": BY_SEED}
+    names = existing | {"name": ["sines", "one.csv", "up.h5", "one"], "kind": BY_SEED}
     for part in (case.path_parameters, case.query, case.body):
         if isinstance(part, dict):
             for name in [one for one in part if one in names]:
@@ -123,41 +124,41 @@ def everything(folder):
     return {Path(place, name).relative_to(folder) for place, _, names in os.walk(folder) for name in names}
 
 
-def exercise(house, operation, examples):
+def exercise(full_console, operation, examples):
     """Ask one operation that many things; which statuses came back."""
     statuses = []
 
     @settings(max_examples=examples, deadline=None, suppress_health_check=list(HealthCheck), database=None)
     @given(case=operation.as_strategy(), pick=st.randoms(use_true_random=False))
     def one(case, pick):
-        listens(house.own["bench"].clients)
-        answer = pointed(case, house.known, pick).call(session=house.client, headers=HERE)
+        listens(full_console.own["bench"].clients)
+        answer = pointed(case, full_console.values, pick).call(session=full_console.client, headers=HERE)
         statuses.append(answer.status_code)
         case.validate_response(answer, checks=CHECKS)
         assert "Traceback" not in answer.content.decode("utf-8", "replace")
         if "json" in answer.headers.get("content-type", [""])[0]:
-            assert str(house.folder) not in answer.text
-        assert [path.name for path in house.folder.parent.iterdir()] == ["data"]
+            assert str(full_console.folder) not in answer.text
+        assert [path.name for path in full_console.folder.parent.iterdir()] == ["data"]
 
     one()
-    for job in house.client.get("/api/jobs", headers=HERE).json():
+    for job in full_console.client.get("/api/jobs", headers=HERE).json():
         if job["state"] == "waiting":  # nobody serves the queue, and it is not long
-            house.client.post(f"/api/jobs/{job['id']}/cancel", headers=HERE)
+            full_console.client.post(f"/api/jobs/{job['id']}/cancel", headers=HERE)
     return statuses
 
 
-def operations(house, keep):
-    found = [each.ok() for each in house.api.get_all_operations()]
-    last = [one for word in LAST for one in found if word in (one.method.upper(), *one.path.split("/"))]
-    return [one for one in [*(each for each in found if each not in last), *last] if keep(one.path)]
+def operations(full_console, keep):
+    all_operations = [each.ok() for each in full_console.api.get_all_operations()]
+    last = [one for word in LAST for one in all_operations if word in (one.method.upper(), *one.path.split("/"))]
+    return [one for one in [*(each for each in all_operations if each not in last), *last] if keep(one.path)]
 
 
-def test_what_is_there_is_told_and_changed_without_a_fault(house):
-    wanted = operations(house, lambda path: "/bench" not in path)
-    got = {f"{each.method.upper()} {each.path}": exercise(house, each, 40) for each in wanted}
+def test_what_is_there_is_told_and_changed_without_a_fault(full_console):
+    wanted = operations(full_console, lambda path: "/bench" not in path)
+    got = {f"{each.method.upper()} {each.path}": exercise(full_console, each, 40) for each in wanted}
     silent = [name for name, statuses in got.items() if min(statuses) >= 300]
     assert silent == ["PUT /api/records/uploads/{name}"]  # its files are bytes: see test_records_page
-    assert {path.parts[0] for path in everything(house.folder)} <= {
+    assert {path.parts[0] for path in everything(full_console.folder)} <= {
         ".console", "broken.csv", "campaigns", "cards", "motions", "one.csv", "uploads",
     }  # fmt: skip
 
@@ -165,23 +166,23 @@ def test_what_is_there_is_told_and_changed_without_a_fault(house):
 def settled(client):
     """The bench, once it is no more on the way from one state to another."""
     for _ in range(200):
-        told = client.get("/api/bench", headers=HERE).json()
-        if not told["phase"].endswith("ing"):
-            return told
+        bench_state = client.get("/api/bench", headers=HERE).json()
+        if not bench_state["phase"].endswith("ing"):
+            return bench_state
         time.sleep(0.05)
-    raise AssertionError(told)
+    raise AssertionError(bench_state)
 
 
 @pytest.mark.quiet
-def test_a_bench_in_control_takes_any_order_of_anything(house):
+def test_a_bench_in_control_takes_any_order_of_anything(full_console):
     """Connected, armed, moving: commands in any state answer or refuse, and abort ends it."""
-    wanted = operations(house, lambda path: "/bench" in path)
+    wanted = operations(full_console, lambda path: "/bench" in path)
     got = []
     for each in wanted * 2:
-        got.append((each.path, exercise(house, each, 12)))
-        settled(house.client)
-    house.client.post("/api/bench/abort", json={}, headers=HERE)
-    told = settled(house.client)
-    assert told["phase"] in ("idle", "disconnected")
+        got.append((each.path, exercise(full_console, each, 12)))
+        settled(full_console.client)
+    full_console.client.post("/api/bench/abort", json={}, headers=HERE)
+    bench_state = settled(full_console.client)
+    assert bench_state["phase"] in ("idle", "disconnected")
     for name in ("connect", "arm", "control"):
         assert any(200 in statuses for path, statuses in got if path.endswith(name)), got
