@@ -1,0 +1,71 @@
+"""The check of names refuses what it is there to refuse."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+CHECKOUT = Path(__file__).parent.parent
+TOOL = CHECKOUT / "tools" / "check_names.py"
+
+
+def check(root: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, str(TOOL), "--root", str(root)], capture_output=True, text=True)
+
+
+def test_this_checkout_has_no_old_words_repeated_modules_or_circles() -> None:
+    run = check(CHECKOUT)
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+@pytest.mark.parametrize(
+    ("files", "sentence"),
+    [
+        ({"src/dampyr/models/a.py": "found = 1\n"}, "src/dampyr/models/a.py:1: 'found' holds 'found'"),
+        ({"src/dampyr/models/a.py": "def last_kept() -> None: ...\n"}, "'last_kept' holds 'kept'"),
+        ({"src/dampyr/models/a.py": "MOST_STEPS = 3  # enough\n"}, "'MOST_STEPS' holds 'most'"),
+        ({"src/dampyr/models/a.py": "def _bent() -> None: ...\n"}, "'_bent' says nothing of what it does"),
+        ({"tests/a.py": "def f(told): ...\n"}, "tests/a.py:1: 'told' holds 'told'"),
+        ({"benchmarks/a.py": "class Shelf: ...\n"}, "'Shelf' holds 'shelf'"),
+        (
+            {"src/dampyr/models/a.py": "", "src/dampyr/records/a.py": ""},
+            "2 modules are called 'a': models/a.py, records/a.py",
+        ),
+        (
+            {
+                "src/dampyr/models/a.py": "from dampyr.models.b import y\nx = 1\n",
+                "src/dampyr/models/b.py": "y = 1\ndef f():\n    from dampyr.models.a import x\n    return x\n",
+            },
+            "import circle: dampyr.models.a <-> dampyr.models.b",
+        ),
+        (
+            {
+                "src/dampyr/models/a.py": "from dampyr.models.b import y\nclass A: ...\n",
+                "src/dampyr/models/b.py": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n"
+                "    from dampyr.models.a import A\ny = 1\n",
+            },
+            "import circle: dampyr.models.a <-> dampyr.models.b",
+        ),
+    ],
+)
+def test_a_planted_offence_is_refused(tmp_path: Path, files: dict[str, str], sentence: str) -> None:
+    for folder in ("src/dampyr/models", "src/dampyr/records", "tests", "benchmarks"):
+        (tmp_path / folder).mkdir(parents=True)
+    assert check(tmp_path).returncode == 0
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    run = check(tmp_path)
+    assert run.returncode == 1
+    assert sentence in run.stdout
+
+
+def test_what_is_allowed_is_not_refused(tmp_path: Path) -> None:
+    package = tmp_path / "src" / "dampyr"
+    for folder in ("cli", "console/pages"):
+        (package / folder).mkdir(parents=True)
+        (package / folder / "identify.py").write_text('"""What was found and told."""\nname = "kept"\n')
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "test_a.py").write_text("def test_what_was_told_is_kept(): ...\n")
+    run = check(tmp_path)
+    assert run.returncode == 0, run.stdout
