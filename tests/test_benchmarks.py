@@ -34,7 +34,7 @@ def bench(name: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 def test_operations_are_counted_once_and_only_if_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """x*y, + scale and the difference; the exponential of 0 is a number of all histories."""
     operations = bench("_operations", monkeypatch)
-    engine = SimpleNamespace(text=SimpleNamespace(source=SOURCE, lanes=64), compositions=())
+    engine = SimpleNamespace(text=SimpleNamespace(source=SOURCE, block_width=64), compositions=())
     assert operations.total(engine) == 3
     assert operations.per_step(engine)["min"] == 1
 
@@ -44,7 +44,7 @@ def test_bits_and_signs_cost_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     source = SOURCE.replace("low + zero", "copysign(x, y)").replace(
         "min(twice - low, exp(zero*x))", "whole(real(x).view(whole) + 7).view(real)"
     )
-    engine = SimpleNamespace(text=SimpleNamespace(source=source, lanes=64), compositions=())
+    engine = SimpleNamespace(text=SimpleNamespace(source=source, block_width=64), compositions=())
     assert operations.total(engine) == 0
     assert operations.per_step(engine)["+ of whole numbers"] == 1
 
