@@ -11,8 +11,9 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -73,6 +74,7 @@ _RC = {
 }
 
 
+_for_pyplot: ContextVar[bool] = ContextVar("_for_pyplot", default=False)
 _UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}  # the same figure gives the same file
 
 
@@ -105,7 +107,7 @@ ACCELERATION = Axis("acceleration", "m/s²")
 
 @contextmanager
 def style() -> Iterator[None]:
-    """matplotlib with the style of the house, restored on leaving."""
+    """matplotlib with dampyr's style, restored on leaving."""
     import matplotlib
 
     with matplotlib.rc_context(_RC):
@@ -116,10 +118,8 @@ def figure(
     height: float, rows: int = 1, columns: int = 1, title: str = "", **subplots: Any
 ) -> tuple[Figure, NDArray[Any]]:
     """An empty figure of the page's width, ``height`` in inches, and its axes ``(rows, columns)``."""
-    from matplotlib.figure import Figure
-
     with style():
-        fig = Figure(figsize=(WIDTH, height), layout="constrained")
+        fig = _empty((WIDTH, height))
         fig.patch.set_alpha(0.0)
         axes = fig.subplots(rows, columns, squeeze=False, **subplots)
         for each in axes.flat:
@@ -129,6 +129,31 @@ def figure(
     return fig, axes
 
 
+def _empty(size: tuple[float, float]) -> Figure:
+    """A figure that nothing but its caller knows, or inside of `in_pyplot` one of pyplot's."""
+    if _for_pyplot.get():
+        from matplotlib import pyplot
+
+        return pyplot.figure(figsize=size, layout="constrained")
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=size, layout="constrained")
+
+
+def in_pyplot(draw: Callable[..., Figure], *args: Any, **kwargs: Any) -> NDArray[Any]:
+    """The axes of ``draw(*args, **kwargs)``, drawn into a figure of pyplot, which notebooks show by themselves.
+
+    ``draw`` is one of the functions of `dampyr.figures`; the axes come in the order in which it made them, ``(k,)``.
+    """
+    token = _for_pyplot.set(True)
+    try:
+        fig = draw(*args, **kwargs)
+    finally:
+        _for_pyplot.reset(token)
+    fig.patch.set_alpha(1.0)
+    return np.array(fig.axes)
+
+
 def name_axes(axes: Axes, x: Axis, y: Axis) -> None:
     """Words and units on both axes."""
     axes.set_xlabel(x.label)
@@ -136,7 +161,7 @@ def name_axes(axes: Axes, x: Axis, y: Axis) -> None:
 
 
 def legend(fig: Figure, *axes: Axes, columns: int = 3, min_entries: int = 2) -> None:
-    """The names on the axes, each once, above the figure; none when there are fewer than ``fewest``."""
+    """The names on the axes, each once, above the figure; none when there are fewer than ``min_entries``."""
     handles: dict[str, Any] = {}
     for each in axes:
         for handle, name in zip(*each.get_legend_handles_labels(), strict=True):

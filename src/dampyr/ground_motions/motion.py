@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import integrals
+from dampyr.representation import as_html, as_text
+from dampyr.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class GroundMotion:
     """Ground acceleration (n,) [m/s2] every ``dt`` seconds from t = 0, linear between samples.
 
@@ -77,6 +80,36 @@ class GroundMotion:
     def displacement(self) -> Array:
         """Ground displacement (n,) [m] from 0: the exact integral of the velocity. A raw record drifts; see ``corrected``."""
         return integrals.displacement(self.acceleration, self.dt)
+
+    def plot(self) -> Any:
+        """Acceleration, velocity and displacement over time; the matplotlib axes (3,)."""
+        from dampyr.figures import style
+        from dampyr.figures.ground_histories import ground_histories
+
+        return style.in_pyplot(ground_histories, self.time, self.acceleration, self.velocity, self.displacement)
+
+    def to_dataframe(self) -> Any:
+        """Time and acceleration as a ``pandas.DataFrame``, one row a sample."""
+        from pandas import DataFrame
+
+        return DataFrame({"time_s": self.time, "acceleration_m_per_s2": self.acceleration})
+
+    def __repr__(self) -> str:
+        return as_text(*self._summary())
+
+    def _repr_html_(self) -> str:
+        from dampyr.figures.ground_motion import ground_motion
+
+        return as_html(*self._summary(), figure=lambda: ground_motion(self.time, self.acceleration))
+
+    def _summary(self) -> tuple[str, list[tuple[str, str]]]:
+        rows = [
+            ("samples", f"{self.n}, every {1e3 * self.dt:.4g} ms, {self.duration:.4g} s"),
+            ("peak", f"{self.pga:.4g} m/s² ({self.pga / STANDARD_GRAVITY:.3g} g)"),
+            ("source", self.source),
+            ("history", "; ".join(self.history)),
+        ]
+        return f"GroundMotion {self.name!r}", [row for row in rows if row[1]]
 
     def changed(self, acceleration: ArrayLike, note: str, dt: float | None = None) -> GroundMotion:
         """A new motion with these samples and ``note``, what was done, added to its history."""

@@ -9,12 +9,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
-from typing import Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.representation import as_html, as_text, extent
+
+if TYPE_CHECKING:
+    from dampyr.figures.style import Axis
 
 Array = NDArray[np.float64]
 Role = Literal["fit", "validation"]
@@ -53,7 +57,47 @@ class Label:
                 raise InputError(f"label {name} = {value:g} is not allowed; it must be finite and greater than 0")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
+class RecordPlots:
+    """Each method draws one figure and returns its matplotlib axes ``(k,)``."""
+
+    record: Record
+
+    def history(self, channel: str = "force") -> Any:
+        """A channel over time: ``displacement``, ``force``, ``velocity``, ``voltage``, ``current`` or ``temperature``."""
+        from dampyr.figures import style
+        from dampyr.figures.history import history
+
+        values = getattr(self.record, channel, None) if channel in _plot_axes() else None
+        if values is None:
+            there = [name for name in _plot_axes() if getattr(self.record, name) is not None]
+            raise InputError(f"{self.record.name} has no channel {channel!r} to draw; choose from {', '.join(there)}")
+        samples = np.broadcast_to(values, self.record.time.shape)
+        return style.in_pyplot(history, self.record.time, samples, axis=_plot_axes()[channel], title=self.record.name)
+
+    def loops(self) -> Any:
+        """Force over displacement, and over velocity where the record has it or its motion gives it."""
+        from dampyr.figures import style
+        from dampyr.figures.loops import loops
+
+        r = self.record
+        return style.in_pyplot(loops, r.displacement, r.velocity, r.force, title=r.name)
+
+
+def _plot_axes() -> dict[str, Axis]:
+    from dampyr.figures import style
+
+    return {
+        "displacement": style.DISPLACEMENT,
+        "force": style.FORCE,
+        "velocity": style.VELOCITY,
+        "voltage": style.VOLTAGE,
+        "current": style.CURRENT,
+        "temperature": style.Axis("temperature", "°C"),
+    }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Record:
     """One test on one clock, in SI units, checked when made and never changed afterwards.
 
@@ -137,6 +181,44 @@ class Record:
         """The mean of the damper's input in V or A, or None when unknown."""
         value = self.voltage if self.voltage is not None else self.current
         return None if value is None else float(np.mean(value))
+
+    @property
+    def plot(self) -> RecordPlots:
+        """Figures: ``record.plot.history("force")`` and ``record.plot.loops()``, each giving matplotlib axes."""
+        return RecordPlots(self)
+
+    def to_dataframe(self) -> Any:
+        """The channels as a ``pandas.DataFrame``, one row a sample, one column a channel, named as ``displacement_m``."""
+        from pandas import DataFrame
+
+        there = {c: getattr(self, c) for c in CHANNELS if getattr(self, c) is not None}
+        columns = {f"{c}_{CHANNELS[c].replace('/', '_per_')}": np.broadcast_to(v, (self.n,)) for c, v in there.items()}
+        return DataFrame(columns)
+
+    def __repr__(self) -> str:
+        return as_text(*self._summary())
+
+    def _repr_html_(self) -> str:
+        from dampyr.figures.loops import loops
+
+        return as_html(*self._summary(), figure=lambda: loops(self.displacement, self.velocity, self.force))
+
+    def _summary(self) -> tuple[str, list[tuple[str, str]]]:
+        rows = [
+            ("samples", f"{self.n}, {self.time[0]:.4g} … {self.time[-1]:.4g} s, every {1e3 * self.dt:.4g} ms"),
+            ("displacement", extent(self.displacement, "mm", 1e3)),
+        ]
+        if self.velocity is not None:
+            rows.append(("velocity", extent(self.velocity, "mm/s", 1e3)))
+        rows.append(("force", extent(self.force, "N")))
+        if self.input is not None:
+            name = "voltage" if self.input == "V" else "current"
+            rows.append((name, extent(getattr(self, name), self.input)))
+        if self.temperature is not None:
+            rows.append(("temperature", extent(self.temperature, "°C")))
+        if self.role != "fit":
+            rows.append(("role", self.role))
+        return f"Record {self.name!r}", rows
 
     def replace(self, *, note: str, **changes: Any) -> Record:
         """A new record with these fields changed and ``note``, what was done, added to its history."""

@@ -25,7 +25,7 @@ from dampyr.structures.connection import counted
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Condensed(Building):
     """A building on k of m degrees of freedom, which knows where the others are.
 

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.representation import as_html, as_text, listing
+
+if TYPE_CHECKING:
+    from dampyr.figures.style import Axis
 
 Array = NDArray[np.float64]
 
@@ -54,7 +60,71 @@ class Energy:
         return self.input - self.kinetic - self.strain - self.viscous - self.damper
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
+class ResponsePlots:
+    """Each method draws one figure and returns its matplotlib axes ``(k,)``."""
+
+    response: Response
+
+    def history(self, quantity: str = "displacement") -> Any:
+        """A quantity of every floor, storey or damper over time.
+
+        ``displacement``, ``velocity``, ``acceleration``, ``drift``, ``force``, ``stroke`` or ``input``.
+        """
+        from dampyr.figures import style
+        from dampyr.figures.building import building_response
+
+        axes, r = _plot_axes(), self.response
+        if quantity not in axes or not len(getattr(r, quantity)):
+            there = [name for name in axes if len(getattr(r, name))]
+            raise InputError(f"{quantity!r} is no history of this response; choose from {', '.join(there)}")
+        if quantity in ("force", "stroke", "input"):
+            names = list(r.sites)
+        elif quantity == "drift":
+            names = [f"storey {k}" for k in range(1, len(r.floors) + 1)]
+        else:
+            names = [f"floor {name}" for name in r.floors]
+        cases = dict(zip(names, getattr(r, quantity), strict=True))
+        return style.in_pyplot(building_response, r.time, cases, axis=axes[quantity])
+
+    def peaks(self) -> Any:
+        """Peak displacement, drift and acceleration by floor."""
+        from dampyr.figures import style
+        from dampyr.figures.peaks import peaks_by_floor
+
+        r, axes = self.response, _plot_axes()
+        panels = [axes["displacement"], axes["drift"], axes["acceleration"]]
+        values = (r.peak_displacement, r.peak_drift, r.peak_acceleration)
+        return style.in_pyplot(peaks_by_floor, list(r.floors), {r.title or "response": values}, axes=panels)
+
+    def energy(self) -> Any:
+        """Energies over time: kinetic, strain, viscous and dampers, stacked, and what the ground put in."""
+        from dampyr.figures import style
+        from dampyr.figures.energy import energy_over_time
+
+        e = self.response.energy
+        shares = {"viscous": e.viscous, "strain": e.strain, "kinetic": e.kinetic}
+        if len(e.dampers):
+            shares = {"dampers": e.damper} | shares
+        return style.in_pyplot(energy_over_time, self.response.time, shares, e.input)
+
+
+def _plot_axes() -> dict[str, Axis]:
+    from dampyr.figures import style
+    from dampyr.figures.style import Axis
+
+    return {
+        "displacement": style.DISPLACEMENT,
+        "velocity": style.VELOCITY,
+        "acceleration": style.ACCELERATION,
+        "drift": Axis("drift", "mm", 1e3),
+        "force": Axis("damper force", "N"),
+        "stroke": Axis("stroke", "mm", 1e3),
+        "input": Axis("input", "V or A"),
+    }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Response:
     """The response of a building with n floors and N damper sites, T samples.
 
@@ -95,6 +165,53 @@ class Response:
     laws: tuple[str, ...] = ()  # (N,) what sets the inputs, in words; empty where they are constant
     input_units: tuple[str, ...] = ()  # (N,) "V" or "A"
     outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
+
+    @property
+    def plot(self) -> ResponsePlots:
+        """Figures: ``response.plot.history("drift")``, ``.peaks()`` and ``.energy()``, each giving matplotlib axes."""
+        return ResponsePlots(self)
+
+    def to_dataframe(self) -> Any:
+        """The peaks as a ``pandas.DataFrame``, one row a floor and the storey below it."""
+        from pandas import DataFrame
+
+        table = {
+            "peak_displacement_m": self.peak_displacement,
+            "peak_drift_m": self.peak_drift,
+            "peak_acceleration_m_per_s2": self.peak_acceleration,
+        }
+        return DataFrame(table, index=list(self.floors)).rename_axis("floor")
+
+    def __repr__(self) -> str:
+        return as_text(*self._summary())
+
+    def _repr_html_(self) -> str:
+        from dampyr.figures.building import building_response
+
+        cases = {f"floor {self.floors[-1]}": self.displacement[-1]}
+        return as_html(*self._summary(), figure=lambda: building_response(self.time, cases))
+
+    def _summary(self) -> tuple[str, list[tuple[str, str]]]:
+        def peaks(values: Array, factor: float, unit: str) -> str:
+            return listing([f"{factor * v:.4g}" for v in values], 6) + f" {unit}"
+
+        rows = [
+            ("time", f"{len(self.time)} samples, {self.time[-1]:.4g} s; {self.scheme}, step {1e3 * self.step:.4g} ms")
+        ]
+        for site, value, law, unit in zip(self.sites, self.inputs, self.laws, self.input_units):
+            rows.append(("damper", f"{site}, {law or f'{value:g} {unit}'}"))
+        rows += [
+            ("displacement", "peak " + peaks(self.peak_displacement, 1e3, "mm")),
+            ("drift", "peak " + peaks(self.peak_drift, 1e3, "mm")),
+            ("acceleration", "peak " + peaks(self.peak_acceleration, 1.0, "m/s²")),
+        ]
+        if len(self.sites):
+            rows.append(("damper force", "peak " + peaks(self.peak_force, 1.0, "N")))
+        if self.error_estimate is not None:
+            rows.append(("error", f"{100 * self.error_estimate:.2g} % of a peak at most, by halving the step"))
+        if not self.converged:
+            rows.append(("not converged", self.reason))
+        return f"Response {self.title!r}" if self.title else "Response", rows
 
     def to_xarray(self) -> Any:
         """The histories and peaks as an ``xarray.Dataset`` with dims time, floor, storey and damper;
