@@ -1,5 +1,7 @@
 """Least-squares identification: the truth comes back, and what cannot be known is said."""
 
+import json
+
 import numpy as np
 import pytest
 from tests.identification.synthetic import sine
@@ -8,6 +10,7 @@ from dampyr.errors import InputError
 from dampyr.identification import fit, score
 from dampyr.models import Damper, Interpolation, Polynomial
 from dampyr.records import Record
+from dampyr.to_json import plain
 
 VOLTS = (0.0, 1.0, 2.0, 3.0)
 TRUTH = {
@@ -258,3 +261,14 @@ def test_intervals_are_students() -> None:
     assert (high - low) / 2 == pytest.approx(2.5706 * fit_result.stderr["dahl.kw"], rel=0.02)
     with pytest.raises(InputError, match="between 0 and 1"):
         fit_result.intervals(95)
+
+
+def test_a_fit_as_a_dict_has_every_number_by_its_label() -> None:
+    fit_result = fit(
+        "dahl", sine(Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": 55.0, "dahl.rho": 2500.0}), 0.0, noise=1.0)
+    )
+    data = plain(fit_result.as_dict())
+    assert json.loads(json.dumps(data)) == data
+    assert list(data["parameters"]) == list(data["stderr"]) == list(data["intervals_95"]) == list(fit_result.parameters)
+    assert data["intervals_95"] == dict.fromkeys(fit_result.within_records)
+    assert data["scores"] == {name: plain(score) for name, score in fit_result.scores.items()}

@@ -15,6 +15,7 @@ from dampyr.identification import Leaderboard, cross_validate, fit, leaderboard,
 from dampyr.identification.screening_subset import screening_set, shortened
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record, read_campaign, with_velocity
+from dampyr.to_json import plain
 
 VOLTS = (0.0, 1.0, 2.0)
 NAME = "hyperbolic_tangent"
@@ -47,6 +48,10 @@ def test_the_model_that_made_the_records_wins(board: Leaderboard) -> None:
     assert board.winner.error < 0.02
     assert [e.error for e in board.entries] == sorted(e.error for e in board.entries)
     assert board.runner_up is not None
+    entries = plain(board.as_dict())["entries"]
+    assert [entry["model"] for entry in entries] == [e.model for e in board.entries]
+    assert "fit" not in entries[0]
+    assert len(plain(board.as_dict())["screened"]) == len(board.screened)
     assert board.runner_up.model.startswith("dahl")
 
 

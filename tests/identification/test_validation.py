@@ -8,6 +8,7 @@ from dampyr.errors import InputError
 from dampyr.identification import cross_validate
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
+from dampyr.to_json import plain
 
 VOLTS = (0.0, 1.0, 2.0, 3.0)
 
@@ -38,6 +39,7 @@ def test_every_record_is_predicted_once_by_a_fit_that_never_saw_it(records: list
         assert len(fold.fitted_on) + len(fold.scores) == len(records)
     assert max(s.l1 for s in done.scores.values()) < 0.05
     assert done.failed == {}
+    assert plain(done.as_dict()) == plain(done)
 
 
 def test_leaving_an_input_out_predicts_only_between_others(records: list[Record]) -> None:

@@ -49,6 +49,12 @@ FINAL_STEPS = 300
 FINALISTS = 5
 MIN_RECORDS = 5  # records: as many as parts that are left out in turn
 
+#: what `Leaderboard.as_dict` says of an entry
+ENTRY_KEYS = (
+    "model", "error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "parameters", "aic", "bic", "seconds",
+    "converged", "reason",
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -101,6 +107,16 @@ class Leaderboard:
     def runner_up(self) -> Entry | None:
         """The next one."""
         return self.entries[1] if len(self.entries) > 1 else None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The ranking and the screening for `dampyr.to_json`, without the fits and validations of the entries."""
+        return {
+            "entries": [{key: getattr(entry, key) for key in ENTRY_KEYS} for entry in self.entries],
+            "screened": self.screened,
+            "bandwidth_hz": self.bandwidth,
+            "left_out": self.left_out,
+            "seconds": self.seconds,
+        }
 
 
 def leaderboard(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,6 +108,28 @@ class Fit:
     def why_no_interval(self, label: str) -> str:
         """Why a number has no interval, in words; empty where it has one."""
         return no_interval(self.within_records[label]) if label in self.within_records else ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Parameters, errors, notes and scores by name, for `dampyr.to_json`: intervals at 95 %, None where there is none."""
+        return {
+            "model": str(self.problem.composition),
+            "records": [record.name for record in self.records],
+            "converged": self.converged,
+            "reason": self.reason,
+            "notes": self.notes,
+            "clusters": self.clusters,
+            "parameters": self.parameters,
+            "stderr": self.stderr,
+            "naive_stderr": self.naive_stderr,
+            "intervals_95": {
+                name: None if name in self.within_records else span for name, span in self.intervals().items()
+            },
+            "within_records_only": {name: self.why_no_interval(name) for name in self.within_records},
+            "units": self.units,
+            "correlation": self.correlation,
+            "nuisances": self.nuisances,
+            "scores": self.scores,
+        }
 
     @cached_property
     def forces(self) -> list[Array]:

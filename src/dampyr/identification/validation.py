@@ -67,6 +67,10 @@ class Validation:
         """The mean of `by_input`: every input counts the same. Infinite where a fold gave no damper."""
         return float("inf") if self.failed or not self.by_input else float(np.mean(list(self.by_input.values())))
 
+    def as_dict(self) -> dict[str, Any]:
+        """Split, folds and inputs, for `dampyr.to_json`."""
+        return {"split": self.split, "folds": self.folds, "inputs": self.inputs}
+
 
 def cross_validate(
     model: str | Composition,
