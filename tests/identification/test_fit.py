@@ -181,7 +181,7 @@ def test_laws_that_the_voltages_cannot_carry_are_refused() -> None:
     records = [sine(damper, u, f"{u}") for u in (0.0, 1.0)]
     with pytest.raises(InputError, match=r"2 inputs cannot give a polynomial of degree 2 .* lower it to 1"):
         fit("dahl", records, laws="polynomial:2")
-    with pytest.raises(InputError, match="'spline' is no law"):
+    with pytest.raises(InputError, match="'spline' is an unknown law"):
         fit("dahl", records, laws="spline")
 
 

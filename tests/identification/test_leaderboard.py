@@ -12,7 +12,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import Leaderboard, cross_validate, fit, leaderboard, parallel
-from dampyr.identification.screening_subset import screening_set, shortened
+from dampyr.identification.screening import screening_set, shortened
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record, read_campaign, with_velocity
 from dampyr.to_json import plain

@@ -10,8 +10,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import Residuals, Trace, analyse, findings, fit, trends, warnings_of
-from dampyr.identification.directions import SIDES
-from dampyr.identification.residuals import autocorrelation, correlation_intervals, motion, noise_of
+from dampyr.identification.residuals import SIDES, autocorrelation, correlation_intervals, motion, noise_of
 from dampyr.models import Damper
 
 DT, F = 0.005, 1.25
@@ -121,10 +120,10 @@ def test_a_part_that_does_not_turn_round_is_uneven_and_one_that_does_is_not() ->
     analysis = analyse([trace(harder + 0.2 * NOISE)])
     group = analysis.groups[0]
     assert abs(group.sides["out"].mean - group.sides["in"].mean) < 0.2
-    assert group.unevenness == pytest.approx(np.std(harder), rel=0.05)
+    assert group.asymmetry == pytest.approx(np.std(harder), rel=0.05)
     assert any("at 1 V" in text and "does not change its sign" in text for text in warnings_of(analysis))
     odd = analyse([trace(4000.0 * V**3 + 0.2 * NOISE)])
-    assert odd.groups[0].unevenness < 0.1 * odd.whole.rms
+    assert odd.groups[0].asymmetry < 0.1 * odd.whole.rms
     assert not any("does not change its sign" in text for text in warnings_of(odd))
 
 

@@ -126,5 +126,5 @@ def test_what_stands_at_a_limit_or_is_not_determined_is_not_labelled_twice() -> 
 def test_too_few_cycles_are_not_told_as_records_that_determine_nothing() -> None:
     fit_result = fit("dahl", sine(TRUTH, 2.0, frequency=0.6, noise=1.0, seconds=4.0))
     assert all(np.isinf(list(fit_result.stderr.values())))
-    assert any("fewer than 3 cycles speak of them" in note for note in fit_result.notes)
+    assert any("fewer than 3 cycles determine them" in note for note in fit_result.notes)
     assert not any("do not determine" in note for note in fit_result.notes)

@@ -98,7 +98,7 @@ def test_folds_repeat_by_seed(records: list[Record]) -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"split": "weather"}, "'weather' is no split"),
+        ({"split": "weather"}, "'weather' is an unknown split"),
         ({"folds": 1}, "at least 2 folds"),
         ({"folds": 99}, "99 folds of 12 records"),
     ],

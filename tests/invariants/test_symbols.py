@@ -6,7 +6,6 @@ kernels have of one symbol for one function. So what shares a name must share it
 
 from __future__ import annotations
 
-import inspect
 import os
 import subprocess
 import sys
@@ -18,7 +17,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 
 from dampyr.ground_motions import oscillator
-from dampyr.identification import algebra
+from dampyr.identification import bounded_least_squares, normal_equations
 from dampyr.models import names, part, path_integration
 from dampyr.models.codegen.composition import compose
 from dampyr.models.codegen.kernels import bind, compile_cached
@@ -83,7 +82,7 @@ def kernels() -> Iterator[Any]:
         yield from (bind(driver, (one,)) for driver in (*drivers, plant.run, coupled))
         yield bind(coupled, (one, compose("dahl")))
         yield bind(coupled, (one,), "def decide(v): return v")
-    yield from (compile_cached(f) for _, f in inspect.getmembers(algebra, inspect.isfunction))
+    yield from map(compile_cached, (*bounded_least_squares.KERNELS, *normal_equations.KERNELS))
     yield compile_cached(oscillator.march)
     site = two_storey().connection(1)[None]
     for name in ("dahl", "dahl + spring", "bouc_wen", "hyperbolic_tangent"):

@@ -1,9 +1,9 @@
-"""From records to parameters: how well they are known, and how well they predict.
+"""Identification: from records to parameters, their errors, and how well they predict.
 
 `fit` identifies any damper from one record or many; `limit_cycle` and `plastic_region` are the two methods of the
 dissertation for the viscous Dahl model; `score` says how well a damper predicts a record, `cross_validate` how well a model
-predicts records that it was not fitted on, `leaderboard` which model does it best; `residuals` what a fit leaves, and
-`findings` what that says in words; `accept` whether a record lies within a band about a reference damper.
+predicts records that it was not fitted on, `leaderboard` which model does it best; `residuals` analyses what a fit leaves, and
+`findings` says it in words; `accept` whether a record lies within a band about a reference damper.
 """
 
 from dampyr.identification.acceptance import Acceptance, Point, Tolerance, accept
@@ -13,7 +13,8 @@ from dampyr.identification.fit import Fit, Nuisance, fit
 from dampyr.identification.leaderboard import Entry, Leaderboard, leaderboard
 from dampyr.identification.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.plastic_region import PlasticRegion, plastic_region
-from dampyr.identification.residuals import Residuals, Trace, analyse, residuals
+from dampyr.identification.residuals import Residuals, Trace, analyse
+from dampyr.identification.result import residuals
 from dampyr.identification.score import Score, Window, compare, prediction, score
 from dampyr.identification.screening import Screened, Trial
 from dampyr.identification.validation import Fold, Validation, cross_validate

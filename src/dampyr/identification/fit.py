@@ -12,7 +12,7 @@ from dampyr.identification.initial_guess import begin, best_of
 from dampyr.identification.parametrisation import columns
 from dampyr.identification.problem import Problem, checked_nuisances
 from dampyr.identification.result import Fit, Nuisance, build_fit
-from dampyr.identification.robust import check_loss, reweighted
+from dampyr.identification.robust import check_loss, iteratively_reweighted
 from dampyr.identification.variable_projection import MAX_ITERATIONS, search
 from dampyr.models import Composition, Damper, compose
 from dampyr.records import Record, check_bandwidth
@@ -93,7 +93,7 @@ def fit(
         point, agreed = (begin(problem), 1) if starts == 1 else best_of(problem, starts, seed)
         outcome = search(problem, point, progress, max_iterations=steps)
         if loss != "squares":
-            problem, outcome = reweighted(problem, outcome, loss, progress)
+            problem, outcome = iteratively_reweighted(problem, outcome, loss, progress)
         search_notes = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
         return build_fit(problem, outcome, tuple(listed), bandwidth, search_notes, (starts, agreed))
 
@@ -107,7 +107,7 @@ def prepared(
     nuisances: Sequence[str] = ("offset", "state"),
     tied: Mapping[str, str] | None = None,
 ) -> Problem:
-    """What `fit` solves: the records conditioned and the unknowns laid out, before anything is searched."""
+    """The problem that `fit` solves: the records as arrays and the layout of the unknowns, before the search."""
     composition = model.composition if isinstance(model, Damper) else _composition(model)
     _check(list(records))
     if bandwidth is not None:

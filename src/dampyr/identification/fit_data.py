@@ -1,4 +1,4 @@
-"""The records as a fit sees them."""
+"""The data of a fit: records as arrays, from where their motion starts."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.records import Record, cycles, motion_start
+from dampyr.records import Record, cycles, motion_start, with_velocity
 
 Array = NDArray[np.float64]
-HELD = 0.9  # of the range of displacement and velocity: a stretch of a record that speaks for the whole
+MOTION_SHARE = 0.9  # of the range of displacement and velocity: a part of a record that represents the whole
+MIN_SAMPLES = 16  # after the motion starts: of fewer no cycle of a loop can be seen
 
 
 @dataclass(frozen=True)
 class Piece:
     """One record from where its motion starts: arrays (n,), the input, and the cluster of each sample.
 
-    ``weight`` is of each sample, or one for all, (1,); ``spread`` the standard deviation of the force in N. ``bend`` is the
-    weight by the second derivative of a loss that is not squares (see `dampyr.identification.robust`).
+    ``weight`` is of each sample, or one for all, (1,); ``spread`` the standard deviation of the force, N. ``second_weight`` is
+    the weight by the second derivative of a loss that is not squares (see `dampyr.identification.robust`).
     """
 
     name: str
@@ -32,7 +33,7 @@ class Piece:
     spread: float
     cycle: NDArray[np.int64]
     unit: str
-    bend: Array | None = None
+    second_weight: Array | None = None
 
     @property
     def ends(self) -> NDArray[np.int64]:
@@ -41,16 +42,14 @@ class Piece:
 
 
 def piece(record: Record, bandwidth: float | None) -> Piece:
-    """A record made ready: velocity as recorded or derived, weight 1 over the force's standard deviation."""
-    from dampyr.records import with_velocity
-
+    """A record as arrays: velocity as recorded or derived, weight 1 over the force's standard deviation."""
     if record.input is None:
         raise InputError(f"{record.name}: its voltage is not known; read it with voltage= (or current=)")
     if record.velocity is None or bandwidth is not None:
         record = with_velocity(record, bandwidth)
     assert record.velocity is not None
     first = int(np.searchsorted(record.time, motion_start(record)))
-    if record.n - first < 16:
+    if record.n - first < MIN_SAMPLES:
         raise InputError(f"{record.name}: it holds no motion, so there is nothing to identify; check the displacement")
     window = slice(first, None)
     force = record.force[window]
@@ -92,20 +91,22 @@ def thinned(one: Piece, samples: int) -> Piece:
     u = one.u[::k] if np.ndim(one.u) else one.u  # type: ignore[index]
     t, x, v, force = (np.ascontiguousarray(a[::k]) for a in (one.t, one.x, one.v, one.force))
     weight = one.weight[::k].copy() if one.weight.size > 1 else one.weight
-    bend = None if one.bend is None else one.bend[::k].copy()
-    return replace(one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=one.cycle[::k], bend=bend)
+    second_weight = None if one.second_weight is None else one.second_weight[::k].copy()
+    return replace(
+        one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=one.cycle[::k], second_weight=second_weight
+    )
 
 
-def opening(one: Piece, samples: int) -> Piece:
+def first_part(one: Piece, samples: int) -> Piece:
     """The first ``samples`` of a record, twice as many and so on until they hold nearly its whole motion; at most all."""
     whole = np.array([np.ptp(one.x), np.ptp(one.v)])
     n = samples
-    while n < one.t.size and np.any(np.array([np.ptp(one.x[:n]), np.ptp(one.v[:n])]) < HELD * whole):
+    while n < one.t.size and np.any(np.array([np.ptp(one.x[:n]), np.ptp(one.v[:n])]) < MOTION_SHARE * whole):
         n *= 2
     if n >= one.t.size:
         return one
     u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
     weight = one.weight[:n] if one.weight.size > 1 else one.weight
-    bend = None if one.bend is None else one.bend[:n]
+    second_weight = None if one.second_weight is None else one.second_weight[:n]
     t, x, v, force, cycle = one.t[:n], one.x[:n], one.v[:n], one.force[:n], one.cycle[:n]
-    return replace(one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=cycle, bend=bend)
+    return replace(one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=cycle, second_weight=second_weight)

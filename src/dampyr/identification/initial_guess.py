@@ -1,4 +1,4 @@
-"""From where a search begins: the parts' own proposals, tried at each input."""
+"""The initial guess of a search: the parts' own proposals, tried at each input."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from dataclasses import replace
 import numpy as np
 
 from dampyr.identification.fit_data import Piece, thinned
-from dampyr.identification.problem import Point, Problem, apart
-from dampyr.identification.variable_projection import COARSE, descend, projected_cost, search
+from dampyr.identification.problem import Point, Problem, independent_blocks
+from dampyr.identification.variable_projection import COARSE_TOLERANCE, levenberg_marquardt, projected_cost, search
 from dampyr.models import Composition
 from dampyr.models.part import Scale
 
-MAX_STARTS = 48
+MAX_STARTS = 48  # proposals that are tried: each costs one evaluation of two shortened records
 THINNED_SAMPLES = 1500  # of each record in the searches of several starts
 SAME = 1e-3  # of the cost: within it two starts ended in the same optimum
-APART = 1.0  # standard deviation of the logarithm by which random starts differ from the best
-SCANNED_SAMPLES = 3000
+START_SPREAD = 1.0  # standard deviation of the logarithm by which random starts differ from the best
+SCANNED_SAMPLES = 3000  # of each record on which the proposals are tried
 
 
 def begin(problem: Problem) -> Point:
-    """From where the search begins: the best of the parts' proposals, tried at each input apart.
+    """The point where the search begins: the best of the parts' proposals, tried at each input separately.
 
     Parts in series with something that stretches begin where they end without it.
     """
@@ -51,7 +51,7 @@ def _from_rigid(problem: Problem) -> Point:
     inner = Composition(tuple(name for name in problem.composition.names if name not in soft))
     columns = [replace(problem.columns[k], quantity=inner.quantities[problem.columns[k].name]) for k in chosen]
     rigid = replace(problem, composition=inner, columns=columns)
-    rigid_point = search(rigid, begin(rigid), tolerance=COARSE).point
+    rigid_point = search(rigid, begin(rigid), tolerance=COARSE_TOLERANCE).point
     point = _with(problem, _neutral(problem), _proposals(problem, problem.pieces)[0])
     theta, local = point.theta.copy(), point.local.copy()
     for k, span in zip(chosen, rigid.slices, strict=True):
@@ -71,20 +71,20 @@ def _neutral(problem: Problem) -> Point:
 
 
 def best_of(problem: Problem, starts: int, seed: int) -> tuple[Point, int]:
-    """The best of several starts, and how many ended in the same optimum (in the part of the problem where fewest did).
+    """The best of several starts, and how many ended in the same optimum (in the block where fewest did).
 
-    Each part that stands by itself is started apart: from the parts' proposals, the best first, then from random points
+    Each independent block has its own starts: from the parts' proposals, the best first, then from random points
     around the best by ``seed``; searched on thinned records, to 1e-4 of the cost.
     """
     point, agreed = begin(problem), starts
     theta, local = point.theta.copy(), point.local.copy()
-    for k, share in enumerate(apart(problem)):
+    for k, block in enumerate(independent_blocks(problem)):
         rng = np.random.default_rng([seed, k])
-        thin = replace(share.problem, pieces=[thinned(one, THINNED_SAMPLES) for one in share.problem.pieces])
-        ends = [descend(thin, each, None, COARSE) for each in _several(thin, starts, rng)]
+        thin = replace(block.problem, pieces=[thinned(one, THINNED_SAMPLES) for one in block.problem.pieces])
+        ends = [levenberg_marquardt(thin, each, None, COARSE_TOLERANCE) for each in _several(thin, starts, rng)]
         best = min(ends, key=lambda end: end.cost)
         agreed = min(agreed, sum(end.cost <= (1.0 + SAME) * best.cost + 1e-12 for end in ends))
-        theta[share.coefficients], local[share.records] = best.point.theta, best.point.local
+        theta[block.coefficients], local[block.records] = best.point.theta, best.point.local
     return Point(theta, local), agreed
 
 
@@ -94,11 +94,11 @@ def _several(problem: Problem, starts: int, rng: np.random.Generator) -> list[Po
     points = [_with(problem, neutral, proposal) for proposal in _proposals(problem, problem.pieces)]
     points.sort(key=lambda point: projected_cost(problem, point))
     start_points = points[:starts]
-    walked = problem.is_logarithmic | ~problem.is_linear
+    nonlinear = problem.is_logarithmic | ~problem.is_linear
     while len(start_points) < starts:
-        factor = np.exp(APART * rng.standard_normal(problem.size))
+        factor = np.exp(START_SPREAD * rng.standard_normal(problem.size))
         start_points.append(
-            replace(points[0], theta=problem.inside(np.where(walked, points[0].theta * factor, points[0].theta)))
+            replace(points[0], theta=problem.inside(np.where(nonlinear, points[0].theta * factor, points[0].theta)))
         )
     return start_points
 

@@ -36,17 +36,17 @@ from dampyr.identification.screening import (
     chosen_bandwidth,
     held_in,
     screen_all,
+    screening_set,
     validation_error,
     validations_of,
 )
-from dampyr.identification.screening_subset import screening_set
 from dampyr.identification.validation import Validation
 from dampyr.models import names, part
 from dampyr.records import Record, check_bandwidth
 
 ADD_ONS = ("spring", "delay", "lag", "compliance")
-FINAL_STEPS = 300
-FINALISTS = 5
+FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is chosen by hand
+FINALISTS = 5  # each costs a fit and two cross-validations of all records
 MIN_RECORDS = 5  # records: as many as parts that are left out in turn
 
 #: what `Leaderboard.as_dict` says of an entry

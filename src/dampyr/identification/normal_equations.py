@@ -1,28 +1,166 @@
-"""The normal equations around a point, each record's nuisances eliminated, and steps inside the limits.
+"""The normal equations around a point: sums of products of derivatives and residuals, and steps inside the limits.
 
-Unknowns of one record meet those of another only through the coefficients, so a record's nuisances are eliminated from its
-own sums (a Schur complement) and the joint problem is never larger than the coefficients.
+The sums are taken while the kernel integrates along a record, so the derivatives are never stored; what is lost against an
+orthogonal factorisation are directions whose derivatives agree to one part in a million, which the records do not determine
+anyway (see `dampyr.identification.uncertainty`). The unknowns of one record meet those of another only through the
+coefficients, so a record's nuisances are eliminated from its own sums (a Schur complement), and the joint problem is never
+larger than the coefficients. What is done in each step of a search for every unknown is compiled by numba (`KERNELS`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite
+from math import exp, isfinite, log
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification import algebra
-from dampyr.identification.gram import products, with_priors
-from dampyr.identification.problem import Point, Problem
+from dampyr.identification.bounded_least_squares import SINGULAR, solve_bounded
+from dampyr.identification.fit_data import Piece
+from dampyr.identification.parametrisation import bases
+from dampyr.identification.problem import (
+    MISFIT,
+    PRIOR,
+    Point,
+    Problem,
+    SummationPlan,
+    has_lag,
+    input_at,
+    summation_plan,
+    values_at,
+)
 from dampyr.models.codegen.kernels import compile_cached
+from dampyr.models.path_integration import (
+    along,
+    along_with_columns,
+    along_with_laws,
+    delayed,
+    delayed_by_tau,
+    products_along,
+)
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
-BLIND = 1e-13  # of the largest eigenvalue of the scaled normal equations: no step is taken along such a direction
+Integers = NDArray[np.int64]
+LAG_STEP = 1e-6  # s, of the difference that gives the derivative by a lag
 MAX_TURNS = 12  # of letting nuisances go to their limits and back
 RIDGE = 1e-13  # of each record's nuisances, so that two that say the same share their step
+
+
+def products(problem: Problem, point: Point, by_cluster: bool = False) -> list[Array]:
+    """The sums of products of each record over [nuisances, coefficients, residual], (groups, K, K) with K = L + G + 1.
+
+    One group, or one per cluster of the record's samples. The residual is measured less model.
+    """
+    return [_products_of_record(problem, point, r, by_cluster) for r in range(len(problem.pieces))]
+
+
+def _products_of_record(problem: Problem, point: Point, r: int, by_cluster: bool) -> Array:
+    one, u = problem.pieces[r], input_at(problem, point, r)
+    values, gain = values_at(problem, point, r, u), point.nuisance(problem, r, "gain")
+    states, force = point.states(problem, r), one.force - point.nuisance(problem, r, "offset")
+    lags = has_lag(problem)
+    plan = summation_plan(problem, bases(problem.columns, u)) if lags else problem.plans[r]
+    factor, matrix = _with_gain_and_temperature(problem, point, r, plan, values, gain)
+    ends = one.ends if by_cluster else np.array([one.t.size])
+    if values.ndim > 1 and (problem.composition.delay is not None or len(states) or lags):
+        by_lag = _derivative_by_lag(problem, point, r) if lags else None
+        sums = _products_of_stored(problem, one, values, states, force, plan.source, factor, gain, ends, by_lag)
+    else:
+        path = (one.t, one.x, one.v, problem.accelerations[r])
+        sums = products_along(
+            problem.composition, path, values, states, force, one.weight, plan.source, factor, gain, ends
+        )
+    return np.asarray(matrix.T @ sums @ matrix)
+
+
+def _derivative_by_lag(problem: Problem, point: Point, r: int) -> Array:
+    """The derivative (n,) of the force of the parts by the lag, by a difference."""
+    one, sides = problem.pieces[r], []
+    for more in (LAG_STEP, 0.0):
+        values = values_at(problem, point, r, input_at(problem, point, r, more))
+        sides.append(along(problem.composition, one.t, one.x, one.v, values, point.states(problem, r)))
+    return np.asarray((sides[0] - sides[1]) / LAG_STEP)
+
+
+def _with_gain_and_temperature(
+    problem: Problem, point: Point, r: int, plan: SummationPlan, values: Array, gain: float
+) -> tuple[Array, Array]:
+    """The factors and the matrix of a plan with what changes from point to point: gain, temperature."""
+    if not {"gain", "temperature"} & set(problem.common):
+        return plan.factor, plan.to_unknowns
+    is_offset = plan.source == len(problem.columns) + len(problem.path_start) + 1
+    factor, matrix = plan.factor * np.where(is_offset, 1.0, gain), plan.to_unknowns
+    if "temperature" in problem.common:
+        warmth = point.nuisance(problem, r, "temperature")
+        is_viscous = np.where(plan.parameter >= 0, problem.is_viscous[plan.parameter], False)
+        factor = factor * np.where(is_viscous, warmth, 1.0)
+        matrix = matrix.copy()
+        by_temperature = np.where(is_viscous, _by_temperature(problem, point, plan, values, warmth), 0.0)
+        matrix[:-1, problem.common.index("temperature")] = by_temperature
+    return np.ascontiguousarray(factor), matrix
+
+
+def _by_temperature(problem: Problem, point: Point, plan: SummationPlan, values: Array, warmth: float) -> Array:
+    """What multiplies each column so that their sum is the derivative by the logarithm of the viscosity's factor."""
+    if not problem.varying:
+        return np.where(plan.parameter >= 0, values[plan.parameter], 0.0) / warmth
+    theta = plan.to_unknowns[:-1, problem.locals : -1] @ point.theta
+    fixed = np.array([problem.columns[k].fixed or 0.0 if k >= 0 else 0.0 for k in plan.parameter])
+    return np.asarray(theta + fixed)
+
+
+def _products_of_stored(
+    problem: Problem,
+    one: Piece,
+    values: Array,
+    states: Array,
+    force: Array,
+    source: Integers,
+    factor: Array,
+    gain: float,
+    ends: Integers,
+    by_lag: Array | None,
+) -> Array:
+    """As the kernel does it, with the derivatives stored: for an input that varies while states remember it, or a delay."""
+    model, J = along_with_columns(problem.composition, one.t, one.x, one.v, values, states)
+    early = np.column_stack((J, model, np.ones(one.t.size)))[:, source] * factor
+    mine = source < len(problem.columns)
+    if len(states):
+        wide = np.ascontiguousarray(np.broadcast_to(factor, (factor.shape[0], source.size))[:, mine])
+        given = (one.t, one.x, one.v, values, states, source[mine], wide)
+        early[:, mine] = along_with_laws(problem.composition, *given)[1]
+    if by_lag is not None:
+        early[:, source == problem.composition.lag] = by_lag[:, None]
+    k, rows = problem.composition.delay, early
+    if k is not None:
+        slope = delayed_by_tau(one.t, model, values[..., k])[:, None]
+        rows = np.where(source == k, slope * factor, delayed(one.t, early, values[..., k]))
+        model = delayed(one.t, model, values[..., k])
+    table = one.weight[:, None] * np.column_stack((rows, force - gain * model))
+    return np.stack([part.T @ part for part in np.split(table, ends[:-1])])
+
+
+def with_priors(problem: Problem, point: Point, sums: Array) -> Array:
+    """The sums (M, K, K) with the priors of gains and temperatures, as one more row each."""
+    out = sums
+    for name, spread in PRIOR.items():
+        if name in problem.common:
+            j, row = problem.common.index(name), np.zeros((len(problem.pieces), sums.shape[1]))
+            row[:, j] = MISFIT / spread
+            row[:, -1] = -MISFIT / spread * point.local[:, j]
+            out = out + row[:, :, None] * row[:, None, :]
+    return out
+
+
+def modelled_force(problem: Problem, point: Point, record: int) -> Array:
+    """The force (n,) that the fit gives for a record, its own offset, gain and states included, N."""
+    one, values = problem.pieces[record], values_at(problem, point, record, input_at(problem, point, record))
+    force = along(problem.composition, one.t, one.x, one.v, values, point.states(problem, record))
+    k = problem.composition.delay
+    late = force if k is None else delayed(one.t, force, np.asarray(values[..., k]))
+    return point.nuisance(problem, record, "offset") + point.nuisance(problem, record, "gain") * late
 
 
 @dataclass(frozen=True)
@@ -34,10 +172,10 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Normal:
+class NormalEquations:
     """Sums of products (M, K, K) over [nuisances, coefficients, residual], and how far each unknown may step.
 
-    Coefficients that are walked in their logarithm step in it, by a factor of e at most.
+    Logarithmic coefficients step in their logarithm, by a factor of e at most.
     """
 
     sums: Array
@@ -50,42 +188,43 @@ class Normal:
 
     @cached_property
     def cost(self) -> float:
-        """Half the sum of squares; no number where the model could not be evaluated."""
-        return float(compile_cached(algebra.half_of_squares)(self.sums))
+        """Half the sum of squares; NaN where the model could not be evaluated."""
+        return float(compile_cached(half_sum_of_squares)(self.sums))
 
     @property
     def finite(self) -> bool:
         """Whether the model could be evaluated there."""
         return isfinite(self.cost)
 
-    def gain(self, step: Step) -> float:
+    def reduction(self, step: Step) -> float:
         """By how much a step lowers the cost, as the linear model has it."""
-        return float(compile_cached(algebra.gained)(self.sums, step.theta, step.local))
+        return float(compile_cached(predicted_reduction)(self.sums, step.theta, step.local))
 
-    def after(self, step: Step) -> Normal:
-        """What holds after a step of unknowns that the force is affine in, where the derivatives by the others stay."""
+    def after(self, step: Step) -> NormalEquations:
+        """The normal equations after a step of unknowns that the force is affine in, the other derivatives as they are."""
         sums = np.empty_like(self.sums)
-        compile_cached(algebra.shifted)(self.sums, step.theta, step.local, sums)
+        compile_cached(sums_after_step)(self.sums, step.theta, step.local, sums)
         limits = (
             self.low - step.theta,
             self.high - step.theta,
             self.local_low - step.local,
             self.local_high - step.local,
         )
-        return Normal(sums, self.linear, self.local_linear, *limits)
+        return NormalEquations(sums, self.linear, self.local_linear, *limits)
 
     def _solve_one(self, only_linear: bool, damping: float, curvature: Array | None) -> Step:
         """As `solve`, for one record: its nuisances are unknowns like the others."""
         L, S = self.local_low.shape[1], self.sums[0]
         if curvature is not None:
             H = S[:-1, :-1] + damping * np.diag(S.diagonal()[:-1])
-            S, damping = np.column_stack((_bent(H, np.pad(curvature, ((L, 0), (L, 0)))), S[:-1, -1])), 0.0
+            H, damping = with_curvature(H, np.pad(curvature, ((L, 0), (L, 0)))), 0.0
+            S = np.column_stack((H, S[:-1, -1]))
         n = S.shape[1] - 1
-        step, work, free = np.empty(n), np.empty((2 * n + 5, n)), np.empty((2, n), dtype=bool)
-        limits = self.low, self.high, self.local_low[0], self.local_high[0]
-        workspace = only_linear, work, free, step
-        if not compile_cached(algebra.stepped_one)(S, damping, *limits, self.linear, self.local_linear, *workspace):
-            step = by_eigenvalues(S, damping, work[2 * n + 3], work[2 * n + 4], free[1])
+        below, above, chosen = np.empty(n), np.empty(n), np.empty(n, dtype=bool)
+        own = self.local_low[0], self.local_high[0], self.local_linear
+        row = only_linear, below, above, chosen
+        compile_cached(unknowns_of_record)(self.low, self.high, self.linear, *own, *row)
+        step = solve_bounded(S, damping, below, above, chosen)
         return Step(step[L:], step[None, :L])
 
     @cached_property
@@ -94,11 +233,11 @@ class Normal:
         free = (self.local_low < -1e-12) & (self.local_high > 1e-12)
         return eliminated(self.sums, free, np.zeros_like(self.local_low))
 
-    def _inward(self, step: Step, free: Bools, only_linear: bool) -> Bools:
-        """Which nuisances were stopped at a limit that the cost would rather have them leave."""
+    def _to_release(self, step: Step, free: Bools, only_linear: bool) -> Bools:
+        """Which nuisances stand at a limit that they would leave to lower the cost."""
         if only_linear or np.all(free):
             return np.zeros_like(free)
-        d = self._joined(step)
+        d = self._rows(step)
         slope = (self.sums[:, :-1, -1] - (self.sums[:, :-1, :-1] @ d[:, :, None])[:, :, 0])[:, : free.shape[1]]
         movable = self.local_high - self.local_low > 1e-12
         small = 1e-9 * np.abs(self.sums[:, :-1, -1][:, : free.shape[1]])
@@ -106,7 +245,7 @@ class Normal:
         off_high = (step.local >= self.local_high) & (slope < -small)
         return ~free & movable & (off_low | off_high)
 
-    def _joined(self, step: Step) -> Array:
+    def _rows(self, step: Step) -> Array:
         return np.concatenate((step.local, np.broadcast_to(step.theta, (len(self.sums), step.theta.size))), axis=1)
 
     def solve(self, only_linear: bool = False, damping: float = 0.0, curvature: Array | None = None) -> Step:
@@ -124,15 +263,14 @@ class Normal:
         for turn in range(MAX_TURNS):
             left = eliminated(self.sums, free, fixed, damping)
             H = left.matrix + damping * np.diag(np.diag(left.matrix))
-            H = _bent(H, curvature) if curvature is not None else H
-            theta = np.zeros(self.low.size)
-            theta[chosen] = bounded(H[np.ix_(chosen, chosen)], left.target[chosen], self.low[chosen], self.high[chosen])
+            H = with_curvature(H, curvature) if curvature is not None else H
+            theta = solve_bounded(np.column_stack((H, left.target)), 0.0, self.low, self.high, chosen)
             local = left.nuisances(theta)
             beyond = (local < self.local_low) | (local > self.local_high)
-            inward = self._inward(Step(theta, local), free, only_linear) & (turn < MAX_TURNS // 2)
-            if not np.any(beyond | inward):
+            released = self._to_release(Step(theta, local), free, only_linear) & (turn < MAX_TURNS // 2)
+            if not np.any(beyond | released):
                 break
-            free = (free & ~beyond) | inward
+            free = (free & ~beyond) | released
             fixed = np.where(free, 0.0, np.where(beyond, np.clip(local, self.local_low, self.local_high), fixed))
         return Step(theta, np.clip(local, self.local_low, self.local_high))
 
@@ -170,101 +308,137 @@ def eliminated(sums: Array, free: Bools, fixed: Array, damping: float = 0.0) -> 
     return Eliminated(0.5 * (matrix + matrix.T), target, own + fixed, by_theta)
 
 
-def least(H: Array, g: Array) -> Array:
-    """H^-1 g on the directions that are determined."""
-    if g.size == 0:
-        return np.zeros(0)
-    d = H.diagonal()
-    scale = np.where(d > 0, 1.0 / np.sqrt(np.where(d > 0, d, 1.0)), 0.0)
-    values, vectors = np.linalg.eigh(H * scale * scale[:, None])
-    seen = values > BLIND * max(float(values.max(initial=0.0)), 1e-300)
-    weights = np.where(seen, 1.0 / np.where(seen, values, 1.0), 0.0)
-    return np.asarray(scale * (vectors @ (weights * (vectors.T @ (scale * g)))))
-
-
-def bounded(H: Array, g: Array, low: Array, high: Array) -> Array:
-    """The minimum of s'Hs/2 - g's inside the box, which holds 0."""
-    return within(np.column_stack((H, g)), 0.0, low, high, np.ones(g.size, dtype=bool))
-
-
-def within(S: Array, damping: float, low: Array, high: Array, chosen: Bools) -> Array:
-    """As `bounded`, of the ``chosen`` unknowns; H and g stand side by side in ``S``, each diagonal element grows by ``damping``
-    of it."""
-    n = chosen.size
-    step, work, free = np.empty(n), np.empty((2 * n + 3, n)), np.empty(n, dtype=bool)
-    workspace = work[:n], work[n : 2 * n], work[2 * n :]
-    if compile_cached(algebra.stepped)(S, damping, low, high, chosen, *workspace, free, step):
-        return step
-    return by_eigenvalues(S, damping, low, high, chosen)
-
-
-def by_eigenvalues(S: Array, damping: float, low: Array, high: Array, chosen: Bools) -> Array:
-    """As `within`, where H is near singular."""
-    n, some = chosen.size, np.flatnonzero(chosen)
-    H = S[:n, :n] + damping * np.diag(S.diagonal()[:n])
-    step = np.zeros(n)
-    step[some] = _bounded(H[np.ix_(some, some)], S[some, n], low[some], high[some])
-    return step
-
-
-def _bounded(H: Array, g: Array, low: Array, high: Array) -> Array:
-    """By eigenvalues: an active set, one limit at a time."""
-    low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
-    s, free = np.zeros(g.size), high - low > 1e-12
-    for _ in range(10 * g.size + 10):
-        wanted = s.copy()
-        wanted[free] += least(H[np.ix_(free, free)], (g - H @ s)[free])
-        reach = _reach(s, wanted, low, high, free)
-        k = int(np.argmin(reach)) if reach.size else -1
-        if k >= 0 and reach[k] < 1.0:
-            s = s + reach[k] * (wanted - s)
-            s[k] = low[k] if wanted[k] < low[k] else high[k]
-            free[k] = False
-            continue
-        s = wanted
-        slope = np.where(free | (high - low <= 1e-12), 0.0, g - H @ s)
-        inward = np.where(s <= low, slope, -slope)
-        k = int(np.argmax(inward)) if inward.size else -1
-        if k < 0 or inward[k] <= 1e-12 * float(np.max(np.abs(g), initial=0.0)):
-            break
-        free[k] = True
-    return s
-
-
-def _reach(s: Array, wanted: Array, low: Array, high: Array, free: Bools) -> Array:
-    """Which part of the way to ``wanted`` each unknown can go."""
-    way = wanted - s
-    limit = np.where(way < 0, low, high)
-    go = free & (way != 0.0) & np.isfinite(limit)
-    return np.where(go, np.maximum((limit - s) / np.where(go, way, 1.0), 0.0), np.inf)
-
-
-def _bent(H: Array, curvature: Array, least_part: float = 0.2, largest_part: float = 10.0) -> Array:
-    """H with what is known of the second derivatives, held between a fifth and ten times H in every direction."""
+def with_curvature(H: Array, curvature: Array, least_part: float = 0.2, largest_part: float = 10.0) -> Array:
+    """H with an estimate of the second derivatives, held between a fifth and ten times H in every direction."""
     d = np.sqrt(np.maximum(np.diag(H), 0.0))
     if not np.any(curvature) or np.any(d == 0.0):
         return H
     values, vectors = np.linalg.eigh(H / np.outer(d, d))
-    root = vectors * np.sqrt(np.maximum(values, BLIND * values.max()))
-    back = vectors / np.sqrt(np.maximum(values, BLIND * values.max()))
+    root = vectors * np.sqrt(np.maximum(values, SINGULAR * values.max()))
+    back = vectors / np.sqrt(np.maximum(values, SINGULAR * values.max()))
     seen, turned = np.linalg.eigh(back.T @ (curvature / np.outer(d, d)) @ back)
     full = root @ turned
     return np.asarray((full * np.clip(1.0 + seen, least_part, largest_part)) @ full.T * np.outer(d, d))
 
 
-def normal(problem: Problem, point: Point) -> Normal:
-    """The linearised joint problem around ``point``."""
+def linearise(problem: Problem, point: Point) -> NormalEquations:
+    """The normal equations around ``point``."""
     sums = with_priors(problem, point, np.concatenate(products(problem, point)))
     below, above = np.empty((2, problem.size))
-    compile_cached(algebra.walked)(sums, point.theta, problem.is_logarithmic, *problem.limits, below, above)
+    compile_cached(to_search_coordinates)(sums, point.theta, problem.is_logarithmic, *problem.limits, below, above)
     low, high = problem.local_limits
     bounds = below, above, low - point.local, high - point.local
-    return Normal(sums, problem.is_linear, problem.is_local_linear, *bounds)
+    return NormalEquations(sums, problem.is_linear, problem.is_local_linear, *bounds)
 
 
-def moved(problem: Problem, point: Point, step: Step) -> Point:
-    """``point`` after a step (a factor exp(step) for what is walked in the logarithm), inside the limits to rounding."""
+def step_point(problem: Problem, point: Point, step: Step) -> Point:
+    """``point`` after a step (a factor exp(step) of a logarithmic coefficient), inside the limits to rounding."""
     theta, local = np.empty(problem.size), np.empty_like(point.local)
     given = point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta
-    compile_cached(algebra.moved_to)(*given, point.local, step.local, *problem.local_limits, local)
+    compile_cached(add_step)(*given, point.local, step.local, *problem.local_limits, local)
     return Point(theta, local)
+
+
+def half_sum_of_squares(sums: Array) -> float:
+    """Half the sum of squared residuals; NaN where any of the sums is not finite."""
+    total, seen = 0.0, 0.0
+    for m in range(sums.shape[0]):
+        total += sums[m, sums.shape[1] - 1, sums.shape[1] - 1]
+        for i in range(sums.shape[1]):
+            for j in range(sums.shape[1]):
+                seen += 0.0 * sums[m, i, j]
+    return 0.5 * total + seen
+
+
+def predicted_reduction(sums: Array, theta: Array, local: Array) -> float:
+    """By how much a step of (G,) coefficients and (M, L) nuisances lowers the cost, as the linear model has it."""
+    L, G = local.shape[1], theta.size
+    total = 0.0
+    for m in range(sums.shape[0]):
+        for i in range(L + G):
+            d = local[m, i] if i < L else theta[i - L]
+            slope = sums[m, i, L + G]
+            for j in range(L + G):
+                slope -= 0.5 * sums[m, i, j] * (local[m, j] if j < L else theta[j - L])
+            total += d * slope
+    return total
+
+
+def sums_after_step(sums: Array, theta: Array, local: Array, out: Array) -> None:
+    """The sums after such a step, where the derivatives stay."""
+    L, G = local.shape[1], theta.size
+    last = L + G
+    for m in range(sums.shape[0]):
+        total = sums[m, last, last]
+        for i in range(last):
+            step = 0.0
+            for j in range(last):
+                out[m, i, j] = sums[m, i, j]
+                step += sums[m, i, j] * (local[m, j] if j < L else theta[j - L])
+            total += (local[m, i] if i < L else theta[i - L]) * (step - 2.0 * sums[m, i, last])
+            out[m, i, last] = out[m, last, i] = sums[m, i, last] - step
+        out[m, last, last] = total
+
+
+def to_search_coordinates(
+    sums: Array, theta: Array, logarithmic: Bools, low: Array, high: Array, below: Array, above: Array
+) -> None:
+    """The sums by the logarithm of the logarithmic coefficients, in place, and how far each coefficient may step."""
+    L = sums.shape[1] - theta.size - 1
+    for k in range(theta.size):
+        below[k], above[k] = low[k] - theta[k], high[k] - theta[k]
+        if logarithmic[k]:
+            below[k], above[k] = -1.0, min(1.0, log(max(high[k] / theta[k], 1.0)))
+            for m in range(sums.shape[0]):
+                for j in range(sums.shape[1]):
+                    sums[m, L + k, j] *= theta[k]
+                for j in range(sums.shape[1]):
+                    sums[m, j, L + k] *= theta[k]
+
+
+def unknowns_of_record(
+    low: Array,
+    high: Array,
+    linear: Bools,
+    local_low: Array,
+    local_high: Array,
+    local_linear: Bools,
+    only_linear: bool,
+    below: Array,
+    above: Array,
+    chosen: Bools,
+) -> None:
+    """The limits of a record's nuisances and of the coefficients in one row, and which of them a step may change."""
+    L = local_low.size
+    for i in range(below.size):
+        nuisance = i < L
+        below[i] = local_low[i] if nuisance else low[i - L]
+        above[i] = local_high[i] if nuisance else high[i - L]
+        chosen[i] = not only_linear or (local_linear[i] if nuisance else linear[i - L])
+
+
+def add_step(
+    theta: Array,
+    step: Array,
+    logarithmic: Bools,
+    low: Array,
+    high: Array,
+    out: Array,
+    local: Array,
+    local_step: Array,
+    local_low: Array,
+    local_high: Array,
+    local_out: Array,
+) -> None:
+    """Coefficients and nuisances after a step, inside their limits to rounding."""
+    for m in range(local.shape[0]):
+        for i in range(local.shape[1]):
+            local_out[m, i] = min(max(local[m, i] + local_step[m, i], local_low[i]), local_high[i])
+    for k in range(theta.size):
+        there = theta[k] * exp(step[k]) if logarithmic[k] else theta[k] + step[k]
+        out[k] = min(max(there, low[k]), high[k])
+
+
+KERNELS = (
+    half_sum_of_squares, predicted_reduction, sums_after_step, to_search_coordinates, unknowns_of_record, add_step,
+)  # fmt: skip

@@ -1,4 +1,4 @@
-r"""What a fit determines: the values of each parameter at chosen inputs, and how they make the parameter at any other.
+r"""The parametrisation of the laws in a fit: values at chosen inputs, and what they make of the parameter at any other.
 
 Every law is fitted by its values at *knots*, inputs that occur in the records: they are as well conditioned as the records
 allow and have the parameter's own unit and limits. The parameter at the input u is :math:`p(u) = \sum_k b_k(u)\,\theta_k`.
@@ -33,12 +33,12 @@ class Column:
 
     @property
     def size(self) -> int:
-        """How many numbers the fit determines for it."""
+        """The number of coefficients that the fit determines for it."""
         return 0 if self.fixed is not None or self.tied else len(self.knots)
 
     @property
     def logarithmic(self) -> bool:
-        """Whether the fit walks in the logarithm: a parameter that is not linear and must stay positive."""
+        """Whether the search is in its logarithm: a parameter that is not linear and must stay positive."""
         return self.quantity.open_low and self.quantity.low == 0 and not self.quantity.linear
 
     def basis(self, u: Array | float) -> Array:
@@ -81,6 +81,11 @@ class Column:
         if self.size == 1:
             return [self.name]
         return [f"{self.name} @ {u:g} {unit}" for u in self.knots]
+
+
+def bases(columns: list[Column], u: Array | float) -> list[Array | None]:
+    """The basis (1 or n, size) of each column at ``u``; None for a fixed or tied one."""
+    return [np.atleast_2d(column.basis(u)) if column.size else None for column in columns]
 
 
 def columns(
@@ -173,7 +178,9 @@ def _kind(name: str, wanted: str | None, distinct: list[float], varying: bool) -
         return "constant", (distinct[0],)
     kind, _, degree_text = (wanted or ("polynomial" if varying else "interpolation")).partition(":")
     if kind not in KINDS or (degree_text and not (kind == "polynomial" and degree_text.isdigit())):
-        raise InputError(f"{wanted!r} is no law; choose constant, interpolation, polynomial or polynomial:DEGREE")
+        raise InputError(
+            f"{wanted!r} is an unknown law; choose constant, interpolation, polynomial or polynomial:DEGREE"
+        )
     if kind == "interpolation":
         if varying:
             raise InputError(f"{name} by interpolation needs a constant input in each record; use polynomial:DEGREE")

@@ -1,142 +1,173 @@
-"""What is fitted to what: the unknowns of a fit, their kinds and limits, and where a search stands among them."""
+"""The fitting problem: the unknowns of a fit, their kinds and limits, the records, and a point of the search among them."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.identification.fit_data import Piece
-from dampyr.identification.parametrisation import Column
+from dampyr.identification.parametrisation import Column, bases
 from dampyr.models import Composition
+from dampyr.models.input_lag import lagged
+from dampyr.models.path_integration import acceleration
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Integers = NDArray[np.int64]
 NUISANCES = ("offset", "gain", "temperature", "state")
 VISCOUS = "N s/m"
 #: standard deviation of the logarithm that a fit expects of a record's gain and of its viscosity
 PRIOR = {"gain": 0.05, "temperature": 0.2}
 MISFIT = 0.05  # of the force's spread: against how large an error a prior is weighed
-FURTHEST = 1.0  # how far these logarithms may go
+MAX_LOGARITHM = 1.0  # how far the logarithms of gain and viscosity may go from 0
+OPEN_MARGIN = 1e-9  # SI units by which a value stays off a limit that it must not reach
 
 
 @dataclass(frozen=True)
+class SummationPlan:
+    """Which columns the kernel sums for a record.
+
+    ``source`` (C,) and ``factor`` (1 or n, C) as in `dampyr.models.path_integration.products_along`; ``parameter`` (C,)
+    says which parameter a column belongs to, or -1; ``to_unknowns`` (C + 1, L + G + 1) how the unknowns' columns come of
+    them.
+    """
+
+    source: Integers
+    factor: Array
+    parameter: Integers
+    to_unknowns: Array
+
+
+@dataclass(eq=False)
 class Problem:
-    """The parameters' columns, the records' pieces, and which ``nuisances`` each record keeps to itself, in order."""
+    """The parameters' columns, the records' pieces, and which ``nuisances`` each record has (its random effects), in order.
+
+    The rest follows from these and is worked out once. A problem is not changed; `dataclasses.replace` makes another one.
+    """
 
     composition: Composition
     columns: list[Column]
     pieces: list[Piece]
     nuisances: tuple[str, ...] = ("offset", "state")
 
-    @cached_property
-    def slices(self) -> list[slice]:
-        """Where each parameter's values stand among all coefficients."""
-        ends = np.cumsum([0, *(c.size for c in self.columns)])
-        return [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
+    size: int = field(init=False)  # G, of the coefficients
+    slices: list[slice] = field(init=False, repr=False)  # where each parameter's values stand among the coefficients
+    owners: list[int] = field(init=False, repr=False)  # the parameter whose values each one takes: itself, unless tied
+    varying: bool = field(init=False)  # whether the input varies within a record
+    common: tuple[str, ...] = field(init=False)  # the nuisances that are not hysteretic states
+    states: list[tuple[float, float]] = field(init=False, repr=False)  # the bounds of each record's initial states
+    path_start: Array = field(init=False, repr=False)  # (S,) the states at the start without them: no memory
+    locals: int = field(init=False)  # L, of the nuisances of a record
+    is_viscous: Bools = field(init=False, repr=False)  # (P,) which parameters follow the temperature
+    is_linear: Bools = field(init=False, repr=False)  # (G,) which coefficients the force is affine in
+    is_local_linear: Bools = field(
+        init=False, repr=False
+    )  # (L,) which nuisances the force is affine in, whatever the rest
+    is_logarithmic: Bools = field(init=False, repr=False)  # (G,) which coefficients are searched in their logarithm
+    limits: tuple[Array, Array] = field(init=False, repr=False)  # (G,) the lowest and highest value of each coefficient
+    inner_limits: tuple[Array, Array] = field(
+        init=False, repr=False
+    )  # (G,) the same, open limits left by `OPEN_MARGIN`
+    local_limits: tuple[Array, Array] = field(init=False, repr=False)  # (L,) of each nuisance
+    constant: Array = field(init=False, repr=False)  # (M, P) and
+    matrix: Array = field(
+        init=False, repr=False
+    )  # (M, P, G): parameters = constant + matrix @ theta where no input varies
+    accelerations: list[Array] = field(init=False, repr=False)  # along each record, zeros where no part needs it
+    plans: list[SummationPlan] = field(init=False, repr=False)  # one per record
 
-    @cached_property
-    def owners(self) -> list[int]:
-        """For each parameter the one whose values it takes: itself, unless it is tied."""
-        names = [c.name for c in self.columns]
-        return [names.index(c.tied) if c.tied else k for k, c in enumerate(self.columns)]
-
-    @cached_property
-    def size(self) -> int:
-        """How many coefficients there are."""
-        return sum(c.size for c in self.columns)
-
-    def _of_each(self, values: Sequence[float]) -> Array:
-        """What is said of each parameter, for each of its coefficients."""
-        return np.repeat(np.array(values, dtype=float), [c.size for c in self.columns])
-
-    @cached_property
-    def varying(self) -> bool:
-        """Whether the input varies within a record."""
-        return any(np.ndim(p.u) for p in self.pieces)
-
-    @cached_property
-    def common(self) -> tuple[str, ...]:
-        """The nuisances that are not hysteretic states."""
-        return tuple(name for name in ("offset", "gain", "temperature") if name in self.nuisances)
-
-    @cached_property
-    def states(self) -> list[tuple[float, float]]:
-        """The bounds of the states that each record keeps to itself."""
+    def __post_init__(self) -> None:
+        sizes = [c.size for c in self.columns]
+        logarithmic = [c.logarithmic for c in self.columns]
+        bases_of = [bases(self.columns, one.u) for one in self.pieces]
+        self.size, ends = sum(sizes), np.cumsum([0, *sizes])
+        self.slices = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
+        names, quantities = [c.name for c in self.columns], [c.quantity for c in self.columns]
+        self.owners = [names.index(c.tied) if c.tied else k for k, c in enumerate(self.columns)]
+        self.varying = any(np.ndim(p.u) for p in self.pieces)
+        self.common = tuple(name for name in ("offset", "gain", "temperature") if name in self.nuisances)
         bounds = list(self.composition.states.values())
-        return [bounds[k] for k in self.composition.free_at_start] if "state" in self.nuisances else []
-
-    @cached_property
-    def locals(self) -> int:
-        """How many nuisances a record has."""
-        return len(self.common) + len(self.states)
-
-    @cached_property
-    def is_linear(self) -> Bools:
-        """Which coefficients the force is affine in."""
-        return self._of_each([c.quantity.linear for c in self.columns]).astype(bool)
-
-    @cached_property
-    def is_local_linear(self) -> Bools:
-        """Which nuisances the force is affine in, whatever the rest."""
-        return np.array([name == "offset" for name in self.common] + [False] * len(self.states), dtype=bool)
-
-    @cached_property
-    def is_logarithmic(self) -> Bools:
-        """Which coefficients are walked in their logarithm."""
-        return self._of_each([c.logarithmic for c in self.columns]).astype(bool)
-
-    @cached_property
-    def limits(self) -> tuple[Array, Array]:
-        """The lowest and highest value of each coefficient."""
-        low, high = (self._of_each([getattr(c.quantity, end) for c in self.columns]) for end in ("low", "high"))
-        return low, high
-
-    @cached_property
-    def local_limits(self) -> tuple[Array, Array]:
-        """The lowest and highest value of each nuisance."""
-        reach = {"offset": np.inf, "gain": FURTHEST, "temperature": FURTHEST}
-        low = [-reach[name] for name in self.common] + [a for a, _ in self.states]
-        high = [reach[name] for name in self.common] + [b for _, b in self.states]
-        return np.array(low, dtype=float), np.array(high, dtype=float)
-
-    @cached_property
-    def inner_limits(self) -> tuple[Array, Array]:
-        """The same with an open limit left by a billionth of an SI unit."""
-        low, high = self.limits
-        open_low = self._of_each([c.quantity.open_low for c in self.columns]).astype(bool)
-        return np.where(open_low & np.isfinite(low), low + 1e-9, low), high
-
-    @cached_property
-    def affine(self) -> tuple[Array, Array]:
-        """The parameters (M, P) of each record as a constant, and a matrix (M, P, G) times the coefficients.
-
-        Only where no input varies within a record.
-        """
-        shape = len(self.pieces), len(self.columns)
-        constant, matrix = np.zeros(shape), np.zeros((*shape, self.size))
+        self.states = [bounds[k] for k in self.composition.free_at_start] if "state" in self.nuisances else []
+        self.path_start = np.array(self.composition.path0)
+        self.locals = len(self.common) + len(self.states)
+        self.is_viscous = np.array([q.unit == VISCOUS for q in quantities])
+        self.is_linear = np.repeat(np.array([q.linear for q in quantities], dtype=bool), sizes)
+        self.is_local_linear = np.array([n == "offset" for n in self.common] + [False] * len(self.states), dtype=bool)
+        self.is_logarithmic = np.repeat(np.array(logarithmic, dtype=bool), sizes)
+        low = np.repeat(np.array([q.low for q in quantities], dtype=float), sizes)
+        high = np.repeat(np.array([q.high for q in quantities], dtype=float), sizes)
+        open_low = np.repeat(np.array([q.open_low for q in quantities], dtype=bool), sizes)
+        self.limits = low, high
+        self.inner_limits = np.where(open_low & np.isfinite(low), low + OPEN_MARGIN, low), high
+        reach = {"offset": np.inf, "gain": MAX_LOGARITHM, "temperature": MAX_LOGARITHM}
+        local_low = [-reach[name] for name in self.common] + [a for a, _ in self.states]
+        local_high = [reach[name] for name in self.common] + [b for _, b in self.states]
+        self.local_limits = np.array(local_low, dtype=float), np.array(local_high, dtype=float)
+        self.accelerations = [acceleration(self.composition, one.t, one.v) for one in self.pieces]
+        self.constant = np.zeros((len(self.pieces), len(self.columns)))
+        self.matrix = np.zeros((*self.constant.shape, self.size))
         for k, owner in enumerate(self.owners):
-            column = self.columns[owner]
-            for r, one in enumerate(self.pieces):
-                if column.fixed is not None:
-                    constant[r, k] = column.fixed
-                else:
-                    matrix[r, k, self.slices[owner]] = column.basis(one.u)
-        return constant, matrix
+            fixed = self.columns[owner].fixed
+            self.constant[:, k] = 0.0 if fixed is None else fixed
+            for r, each in enumerate(bases_of):
+                basis = each[owner]
+                if not self.varying and basis is not None:
+                    self.matrix[r, k, self.slices[owner]] = basis[0]
+        self.plans = [summation_plan(self, each) for each in bases_of]
 
     def inside(self, theta: Array) -> Array:
-        """Rounding may leave a value a hair outside its limit."""
+        """``theta`` inside its limits, which rounding may leave."""
         return np.clip(theta, *self.inner_limits)
+
+
+def summation_plan(problem: Problem, at_input: Sequence[Array | None]) -> SummationPlan:
+    """The plan of a record from the `bases` of the parameters at its input."""
+    P, S, L = len(problem.columns), len(problem.path_start), problem.locals
+    source: list[int] = []
+    factors: list[Array] = []
+    targets: list[dict[int, float]] = []
+    for k, name in enumerate(problem.common):
+        if name != "temperature":
+            source.append(P + S + (name == "offset"))
+            targets.append({k: 1.0})
+    for j, place in enumerate(problem.composition.free_at_start if problem.states else ()):
+        source.append(P + place)
+        targets.append({len(problem.common) + j: 1.0})
+    parameter = [-1] * len(source)
+    factors += [np.ones(1)] * len(source)
+    for k, owner in enumerate(problem.owners):
+        basis, first = at_input[owner], problem.slices[owner].start
+        if basis is None:
+            if problem.is_viscous[k] and "temperature" in problem.common:
+                parameter, factors, targets = [*parameter, k], [*factors, np.ones(1)], [*targets, {}]
+        elif problem.varying:
+            parameter += [k] * basis.shape[1]
+            factors += list(basis.T)
+            targets += [{L + first + j: 1.0} for j in range(basis.shape[1])]
+        else:
+            parameter, factors = [*parameter, k], [*factors, np.ones(1)]
+            targets.append({L + first + j: float(b) for j, b in enumerate(basis[0]) if b != 0.0})
+    source += [k for k in parameter if k >= 0]
+    matrix = np.zeros((len(source) + 1, L + problem.size + 1))
+    for row, target in enumerate(targets):
+        for at, value in target.items():
+            matrix[row, at] = value
+    matrix[-1, -1] = 1.0
+    varies = any(factor.size > 1 for factor in factors)
+    width = np.column_stack(np.broadcast_arrays(*factors)) if varies else np.concatenate((*factors, np.empty(0)))[None]
+    return SummationPlan(
+        np.array(source, dtype=np.int64), np.ascontiguousarray(width), np.array(parameter, dtype=np.int64), matrix
+    )
 
 
 @dataclass(frozen=True)
 class Point:
-    """Where the search stands: all coefficients (G,), and each record's nuisances (M, L), gains by their logarithm."""
+    """A point of the search: all coefficients (G,), and each record's nuisances (M, L), gains by their logarithm."""
 
     theta: Array
     local: Array
@@ -153,62 +184,68 @@ class Point:
         return value if name == "offset" else float(np.exp(value))
 
     def states(self, problem: Problem, record: int) -> Array:
-        """The states at the start of a record's motion; none kept means no memory."""
-        states = np.array(problem.composition.path0)
+        """The states at the start of a record's motion: no memory where the fit leaves them out."""
+        states = problem.path_start.copy()
         if problem.states:
             states[list(problem.composition.free_at_start)] = self.local[record, len(problem.common) :]
         return states
 
     def coordinates(self, problem: Problem) -> Array:
-        """The coefficients as the search walks them, logarithms where they are."""
+        """The coefficients in the coordinates of the search: logarithms where `Problem.is_logarithmic`."""
         log = problem.is_logarithmic
         return np.where(log, np.log(np.where(log, self.theta, 1.0)), self.theta)
 
 
-def values_at(problem: Problem, point: Point, record: int) -> Array:
-    """The parameter vector (P,) of a record, or (n, P) where its input varies, its own viscosity included."""
-    u = problem.pieces[record].u
+def has_lag(problem: Problem) -> bool:
+    """Whether inputs lag behind their commands: the composition has a lag, and an input varies."""
+    return problem.composition.lag is not None and problem.varying
+
+
+def input_at(problem: Problem, point: Point, record: int, more: float = 0.0) -> Array | float:
+    """The input of a record, behind its command by the lag of the point and ``more`` s where there is a lag."""
+    one, k = problem.pieces[record], problem.composition.lag
+    if k is None or not problem.varying:
+        return one.u
+    tau = float(problem.columns[k].value(point.of(problem)[k], 0.0)) + more
+    return lagged(one.t, one.u, tau)
+
+
+def values_at(problem: Problem, point: Point, record: int, u: Array | float) -> Array:
+    """The parameter vector (P,) of a record, or (n, P) where its input ``u`` varies, its own viscosity included."""
     if problem.varying:
         owned = zip(problem.owners, point.of(problem), strict=True)
         values = np.stack([problem.columns[k].value(theta, u) for k, theta in owned], axis=-1)
     else:
-        constant, matrix = problem.affine
-        values = constant[record] + matrix[record] @ point.theta
+        values = problem.constant[record] + problem.matrix[record] @ point.theta
     if "temperature" in problem.common:
-        warmth = point.nuisance(problem, record, "temperature")
-        values = values * np.where(is_viscous(problem), warmth, 1.0)
+        values = values * np.where(problem.is_viscous, point.nuisance(problem, record, "temperature"), 1.0)
     return values
 
 
-def is_viscous(problem: Problem) -> Bools:
-    """Which parameters follow the temperature: viscous friction."""
-    return np.array([c.quantity.unit == VISCOUS for c in problem.columns])
-
-
 @dataclass(frozen=True)
-class Share:
-    """A problem that stands by itself within a larger one: its coefficients and records there."""
+class Block:
+    """A problem that shares no coefficient with the rest of a larger one: its coefficients and records there."""
 
     problem: Problem
     coefficients: list[int]
     records: list[int]
 
 
-def apart(problem: Problem) -> list[Share]:
+def independent_blocks(problem: Problem) -> list[Block]:
     """The problem as several that share no coefficient: one per input where every law is values at the inputs."""
     free = [c for c in problem.columns if c.size]
     knots = sorted({u for c in free for u in c.knots})
     if problem.varying or any(c.kind != "interpolation" for c in free) or len(knots) < 2:
-        return [Share(problem, list(range(problem.size)), list(range(len(problem.pieces))))]
+        return [Block(problem, list(range(problem.size)), list(range(len(problem.pieces))))]
     nearest = [int(np.argmin(np.abs(np.array(knots) - p.u))) for p in problem.pieces]
-    return [_share(problem, knots[k], [r for r, at in enumerate(nearest) if at == k]) for k in range(len(knots))]
-
-
-def _share(problem: Problem, knot: float, records: list[int]) -> Share:
-    columns = [replace(c, knots=(knot,)) for c in problem.columns]
-    own = [s.start + c.knots.index(knot) for c, s in zip(problem.columns, problem.slices, strict=True) if c.size]
-    pieces = [problem.pieces[r] for r in records]
-    return Share(Problem(problem.composition, columns, pieces, problem.nuisances), own, records)
+    blocks = []
+    for k, knot in enumerate(knots):
+        records = [r for r, at in enumerate(nearest) if at == k]
+        columns = [replace(c, knots=(knot,)) for c in problem.columns]
+        own = [s.start + c.knots.index(knot) for c, s in zip(problem.columns, problem.slices, strict=True) if c.size]
+        pieces = [problem.pieces[r] for r in records]
+        blocks.append(Block(Problem(problem.composition, columns, pieces, problem.nuisances), own, records))
+    return blocks
 
 
 def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Sequence[str]) -> tuple[str, ...]:
@@ -216,10 +253,10 @@ def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Seq
     requested = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     unknown = [name for name in requested if name not in NUISANCES]
     if unknown:
-        raise InputError(f"{unknown[0]!r} is no nuisance; choose among {', '.join(NUISANCES)}")
+        raise InputError(f"{unknown[0]!r} is an unknown nuisance; choose among {', '.join(NUISANCES)}")
     for name in ("gain", "temperature"):
         if name in requested:
-            _check_company(pieces, name)
+            _check_shared_inputs(pieces, name)
     if "temperature" in requested and all(q.unit != VISCOUS for q in composition.quantities.values()):
         raise InputError(
             f"{composition} has no parameter in {VISCOUS}, so nothing follows the temperature; leave it out"
@@ -227,7 +264,7 @@ def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Seq
     return tuple(name for name in NUISANCES if name in requested and not (name == "offset" and composition.static))
 
 
-def _check_company(pieces: list[Piece], name: str) -> None:
+def _check_shared_inputs(pieces: list[Piece], name: str) -> None:
     """A record alone at its input cannot tell its own factor from the damper's parameters."""
     levels = [round(float(np.mean(p.u)), 6) for p in pieces]
     for one, level in zip(pieces, levels, strict=True):

@@ -1,9 +1,9 @@
-r"""What a model leaves of the measured force, and what that says about the model.
+r"""Residual analysis: the measured less the modelled force of each record, by time, cycle and direction of motion.
 
 The residual is measured less modelled force, :math:`r = F - \hat F` in N, sample by sample of each record; fits and
 free runs are treated alike. Definitions, for one record of n samples at the median interval :math:`\Delta t`:
 
-- **directions**: see `dampyr.identification.directions`.
+- **directions**: out (the damper is pulled, v > 0) and in (it is pushed, v < 0), see below.
 - **autocorrelation** :math:`\rho_k = \sum_i r_i r_{i+k} / \sum_i r_i^2`, the record's mean taken off.
 - **correlation time** :math:`\tau = \Delta t\,(1 + 2\sum_{k \ge 1} \rho_k)`, the sum of pairs :math:`\rho_{2m} + \rho_{2m+1}`
   ended where the first is not positive [Geyer1992]_, never below one interval. White noise has :math:`\tau = \Delta t`.
@@ -15,6 +15,17 @@ free runs are treated alike. Definitions, for one record of n samples at the med
   at most that, as a smooth residual has differences too.
 - **misfit**: the residual is not noise alone where :math:`\tau` exceeds `MISFIT_INTERVALS` intervals, or its rms exceeds
   `MISFIT_NOISE` times the noise.
+
+Each way is halved where the motion passes the middle of its stroke: before it the damper speeds up, beyond it it slows down.
+The middle is a straight line through the displacement, so that a drift moves no boundary. Samples slower than `SLOW` of the
+record's greatest speed belong to no side.
+
+A model that is the same in both directions has a residual :math:`m(v)` that changes its sign with the mirrored motion. Its
+even part :math:`e(v) = (m(v) + m(-v))/2`, of the medians binned over velocity before and beyond the middle, less the mean
+that each record's offset takes, is what such a model cannot follow; **asymmetry** is its rms over the samples in N. By chance
+alone its share of the residual's variance is at most about b/n for b bins and n effective samples. The damper may be the
+cause, or a motion that is not alike in both directions. A friction that differs between the directions is an offset, and no
+analysis of these residuals can see it.
 
 References
 ----------
@@ -28,23 +39,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.directions import Group, group
 from dampyr.records import Record, cycles
 from dampyr.records.measure import peak_to_peak
 
-if TYPE_CHECKING:
-    from dampyr.identification.fit import Fit
-
 Array = NDArray[np.float64]
-MISFIT_INTERVALS = 5.0
-MISFIT_NOISE = 2.0
-MAX_LAG = 3.0
+Mask = NDArray[np.bool_]
+MISFIT_INTERVALS = 5.0  # white noise has 1
+MISFIT_NOISE = 2.0  # three quarters of the residual's variance are then more than noise
+MAX_LAG = 3.0  # s, of the autocorrelation that is returned
+MIN_TRACE = 8  # samples
+MIN_PERIODS = 3.0  # for the autocorrelation after one period
+SLOW = 0.02  # of the greatest speed: slower samples belong to no direction
+BINS = 24  # of velocity, even so that none straddles zero
+MIN_BIN_SAMPLES = 10  # for quartiles
+BRANCHES = ("before the middle", "beyond the middle")
+SIDES = ("out", "in", *(f"{way}, {branch}" for way in ("out", "in") for branch in BRANCHES))
 
 
 @dataclass(frozen=True)
@@ -66,7 +80,7 @@ class Trace:
 
     def __post_init__(self) -> None:
         sizes = {np.shape(a) for a in (self.time, self.displacement, self.velocity, self.force, self.residual)}
-        if len(sizes) > 1 or self.time.ndim != 1 or self.time.size < 8:
+        if len(sizes) > 1 or self.time.ndim != 1 or self.time.size < MIN_TRACE:
             raise InputError(
                 f"{self.name}: its channels have the shapes {sorted(sizes)}; give vectors of one length, 8 or more"
             )
@@ -107,6 +121,47 @@ class RecordResidual:
 
 
 @dataclass(frozen=True)
+class Side:
+    """The samples that move one way: how many, mean and rms of their residual in N (NaN without samples)."""
+
+    samples: int
+    mean: float
+    rms: float
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Median and quartiles of the residual in N over `BINS` bins of velocity (centres in m/s, alike on both sides of zero).
+
+    NaN in bins of fewer than `MIN_BIN_SAMPLES` samples; ``counts`` says how many there are.
+    """
+
+    velocity: Array
+    lower: Array
+    median: Array
+    upper: Array
+    counts: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Group:
+    """The records at one input, or all of them (``input_value`` None).
+
+    ``rms`` and ``asymmetry`` in N; ``chance`` is the share of the variance
+    that the latter may have by chance; ``sides``
+    by `SIDES`, ``curves`` by `BRANCHES`.
+    """
+
+    input_value: float | None
+    records: tuple[str, ...]
+    rms: float
+    sides: dict[str, Side]
+    curves: dict[str, Curve]
+    asymmetry: float
+    chance: float
+
+
+@dataclass(frozen=True)
 class Residuals:
     """The analysis of all records; ``unit`` is the input's, "V" or "A"."""
 
@@ -139,15 +194,6 @@ class Residuals:
     def misfits(self) -> tuple[str, ...]:
         """The records whose residual is not noise alone."""
         return tuple(r.name for r in self.records if r.misfit)
-
-
-def residuals(fit: Fit) -> Residuals:
-    """The analysis of what a fit leaves, over all samples that were fitted."""
-    traces = [
-        Trace(p.name, p.t, p.x, p.v, p.force, p.force - force, float(np.mean(p.u)), *motion(record))
-        for p, force, record in zip(fit.problem.pieces, fit.forces, fit.records, strict=True)
-    ]
-    return analyse(traces, fit.problem.pieces[0].unit)
 
 
 def motion(record: Record) -> tuple[float, float]:
@@ -231,8 +277,66 @@ def _rms(values: Array) -> float:
 
 def _repeats(rho: Array, one: Trace) -> float:
     """The autocorrelation after one period, unbiased."""
-    if not one.periods >= 3.0:
+    if not one.periods >= MIN_PERIODS:
         return float("nan")
     lag = 1.0 / (one.frequency * one.dt)
     unbiased = rho * rho.size / (rho.size - np.arange(rho.size))
     return float(np.interp(lag, np.arange(rho.size), unbiased))
+
+
+def group(traces: Sequence[Trace], effective: float, input_value: float | None = None) -> Group:
+    """The residuals of some records by direction; ``effective`` is their effective sample size."""
+    r = np.concatenate([one.residual for one in traces])
+    v = np.concatenate([one.velocity for one in traces])
+    masks = [_masks(one) for one in traces]
+    joined = {name: np.concatenate([mask[name] for mask in masks]) for name in SIDES}
+    reach = float(np.max(np.abs(v)))
+    curves = {}
+    for branch in BRANCHES:
+        here = joined[f"out, {branch}"] | joined[f"in, {branch}"]
+        curves[branch] = _curve(v[here], r[here], reach)
+    return Group(
+        input_value=input_value,
+        records=tuple(one.name for one in traces),
+        rms=_rms(r),
+        sides={name: _side(r[mask]) for name, mask in joined.items()},
+        curves=curves,
+        asymmetry=_asymmetry(list(curves.values())),
+        chance=BINS / effective,
+    )
+
+
+def _masks(one: Trace) -> dict[str, Mask]:
+    """Which samples belong to each of `SIDES`."""
+    fast = np.abs(one.velocity) > SLOW * float(np.max(np.abs(one.velocity)))
+    t = one.time - one.time.mean()
+    middle = one.displacement.mean() + t * float(t @ one.displacement) / float(t @ t)
+    out, back, above = fast & (one.velocity > 0.0), fast & (one.velocity < 0.0), one.displacement > middle
+    return dict(zip(SIDES, (out, back, out & ~above, out & above, back & above, back & ~above), strict=True))
+
+
+def _side(r: Array) -> Side:
+    if r.size == 0:
+        return Side(0, float("nan"), float("nan"))
+    return Side(r.size, float(np.mean(r)), _rms(r))
+
+
+def _curve(v: Array, r: Array, reach: float) -> Curve:
+    edges = np.linspace(-reach, reach, BINS + 1)
+    number = np.clip(np.searchsorted(edges, v, side="right") - 1, 0, BINS - 1)
+    quartiles = np.full((3, BINS), np.nan)
+    counts = np.bincount(number, minlength=BINS)
+    for k in np.flatnonzero(counts >= MIN_BIN_SAMPLES):
+        quartiles[:, k] = np.quantile(r[number == k], (0.25, 0.5, 0.75))
+    return Curve(0.5 * (edges[1:] + edges[:-1]), quartiles[0], quartiles[1], quartiles[2], counts)
+
+
+def _asymmetry(curves: Sequence[Curve]) -> float:
+    """The rms of the medians' even part, weighted by the samples that both of its bins hold; 0 where there is none."""
+    even = np.concatenate([0.5 * (c.median + c.median[::-1]) for c in curves])
+    weights = np.concatenate([np.minimum(c.counts, c.counts[::-1]) for c in curves]).astype(float)
+    finite = np.isfinite(even)
+    if not np.any(weights[finite]):
+        return 0.0
+    even, weights = even[finite], weights[finite] / np.sum(weights[finite])
+    return float(np.sqrt(weights @ (even - weights @ even) ** 2))

@@ -1,35 +1,33 @@
-"""What a fit found, and how it is put together from where the search ended."""
+"""The result of a fit: its numbers, notes and residuals, built from the end of the search."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.identification.data_sheet import SHEETS, contradictions
+from dampyr.identification.diagnostics import no_interval, notes, trouble_of
 from dampyr.identification.fit_data import Piece
-from dampyr.identification.fit_notes import no_interval, notes, trouble_of
-from dampyr.identification.gram import modelled
+from dampyr.identification.normal_equations import modelled_force
 from dampyr.identification.problem import Problem
+from dampyr.identification.residuals import Residuals, Trace, analyse, motion
 from dampyr.identification.score import Score, compare
 from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.identification.variable_projection import Outcome
 from dampyr.models import Damper
 from dampyr.records import Record, cycles
 
-if TYPE_CHECKING:
-    from dampyr.identification.residuals import Residuals
-
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Nuisance:
-    """What a record brought with it: the offset of its force in N, the hysteretic states at the start of its motion, and the
+    """The random effects of a record: the offset of its force in N, the hysteretic states at the start of its motion, and the
     factors of its load cell and of its viscosity where the fit was asked for them."""
 
     offset: float
@@ -40,7 +38,7 @@ class Nuisance:
 
 @dataclass(frozen=True)
 class Fit:
-    """What `fit` found.
+    """The result of `fit`.
 
     ``damper`` carries the laws, their covariance and the calibrated ranges, or is None where ``reason`` says why the numbers
     make no damper. ``parameters``, ``stderr`` and ``naive_stderr`` are in SI units, by labels such as ``dahl.kx @ 1.98 V``;
@@ -48,7 +46,7 @@ class Fit:
     ``correlation`` (m, m) follows the same order. ``converged`` and ``reason`` say how the search ended;
     ``notes`` what a reader should know besides. ``clusters`` are what the errors were clustered by ("record", "cycle", or
     "record and cycle"), ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that
-    speak of it. ``within_records`` holds the labels that only one or two records speak of, and how many: their errors are by
+    determine it. ``within_records`` holds the labels that only one or two records determine, and how many: their errors are by
     cycle, hold within these records only and give no interval.
     ``starts`` says from how many starts was searched, and how many of them ended in the same optimum.
     """
@@ -85,7 +83,7 @@ class Fit:
 
         Estimate and standard error with Student's t of ``freedom``. They hold the truth where the model does; where it misses
         the damper's behaviour they describe the fit. Infinite where the records do not determine the number, NaN where it
-        stands at its limit and where one or two records alone speak of it (``within_records``): how records differ is not
+        stands at its limit and where one or two records alone determine it (``within_records``): how records differ is not
         estimated from so few.
         """
         if not 0.0 < level < 1.0:
@@ -100,7 +98,7 @@ class Fit:
         return intervals
 
     def error_holds(self, label: str) -> str:
-        """What the standard error of a number speaks of, in words; empty where it has none."""
+        """Between or within which records the standard error of a number holds, in words; empty where it has none."""
         if label in self.within_records:
             return "within these records only"
         return "between records" if np.isfinite(self.stderr[label]) else ""
@@ -134,14 +132,16 @@ class Fit:
     @cached_property
     def forces(self) -> list[Array]:
         """The fitted force along each record from where its motion starts, with its own offset and initial states, N."""
-        return [modelled(self.problem, self.outcome.point, r) for r in range(len(self.records))]
+        return [modelled_force(self.problem, self.outcome.point, r) for r in range(len(self.records))]
 
     @cached_property
     def residuals(self) -> Residuals:
-        """What the fit leaves of the measured force, analysed: see `dampyr.identification.residuals`."""
-        from dampyr.identification.residuals import residuals
-
-        return residuals(self)
+        """The analysis of the residual over all samples that were fitted: see `dampyr.identification.residuals`."""
+        traces = [
+            Trace(p.name, p.t, p.x, p.v, p.force, p.force - force, float(np.mean(p.u)), *motion(record))
+            for p, force, record in zip(self.problem.pieces, self.forces, self.records, strict=True)
+        ]
+        return analyse(traces, self.problem.pieces[0].unit)
 
     @cached_property
     def scores(self) -> dict[str, Score]:
@@ -153,6 +153,11 @@ class Fit:
         return scores
 
 
+def residuals(fit: Fit) -> Residuals:
+    """The analysis of a fit's residual, over all samples that were fitted."""
+    return fit.residuals
+
+
 def build_fit(
     problem: Problem,
     outcome: Outcome,
@@ -161,7 +166,7 @@ def build_fit(
     search_notes: tuple[str, ...] = (),
     starts: tuple[int, int] = (1, 1),
 ) -> Fit:
-    """The fit at the end of a search; ``told`` are notes of what came before, ``starts`` how many there were and agreed."""
+    """The fit at the end of a search; ``search_notes`` are of what came before, ``starts`` how many there were and agreed."""
     uncertainties = uncertainty(problem, outcome.point, outcome.at_limit)
     labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
     unit_of = [c.quantity.unit for c in problem.columns for _ in range(c.size)]
@@ -180,7 +185,11 @@ def build_fit(
         correlation=_correlation(uncertainties.covariance),
         converged=outcome.converged and not trouble,
         reason=trouble or outcome.reason,
-        notes=(*notes(problem, outcome, uncertainties, labels, within), *search_notes, *_promises(damper, records)),
+        notes=(
+            *notes(problem, outcome, uncertainties, labels, within),
+            *search_notes,
+            *_data_sheet_notes(damper, records),
+        ),
         clusters=_clusters([label in within for label in labels if np.isfinite(stderr[label])]),
         freedom=dict(zip(labels, map(float, uncertainties.freedom), strict=True)),
         within_records=within,
@@ -201,8 +210,8 @@ def build_fit(
     )
 
 
-def _promises(damper: Damper | None, records: tuple[Record, ...]) -> list[str]:
-    """What the data sheet says against the fit, where the records name one."""
+def _data_sheet_notes(damper: Damper | None, records: tuple[Record, ...]) -> list[str]:
+    """The contradictions of the fit with the data sheet, where the records name one."""
     sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
     return [words for sheet in sorted(sheets) if damper for words in contradictions(damper, sheet)]
 

@@ -1,4 +1,4 @@
-r"""Losses that a few wild samples cannot move: iteratively reweighted least squares.
+r"""Losses that are robust to outliers: iteratively reweighted least squares.
 
 With the residual z of a sample over the scale of its record, 1.4826 times the median absolute residual, each round weighs
 the samples and minimises the weighted sum of squares:
@@ -22,27 +22,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.gram import modelled
+from dampyr.identification.normal_equations import modelled_force
 from dampyr.identification.problem import Point, Problem
 from dampyr.identification.variable_projection import Outcome, search
 
 Array = NDArray[np.float64]
 LOSSES = ("squares", "huber", "l1")
 NORMAL = 1.4826  # a normal distribution's standard deviation over its median absolute value
-KINK = 1.345
-SMOOTHED = 0.1
-SCALING_ROUNDS = 4
-MAX_ROUNDS = 100
+KINK = 1.345  # Huber's constant: 95 % efficiency where residuals are normal
+SMOOTHED = 0.1  # of the scale: below it the L1 loss is a parabola, so that it has a second derivative
+SCALING_ROUNDS = 4  # in which the scales follow the residuals; held then, so that one sum goes down
+MAX_ROUNDS = 100  # of weights, before the fit counts as not converged
 ENOUGH = 1e-8  # of the loss: the change in a round
 
 
 def check_loss(loss: str) -> None:
     """:class:`~dampyr.errors.InputError` unless there is such a loss."""
     if loss not in LOSSES:
-        raise InputError(f"{loss!r} is no loss; choose {', '.join(LOSSES)}")
+        raise InputError(f"{loss!r} is an unknown loss; choose {', '.join(LOSSES)}")
 
 
-def reweighted(
+def iteratively_reweighted(
     problem: Problem, outcome: Outcome, loss: str, progress: Callable[[int, float], None] | None = None
 ) -> tuple[Problem, Outcome]:
     """From the least-squares fit to that of ``loss``: the problem with its weights, and how the last search ended."""
@@ -54,7 +54,9 @@ def reweighted(
         total = sum(float(np.sum(s**2 * _loss(r / s, loss))) for r, s in zip(residuals, scales, strict=True))
         if turn > SCALING_ROUNDS and abs(before - total) <= ENOUGH * total:
             reason = f"{outcome.reason}; {turn} rounds of weights" if outcome.converged else outcome.reason
-            return _bent(problem, residuals, scales, loss), replace(outcome, iterations=steps, reason=reason)
+            return _with_second_weights(problem, residuals, scales, loss), replace(
+                outcome, iterations=steps, reason=reason
+            )
         before = total
         weights = [np.sqrt(_weight(r / s, loss)) for r, s in zip(residuals, scales, strict=True)]
         pieces = [replace(p, weight=w / p.spread) for p, w in zip(problem.pieces, weights, strict=True)]
@@ -63,19 +65,23 @@ def reweighted(
         steps += outcome.iterations
     reason = f"did not converge: after {MAX_ROUNDS} rounds of weights the {loss} loss still changes"
     residuals = _residuals(problem, outcome.point)
-    return _bent(problem, residuals, scales, loss), replace(outcome, converged=False, reason=reason, iterations=steps)
+    return _with_second_weights(problem, residuals, scales, loss), replace(
+        outcome, converged=False, reason=reason, iterations=steps
+    )
 
 
-def _bent(problem: Problem, residuals: list[Array], scales: Array, loss: str) -> Problem:
+def _with_second_weights(problem: Problem, residuals: list[Array], scales: Array, loss: str) -> Problem:
     """The problem with the second derivative of the loss at each sample."""
     zs = [r / s for r, s in zip(residuals, scales, strict=True)]
-    bends = [np.sqrt(_second(z, loss)) / p.spread for z, p in zip(zs, problem.pieces, strict=True)]
-    return replace(problem, pieces=[replace(p, bend=b) for p, b in zip(problem.pieces, bends, strict=True)])
+    second_weights = [np.sqrt(_second(z, loss)) / p.spread for z, p in zip(zs, problem.pieces, strict=True)]
+    return replace(
+        problem, pieces=[replace(p, second_weight=w) for p, w in zip(problem.pieces, second_weights, strict=True)]
+    )
 
 
 def _residuals(problem: Problem, point: Point) -> list[Array]:
     """Measured less modelled force, over each record's spread."""
-    return [(one.force - modelled(problem, point, r)) / one.spread for r, one in enumerate(problem.pieces)]
+    return [(one.force - modelled_force(problem, point, r)) / one.spread for r, one in enumerate(problem.pieces)]
 
 
 def _weight(z: Array, loss: str) -> Array:

@@ -1,4 +1,4 @@
-"""Every model of a list tried on a few short records, bare and with add-ons, by what it predicts."""
+"""Screening: every model of a list on a few short records, bare and with add-ons, by what it predicts."""
 
 from __future__ import annotations
 
@@ -14,18 +14,22 @@ import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import parallel
-from dampyr.identification.screening_subset import screening_set
 from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import compose
-from dampyr.records import Record, check_bandwidth, default_bandwidth
+from dampyr.records import Record, check_bandwidth, cycles, default_bandwidth, measure, motion_start, with_velocity
 
 #: compositions that are tried like a model of the catalogue, and what one of the two parts leaves to the other
 PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}}
-BETWEEN = 0.25
-CONTENDING = 1.15
-WORTH = 0.02
-STEPS = 15
-PROBE = "hyperbolic_tangent + spring + compliance"
+BETWEEN = 0.25  # the weight of inputs left out: see `dampyr.identification.leaderboard`
+CONTENDING = 1.15  # times the lowest error: a model beyond it gets no further add-on
+WORTH = 0.02  # of the error: what an add-on must lower it by to stay
+STEPS = 15  # of each fit: enough to rank the models, not to converge
+PROBE = "hyperbolic_tangent + spring + compliance"  # friction and elasticity, quick to fit
+PER_INPUT = 4  # records of each input: from the smallest to the largest speed, two between
+MAX_SAMPLES = 600  # of a shortened record, where the bandwidth of its motion allows it
+SHORTEST = 5.0  # s
+MIN_CYCLES = 4  # or so many cycles of a slow record
+SAMPLES_PER_BANDWIDTH = 4.0  # twice the rate below which the motion would alias
 
 
 @dataclass(frozen=True)
@@ -160,3 +164,43 @@ def validation_error(validations: Sequence[Validation]) -> float:
         return validations[0].error
     by_record, by_input = validations
     return (1.0 - BETWEEN) * by_record.error + BETWEEN * by_input.error
+
+
+def screening_set(records: Sequence[Record], bandwidth: float | None = None) -> list[Record]:
+    """At most four records of each input, from the smallest to the largest peak speed, shortened and thinned.
+
+    Each has a velocity: as recorded, or derived with ``bandwidth`` Hz (its own by default where it has none) before samples are
+    left out, as the rest of a slow record would not carry the bandwidth of a fast one.
+    """
+    groups: dict[float, list[Record]] = {}
+    for record in records:
+        groups.setdefault(float(record.input_value or 0.0), []).append(record)
+    chosen: list[Record] = []
+    for _, some in sorted(groups.items()):
+        ranked = sorted(some, key=_speed)
+        places = np.unique(np.round(np.linspace(0, len(ranked) - 1, PER_INPUT)).astype(int))
+        chosen += [shortened(_moving(ranked[k], bandwidth)) for k in places]
+    return chosen
+
+
+def _moving(record: Record, bandwidth: float | None) -> Record:
+    return record if record.velocity is not None and bandwidth is None else with_velocity(record, bandwidth)
+
+
+def _speed(record: Record) -> float:
+    return float(np.sqrt(np.mean(np.gradient(record.displacement, record.time) ** 2)))
+
+
+def shortened(record: Record) -> Record:
+    """The first five seconds or four cycles of the motion, whichever is longer, with no more samples than the motion needs.
+
+    Samples are left out evenly, never averaged; the sampling rate stays four times the bandwidth of the motion.
+    """
+    start = motion_start(record)
+    wanted = SHORTEST
+    if cycles(record):
+        wanted = max(SHORTEST, MIN_CYCLES / measure(record).frequency_hz)
+    short = record.until(min(start + wanted, float(record.time[-1]))) if start + wanted > record.time[0] else record
+    rate = SAMPLES_PER_BANDWIDTH * default_bandwidth(record)
+    stride = max(1, min(short.n // MAX_SAMPLES, int(1.0 / (rate * record.dt))))
+    return short.thinned(stride)

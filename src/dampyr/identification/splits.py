@@ -32,7 +32,7 @@ class Task:
 def split_tasks(records: Sequence[Record], split: str, folds: int = 5, seed: int = 0) -> list[Task]:
     """The folds of a split: see `dampyr.identification.cross_validate`."""
     if split != "time" and split not in PARTS:
-        raise InputError(f"{split!r} is no split; choose {', '.join([*PARTS, 'time'])}")
+        raise InputError(f"{split!r} is an unknown split; choose {', '.join([*PARTS, 'time'])}")
     listed = list(records)
     if split == "time":
         return [_early(listed)]

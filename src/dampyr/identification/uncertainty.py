@@ -1,12 +1,12 @@
-r"""How well the coefficients are known.
+r"""Standard errors and covariance of the coefficients.
 
 Residuals of a hysteresis model are correlated over whole cycles, so the textbook error :math:`s^2 (J^T J)^{-1}` (the *naive*
 one) is far too small. The errors given here are the sandwich
 
 .. math:: (J^T J)^{-1} \Big(\sum_g J_g^T r_g\, r_g^T J_g\Big) (J^T J)^{-1} \frac{G}{G-1}
 
-over clusters g that are independent of one another: the records. A coefficient that fewer than `FEWEST_RECORDS` records
-speak of has an error by cycles: it holds within these records only and gives no interval. J is what is left of the
+over clusters g that are independent of one another: the records. A coefficient that fewer than `MIN_RECORDS` records
+determine has an error by cycles: it holds within these records only and gives no interval. J is what is left of the
 derivatives after each record's nuisances have taken their part, and G the effective number of clusters. A direction that the
 records do not determine has an infinite error, not a small one.
 
@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.gram import modelled, products, with_priors
+from dampyr.identification.normal_equations import modelled_force, products, with_priors
 from dampyr.identification.problem import Point, Problem
 
 Array = NDArray[np.float64]
@@ -34,9 +34,9 @@ SAME = 1e-13  # of the sums of squares: what is left below it is rounding
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Covariances (m, m) of the coefficients; how many clusters speak of each, and the degrees of freedom that makes (fewer
-    where a few clusters say most of it); those that the records are ``blind`` to, and those that too ``few`` cycles speak of;
-    how many records speak of each, and ``within`` where these are too few to be the clusters, so that cycles are."""
+    """Covariances (m, m) of the coefficients; how many clusters determine each, and the degrees of freedom that makes (fewer
+    where a few clusters say most of it); those that the records are ``blind`` to, and those that too ``few`` cycles determine;
+    how many records determine each, and ``within`` where these are too few to be the clusters, so that cycles are."""
 
     covariance: Array
     naive: Array
@@ -51,14 +51,14 @@ class Uncertainty:
 def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> Uncertainty:
     """The covariance of the coefficients at the optimum; those ``held`` at a limit count as known."""
     weighted = _by_cluster(problem, point)
-    bent = _bent(problem)
-    second = weighted if bent is problem else _by_cluster(bent, point)
+    curved = with_second_derivatives(problem)
+    second = weighted if curved is problem else _by_cluster(curved, point)
     reduced = [_reduced(problem, sums, each, held) for sums, each in zip(weighted, second, strict=True)]
     information = _above_rounding(reduced, problem.size)
     samples = sum(one.t.size - problem.locals for one in problem.pieces)
     bread, blind = _inverse(information, held)
     squares = sum(one.squares for one in reduced) / max(samples - problem.size, 1)
-    naive = bread * (squares if bent is problem else _variance(problem, point, samples))
+    naive = bread * (squares if curved is problem else _variance(problem, point, samples))
     whole = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
     records, cycles = _clusters(whole, information), _clusters(reduced, information)
     within = records.counts < MIN_RECORDS
@@ -89,7 +89,7 @@ class Reduced:
 
 
 def _by_cluster(problem: Problem, point: Point) -> list[Array]:
-    """The sums of products of each record by cluster; what is expected of its nuisances goes with the first."""
+    """The sums of products of each record by cluster; the priors of its nuisances go with the first."""
     cluster_sums = products(problem, point, by_cluster=True)
     first = with_priors(problem, point, np.stack([sums[0] for sums in cluster_sums]))
     for sums, changed in zip(cluster_sums, first, strict=True):
@@ -97,21 +97,24 @@ def _by_cluster(problem: Problem, point: Point) -> list[Array]:
     return cluster_sums
 
 
-def _bent(problem: Problem) -> Problem:
+def with_second_derivatives(problem: Problem) -> Problem:
     """The problem weighted by the second derivative of its loss; itself where that is squares."""
-    if all(one.bend is None for one in problem.pieces):
+    if all(one.second_weight is None for one in problem.pieces):
         return problem
-    return replace(problem, pieces=[replace(p, weight=p.weight if p.bend is None else p.bend) for p in problem.pieces])
+    return replace(
+        problem,
+        pieces=[replace(p, weight=p.weight if p.second_weight is None else p.second_weight) for p in problem.pieces],
+    )
 
 
 def _variance(problem: Problem, point: Point, samples: int) -> float:
     """Of a loss that is not squares: the mean square of its first derivative over the mean of its second."""
     first = second = 0.0
     for r, one in enumerate(problem.pieces):
-        assert one.bend is not None
-        slope = (one.weight * one.spread) ** 2 * (one.force - modelled(problem, point, r)) / one.spread
+        assert one.second_weight is not None
+        slope = (one.weight * one.spread) ** 2 * (one.force - modelled_force(problem, point, r)) / one.spread
         first += float(slope @ slope)
-        second += float(np.sum((one.bend * one.spread) ** 2))
+        second += float(np.sum((one.second_weight * one.spread) ** 2))
     total = sum(one.t.size for one in problem.pieces)
     return first / max(second, TINY) * total / max(samples - problem.size, 1)
 
@@ -159,7 +162,7 @@ def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[in
 
 @dataclass(frozen=True)
 class Clusters:
-    """The scores (g, G) of all clusters, how many clusters speak of each coefficient, and its degrees of freedom.
+    """The scores (g, G) of all clusters, how many clusters determine each coefficient, and its degrees of freedom.
 
     These are one less than the effective number of clusters, 1 / sum of the squared shares of the information: G equal
     clusters count as G, and one that says all counts as one.

@@ -7,8 +7,7 @@ from dampyr.figures.residual_sizes import residual_sizes
 from dampyr.figures.residual_velocity import residual_velocity
 from dampyr.figures.style import CURRENT, VOLTAGE
 from dampyr.identification import Residuals, findings, warnings_of
-from dampyr.identification.directions import SIDES, Group
-from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE
+from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES, Group
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
 
 MAX_PANELS = 6

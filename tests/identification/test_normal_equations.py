@@ -7,12 +7,12 @@ import pytest
 from scipy.optimize import least_squares, lsq_linear
 from tests.identification.synthetic import sine
 
+from dampyr.identification.bounded_least_squares import solve_bounded
 from dampyr.identification.fit import fit, prepared
-from dampyr.identification.gram import modelled, products
 from dampyr.identification.initial_guess import begin
-from dampyr.identification.normal_equations import bounded, eliminated, normal
-from dampyr.identification.problem import Point, Problem, apart
-from dampyr.identification.variable_projection import descend, search
+from dampyr.identification.normal_equations import eliminated, linearise, modelled_force, products
+from dampyr.identification.problem import Point, Problem, independent_blocks
+from dampyr.identification.variable_projection import levenberg_marquardt, search
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 
@@ -52,16 +52,20 @@ def numeric(problem: Problem, point: Point, r: int) -> np.ndarray:
         up, down = point.local.copy(), point.local.copy()
         up[r, j] += 1e-5
         down[r, j] -= 1e-5
-        change = modelled(problem, replace(point, local=up), r) - modelled(problem, replace(point, local=down), r)
+        change = modelled_force(problem, replace(point, local=up), r) - modelled_force(
+            problem, replace(point, local=down), r
+        )
         columns.append(change / 2e-5)
     for k, value in enumerate(point.theta):
         h = 1e-6 * max(abs(value), 1e-3)
         up, down = point.theta.copy(), point.theta.copy()
         up[k] += h
         down[k] -= h
-        change = modelled(problem, replace(point, theta=up), r) - modelled(problem, replace(point, theta=down), r)
+        change = modelled_force(problem, replace(point, theta=up), r) - modelled_force(
+            problem, replace(point, theta=down), r
+        )
         columns.append(change / (2 * h))
-    columns.append(one.force - modelled(problem, point, r))
+    columns.append(one.force - modelled_force(problem, point, r))
     return one.weight[:, None] * np.column_stack(columns)
 
 
@@ -103,7 +107,7 @@ def varied(record: Record) -> Record:
 def test_elimination_leaves_the_steps_of_the_joint_problem() -> None:
     problem = prepared("dahl", records())
     point = somewhere(problem)
-    here = normal(problem, point)
+    here = linearise(problem, point)
     M, L, G = len(problem.pieces), problem.locals, problem.size
     table = np.zeros((0, G + M * L + 1))
     for r in range(M):
@@ -128,19 +132,19 @@ def test_a_step_inside_the_limits_is_that_of_scipy() -> None:
         low, high = -rng.uniform(0, 0.3, 7), rng.uniform(0, 0.3, 7)
         low[rng.random(7) < 0.2], high[rng.random(7) < 0.2] = -np.inf, 0.0
         theirs = lsq_linear(A, b, (low, np.maximum(high, low + 1e-9)), method="bvls", tol=1e-14).x
-        ours = bounded(A.T @ A, A.T @ b, low, high)
+        ours = solve_bounded(np.column_stack((A.T @ A, A.T @ b)), 0.0, low, high, np.ones(7, dtype=bool))
         assert np.all((ours >= low) & (ours <= high))
         assert np.linalg.norm(A @ ours - b) <= np.linalg.norm(A @ theirs - b) * (1 + 1e-9)
 
 
 def test_records_at_inputs_of_their_own_are_searched_apart_to_the_same_end() -> None:
     problem = prepared("dahl", records())
-    assert [len(share.records) for share in apart(problem)] == [3, 3]
+    assert [len(block.records) for block in independent_blocks(problem)] == [3, 3]
     start = begin(problem)
-    one, together = search(problem, start), descend(problem, start, None, 1e-12)
+    one, together = search(problem, start), levenberg_marquardt(problem, start, None, 1e-12)
     np.testing.assert_allclose(one.point.theta, together.point.theta, rtol=1e-4)
     bound = prepared("dahl", records(), laws={"dahl.rho": "constant"})
-    assert len(apart(bound)) == 1
+    assert len(independent_blocks(bound)) == 1
 
 
 def test_a_law_that_all_inputs_share_is_not_searched_apart() -> None:
@@ -158,7 +162,7 @@ def test_the_search_ends_where_scipy_ends(model: str) -> None:
 
     def residual(z: np.ndarray) -> np.ndarray:
         at = Point((z * scale)[:-2], (z * scale)[None, -2:])
-        return problem.pieces[0].weight * (problem.pieces[0].force - modelled(problem, at, 0))
+        return problem.pieces[0].weight * (problem.pieces[0].force - modelled_force(problem, at, 0))
 
     end = np.concatenate((ours.point.theta, ours.point.local[0])) / scale
     low, high = (
