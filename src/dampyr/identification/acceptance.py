@@ -1,4 +1,4 @@
-r"""Whether a tested damper lies within a band about a reference: what a production bench and a device test ask.
+r"""Acceptance of a tested damper: whether it lies within a band about a reference, as in production and device tests.
 
 Every whole cycle is judged by three quantities: the force at peak velocity in extension and in compression (the peak-velocity
 pick-up of a damper dynamometer), and the energy that it dissipates. With the reference's value :math:`e` the band is
@@ -34,7 +34,7 @@ Quantity = Literal["extension", "compression", "energy"]
 Verdict = Literal["passed", "failed", "not judged"]
 QUANTITIES: tuple[Quantity, ...] = ("extension", "compression", "energy")
 UNITS = {"extension": "N", "compression": "N", "energy": "J"}
-SHARE = 0.5
+SHARE = 0.5  # of a quantity's points: with more of them open than judged the test is no test
 
 
 @dataclass(frozen=True)

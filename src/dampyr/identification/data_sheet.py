@@ -1,4 +1,4 @@
-"""What a damper's data sheet promises, and whether a fit keeps it: a fit that does not is flagged, not refused.
+"""Data sheets of dampers, and contradictions of a fit with them: such a fit is flagged, not refused.
 
 Lord RD-8041-1 (Table A.1 of the dissertation): more than 2447 N peak to peak at 5 cm/s and 1 A, less than 667 N at 20 cm/s and
 0 A. The force is that of a sine with this peak speed; a static offset does not count in a peak-to-peak force.
@@ -18,8 +18,8 @@ from dampyr.models import Damper
 
 STROKE = 0.030  # m, half of the sine's; within the 74 mm of Table A.1
 COIL = 4.4  # ohm, of the coil on the original rig: 0.495 A at 2.178 V
-SAMPLES = 2000
-CYCLES = 3
+SAMPLES = 2000  # of a cycle: its peak is met to a millionth
+CYCLES = 3  # of which the last counts, the unknown past forgotten
 
 
 @dataclass(frozen=True)

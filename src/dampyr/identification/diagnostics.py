@@ -249,9 +249,9 @@ def _of_parameters(problem: Problem, outcome: Outcome, uncertainty: Uncertainty,
     notes = [
         f"{labels[k]} stands at its limit ({_limit(problem, k)}); its error is not known" for k in outcome.at_limit
     ]
-    blind = [labels[k] for k in uncertainty.blind]
-    if blind:
-        notes.append(f"the records do not determine {', '.join(blind)} (infinite error)")
+    unidentifiable = [labels[k] for k in uncertainty.unidentifiable]
+    if unidentifiable:
+        notes.append(f"the records do not determine {', '.join(unidentifiable)} (infinite error)")
     if uncertainty.few:
         few = ", ".join(labels[k] for k in uncertainty.few)
         words = f"fewer than {MIN_CYCLES} cycles determine them; record more"

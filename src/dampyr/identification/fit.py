@@ -1,4 +1,4 @@
-"""One call from records to a damper: `fit`."""
+"""Identification in one call, from records to a damper: `fit`."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def fit(
     model
         parts of the catalogue, such as ``"dahl"`` or ``"dahl + spring + delay"``, or a damper of the same make.
     records
-        one record, or several for a joint fit. Each keeps an offset of its force and its initial states to itself and
+        one record, or several for a joint fit. Each has an offset of its force and initial states of its own and
         weighs by the standard deviation of its force. Records of the role "validation" are refused.
     laws
         how parameters follow the input: see `dampyr.identification.parametrisation.columns`. By default the values at the
@@ -57,7 +57,7 @@ def fit(
         absolute residuals that dampyr scores by, smoothed below a tenth of the scale. The scale is 1.4826 times the median
         absolute residual of each record. Errors come from the same clusters (see `dampyr.identification.robust`).
     nuisances
-        what each record keeps to itself: ``"offset"`` of its force in N; ``"state"``, the hysteretic states at the start
+        the random effects of each record: ``"offset"`` of its force in N; ``"state"``, the hysteretic states at the start
         (without it: no memory); ``"gain"``, a factor on the whole modelled force; ``"temperature"``, a factor on every
         parameter in N s/m. The last two are F = offset + g F_model(q c, ...) with ln g and ln q drawn towards 0 by a
         normal prior of standard deviation 0.05 and 0.2, weighed against residuals of 5 % of the force's spread, and need
@@ -66,7 +66,7 @@ def fit(
     tied
         parameter -> the other parameter of the same unit whose law it takes, such as ``{"spring.k0": "bouc_wen.k0"}``.
     starts, seed
-        from how many starts is searched: the best proposals of the parts, then random ones by ``seed`` around them, each on
+        the number of starts of the search: the best proposals of the parts, then random ones by ``seed`` around them, each on
         thinned records and to 1e-4 of the cost; the best is finished. ``Fit.starts`` says how many agreed.
     steps
         how many the search may take; where they were not enough, ``converged`` is False.
@@ -140,7 +140,9 @@ def _check(records: list[Record]) -> None:
     inputs = {r.input for r in records}
     if len(inputs) > 1:
         words = " and ".join(sorted(str(i) for i in inputs))
-        raise InputError(f"the records' inputs are in {words}; a damper has one input, so convert or fit them apart")
+        raise InputError(
+            f"the records' inputs are in {words}; a damper has one input, so convert them, or fit them separately"
+        )
     names = [r.name for r in records]
     if len(set(names)) < len(names):
         twice = next(n for n in names if names.count(n) > 1)

@@ -1,4 +1,4 @@
-r"""Which model predicts best: every model of the catalogue, bare and with add-ons, ranked by what it predicts unseen.
+r"""Leaderboard of models: every model of the catalogue, bare and with add-ons, ranked by what it predicts unseen.
 
 First each model is *screened* on a few shortened records (`dampyr.identification.screening`): bare, then with the add-on that
 lowers its error most, then with the next, as long as that lowers it by 2 % and the model is within 15 % of the best. Then the

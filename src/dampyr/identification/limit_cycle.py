@@ -24,8 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 
 Array = NDArray[np.float64]
-ARC = (0.2, 0.8)
-ORDER = 4
+ARC = (0.2, 0.8)  # of the largest theta: clear of the zero and of saturation
+ORDER = 4  # of the local polynomial: through five samples
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Jobs that need nothing of each other, run one after the other or by an executor."""
+"""Independent jobs, run one after the other or by an executor."""
 
 from __future__ import annotations
 

@@ -23,9 +23,9 @@ from dampyr.models.parts.dahl import Dahl
 from dampyr.records import Record, cycles, turning_points, with_velocity
 
 Array = NDArray[np.float64]
-DEPTH = 4.0
-SPEED = 0.5
-CROSSING = 0.5
+DEPTH = 4.0  # over rho, of path since the turning point: w is within 2 exp(-4), 4 %, of its limit
+SPEED = 0.5  # of the peak speed: below it the real damper's force rolls off
+CROSSING = 0.5  # of kw: samples with smaller theta give the slope at the zero
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-r"""What a reference damper would do in the cycles of a record: a damper's free run, or tests of a reference specimen.
+r"""Reference values for the cycles of a record: of a damper's free run, or of tests of a reference specimen.
 
 Between tests the force at peak velocity is interpolated over speed, straight. The energy of a cycle is interpolated as
 :math:`E/s`, s being the stroke, since friction dissipates :math:`2 F_c s` and a dashpot :math:`(\pi/2)\, c\, \hat v\, s`: at
@@ -24,8 +24,8 @@ from dampyr.records.nominal_input import SMALLEST, TOLERANCE, is_steady
 Array = NDArray[np.float64]
 Reference = Damper | Record | Sequence[Record]
 Expected = tuple[float | None, str]
-SAME = 0.02
-STROKE = 0.1
+SAME = 0.02  # of a speed: within it two tests count as at one speed
+STROKE = 0.1  # of a stroke: within it the energy at one peak speed goes with the stroke
 _read: WeakKeyDictionary[Record, dict[float | None, list[Cycle]]] = WeakKeyDictionary()  # many records share references
 
 

@@ -277,8 +277,8 @@ def _law_covariance(problem: Problem, covariance: Array) -> Array:
         row += max(column.size, 1)
     finite = np.where(np.isfinite(covariance), covariance, 0.0)
     out = T @ finite @ T.T
-    for blind in np.flatnonzero(~np.isfinite(np.diag(covariance))):
-        out[T[:, blind] != 0.0, T[:, blind] != 0.0] = np.inf
+    for place in np.flatnonzero(~np.isfinite(np.diag(covariance))):
+        out[T[:, place] != 0.0, T[:, place] != 0.0] = np.inf
     return np.asarray(0.5 * (out + out.T))
 
 

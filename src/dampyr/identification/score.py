@@ -1,4 +1,4 @@
-r"""How well a damper predicts a record: a free run, only the offset taken from the record.
+r"""Score of a damper on a record: a free run, only the offset taken from the record.
 
 With the error :math:`e = \hat F - F` of which its mean is removed, and the force measured from the middle of its range,
 :math:`F_c = F - (\max F + \min F)/2`, over the samples of the window:
@@ -23,8 +23,8 @@ from dampyr.models import Damper
 from dampyr.records import Record, cycles, motion_start, with_velocity
 
 Array = NDArray[np.float64]
-SETTLING = 2.0
-SMALL = 0.01
+SETTLING = 2.0  # s after the motion starts: the unknown past is forgotten by then
+SMALL = 0.01  # of the peak of F_c: below it the pointwise error divides by nothing
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""How records are split into those that are fitted and those that are predicted."""
+"""Splits of records into those that are fitted and those that are predicted."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from dampyr.errors import InputError
 from dampyr.records import Record, measure, motion_start, waveform
 
-FITTED_SHARE = 0.6
+FITTED_SHARE = 0.6  # of the motion: enough cycles on both sides of the cut
 
 
 @dataclass(frozen=True)

@@ -26,23 +26,27 @@ from dampyr.identification.problem import Point, Problem
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 MIN_RECORDS = 3  # with two, t with one degree of freedom takes 12.7 errors for 95 %
-MIN_CYCLES = 3
-BLIND = 1e-7
-TINY = 1e-100
+MIN_CYCLES = 3  # for an error by cycles at all
+UNDETERMINED = 1e-7  # to the power 1.5, of the largest eigenvalue: well above the rounding of sums of products
+TINY = 1e-100  # instead of zero in a division
 SAME = 1e-13  # of the sums of squares: what is left below it is rounding
 
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Covariances (m, m) of the coefficients; how many clusters determine each, and the degrees of freedom that makes (fewer
-    where a few clusters say most of it); those that the records are ``blind`` to, and those that too ``few`` cycles determine;
-    how many records determine each, and ``within`` where these are too few to be the clusters, so that cycles are."""
+    """Covariances (m, m) of the coefficients, and what they rest on.
+
+    ``counts`` is how many clusters determine each coefficient, ``freedom`` its degrees of freedom (fewer where a few clusters
+    hold most of the information). The records do not determine the ``unidentifiable`` ones, and too ``few`` cycles determine
+    others. ``records`` is how many records determine each, ``within`` where these are too few to be the clusters, so that
+    cycles are.
+    """
 
     covariance: Array
     naive: Array
     counts: Array
     freedom: Array
-    blind: tuple[int, ...]
+    unidentifiable: tuple[int, ...]
     few: tuple[int, ...]
     records: Array
     within: Bools
@@ -56,7 +60,7 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
     reduced = [_reduced(problem, sums, each, held) for sums, each in zip(weighted, second, strict=True)]
     information = _above_rounding(reduced, problem.size)
     samples = sum(one.t.size - problem.locals for one in problem.pieces)
-    bread, blind = _inverse(information, held)
+    bread, unidentifiable = _inverse(information, held)
     squares = sum(one.squares for one in reduced) / max(samples - problem.size, 1)
     naive = bread * (squares if curved is problem else _variance(problem, point, samples))
     whole = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
@@ -70,10 +74,17 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
     even = np.repeat((records.scores @ bread) / np.sqrt(sizes)[:, None], sizes, axis=0)
     influence = np.where(within, cycles.scores @ bread, even) * np.sqrt((freedom + 1.0) / freedom)
     covariance = influence.T @ influence
-    few = tuple(k for k in map(int, np.flatnonzero(counts < MIN_CYCLES)) if k not in (*held, *blind))
-    unknown = (*blind, *few)
+    few = tuple(k for k in map(int, np.flatnonzero(counts < MIN_CYCLES)) if k not in (*held, *unidentifiable))
+    unknown = (*unidentifiable, *few)
     return Uncertainty(
-        _blinded(covariance, unknown), _blinded(naive, unknown), counts, freedom, blind, few, records.counts, within
+        _with_infinite(covariance, unknown),
+        _with_infinite(naive, unknown),
+        counts,
+        freedom,
+        unidentifiable,
+        few,
+        records.counts,
+        within,
     )
 
 
@@ -138,7 +149,7 @@ def _above_rounding(reduced: list[Reduced], size: int) -> Array:
 
 
 def _taken(own: Array, across: Array) -> Array:
-    """How far the nuisances follow each coefficient: least squares on what the record determines of them."""
+    """The nuisances' change with each coefficient: least squares on what the record determines of them."""
     d = np.sqrt(np.diag(own))
     scale = np.where(d > 0, 1.0 / np.where(d > 0, d, 1.0), 0.0)
     values, vectors = np.linalg.eigh(own * np.outer(scale, scale))
@@ -153,11 +164,11 @@ def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[in
     free = scale > 1e-12 * max(float(scale.max(initial=0.0)), 1e-300)
     unit = np.where(free, 1.0 / np.where(free, scale, 1.0), 0.0)
     values, vectors = np.linalg.eigh(information * np.outer(unit, unit))
-    determined = values > BLIND**1.5 * max(float(values.max(initial=0.0)), 1e-300)
+    determined = values > UNDETERMINED**1.5 * max(float(values.max(initial=0.0)), 1e-300)
     inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T * np.outer(unit, unit)
     lost = np.abs(vectors[:, ~determined & (values > -np.inf)]) > 1e-3
-    blind = {int(k) for k in np.flatnonzero(~free | (lost.any(axis=1) & free)) if k not in held}
-    return inverse, tuple(sorted(blind))
+    unidentifiable = {int(k) for k in np.flatnonzero(~free | (lost.any(axis=1) & free)) if k not in held}
+    return inverse, tuple(sorted(unidentifiable))
 
 
 @dataclass(frozen=True)
@@ -165,7 +176,7 @@ class Clusters:
     """The scores (g, G) of all clusters, how many clusters determine each coefficient, and its degrees of freedom.
 
     These are one less than the effective number of clusters, 1 / sum of the squared shares of the information: G equal
-    clusters count as G, and one that says all counts as one.
+    clusters count as G, and one that holds all counts as one.
     """
 
     scores: Array
@@ -182,9 +193,9 @@ def _clusters(parts: list[Reduced], information: Array) -> Clusters:
     return Clusters(scores, np.sum(shares > 1e-3, axis=0), np.maximum(np.minimum(effective, len(scores)), 1.5) - 1.0)
 
 
-def _blinded(covariance: Array, blind: tuple[int, ...]) -> Array:
+def _with_infinite(covariance: Array, unidentifiable: tuple[int, ...]) -> Array:
     out = covariance.copy()
-    for k in blind:
+    for k in unidentifiable:
         out[k, :] = out[:, k] = 0.0
         out[k, k] = np.inf
     return out

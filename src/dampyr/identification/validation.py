@@ -1,4 +1,4 @@
-"""How well a model predicts records that it was not fitted on.
+"""Cross-validation: how well a model predicts records that it was not fitted on.
 
 The records are split into folds; each fold is predicted by a damper that was fitted on the others. From a scored record only
 the offset is taken, and every score says what the damper was fitted on.
@@ -81,7 +81,7 @@ def cross_validate(
     progress: Callable[[float], None] | None = None,
     **options: Any,
 ) -> Validation:
-    """Predict every record by a damper that never saw it.
+    """Predict every record by a damper that was not fitted to it.
 
     Parameters
     ----------
