@@ -9,14 +9,14 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.export import export
 from dampyr.models import Damper, compose, names, part
-from dampyr.models.codegen.series import UNKNOWN, follows_velocity
+from dampyr.models.codegen.series import UNKNOWN
 from dampyr.models.part import Scale
 from dampyr.models.path_integration import along, along_with_columns
 
 FORCEFUL = [name for name in names() if part(name).force is not None]
 SERIES = [f"dahl + {name}" for name in names() if part(name).stretch]
 SERIES += ["modified_bouc_wen + inertia + spring + compliance + free_play", "bouc_wen + offset + compliance"]
-FOLLOWING = [name for name in FORCEFUL if follows_velocity(part(name))]  # behind a stretch they need its rate
+FOLLOWING = [name for name in FORCEFUL if part(name).follows_velocity]  # behind a stretch they need its rate
 SERIES += [f"{name} + spring + compliance" for name in FOLLOWING] + ["hysteretic_biviscous + inertia + free_play"]
 TYPICAL = {
     "N": 100.0,

@@ -157,7 +157,7 @@ class Damper:
         """
         if isinstance(stiffness, bool) or not np.isfinite(stiffness) or stiffness <= 0:
             raise InputError(f"the stiffness of a brace {stiffness!r} N/m is not allowed; it must be greater than 0")
-        inertial = [p.name for p in self.composition.parts if p.force is not None and "a" in p.force.arguments]
+        inertial = [p.name for p in self.composition.parts if p.needs_acceleration]
         if inertial:
             raise InputError(
                 f"{inertial[0]} needs the acceleration and would act beside the brace, not behind it; "

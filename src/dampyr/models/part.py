@@ -113,6 +113,16 @@ class Part:
         """Whether the states depend on the path alone, not on how fast it is walked."""
         return self.advance is None or not {"v0", "v1", "dt"} & set(self.advance.arguments)
 
+    @property
+    def follows_velocity(self) -> bool:
+        """Whether the states follow the velocity of the part, so that they need the one at the start of a step."""
+        return self.advance is not None and "v0" in self.advance.arguments
+
+    @property
+    def needs_acceleration(self) -> bool:
+        """Whether the force needs the acceleration; in series such a part acts beside the others."""
+        return self.force is not None and "a" in self.force.arguments
+
     def starts(self, scale: Scale) -> list[dict[str, float]]:
         """Values of the parameters that are not linear, from where a fit may begin."""
         propose: Callable[[Scale], Iterator[dict[str, float]]] | None = getattr(self.module, "starts", None)

@@ -276,7 +276,7 @@ def along_with_columns(
 
 def acceleration(composition: Composition, t: Array, v: Array) -> Array:
     """The acceleration by central differences of the velocity, or zeros where no part asks for it."""
-    needed = any("a" in p.force.arguments for p in composition.parts if p.force)
+    needed = any(p.needs_acceleration for p in composition.parts)
     return np.asarray(np.gradient(v, t)) if needed else np.zeros_like(t)
 
 

@@ -6,13 +6,13 @@ import re
 from pathlib import Path
 
 from dampyr.errors import InputError
-from dampyr.export import c_series
 from dampyr.export.c_text import function, number
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
-from dampyr.models.part import Part
 
-HISTORY = 4096
+HISTORY = 4096  # samples that a delay looks back over: 4 s at 1 kHz, in 64 kB of state
+EXPORTED = ("phi", "solve", "advance", "force")
+ARRAYS = ("s", "p")
 
 
 def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = False) -> list[Path]:
@@ -20,7 +20,7 @@ def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = F
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
         raise InputError(f"{name!r} cannot name a C function; use letters, digits and underscores, a letter first")
     for p in damper.composition.parts:
-        if p.force and "a" in p.force.arguments:
+        if p.needs_acceleration:
             raise InputError(
                 f"{p.name} needs the acceleration, which the C code is not given; export damper.without({p.name!r})"
             )
@@ -82,10 +82,12 @@ double {name}_step({name}_state *d, double t, double x, double v, double u);
 
 def _source(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     prefix = f"{name}_"
-    formulas = damper.composition.formulas()
-    own = {f.name for f in formulas}
+    formulas = [f.tree for f in damper.composition.formulas()]
+    whole = [f.tree() for f in damper.composition.functions() if f.name in EXPORTED]
+    own = {tree.name for tree in (*formulas, *whole)}
     laws = [_law(law, f"{prefix}law_{k}", key) for k, (key, law) in enumerate(damper.all_laws.items())]
-    functions = [function(f, prefix, own) for f in formulas]
+    functions = [function(tree, prefix, own) for tree in formulas]
+    functions += [function(tree, prefix, own, ARRAYS) for tree in whole]
     return (
         "\n\n".join(
             [
@@ -93,7 +95,6 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool) -> str:
                 *laws,
                 _values(damper, prefix),
                 *functions,
-                *_motion(damper, prefix),
                 _in_range(damper, prefix, allow_extrapolation),
                 *([_late(damper, prefix)] if damper.composition.has_delay else []),
                 _calls(damper, prefix),
@@ -138,49 +139,6 @@ def _values(damper: Damper, prefix: str) -> str:
     return "\n".join([f"static void {prefix}values(double u, double *p)", "{", *lines, "}"])
 
 
-def _places(damper: Damper) -> list[tuple[Part, dict[str, str], int]]:
-    """Each part, where its arguments stand, and its first state."""
-    places, i, j = [], 0, 0
-    for p in damper.composition.parts:
-        states = {n: f"s[{j + k}]" for k, n in enumerate(p.states)}
-        values = {n: f"p[{i + k}]" for k, n in enumerate(p.parameters)}
-        places.append((p, states | values, j))
-        i, j = i + len(values), j + len(states)
-    return places
-
-
-def _motion(damper: Damper, prefix: str) -> list[str]:
-    """The functions ``advance`` and ``force`` of the whole damper."""
-    if damper.composition.in_series:
-        return c_series.functions(damper.composition, prefix)
-    return [_advance(damper, prefix), _force(damper, prefix)]
-
-
-def _advance(damper: Damper, prefix: str) -> str:
-    lines = []
-    for p, places, first in _places(damper):
-        if p.advance is None:
-            continue
-        arguments = ", ".join(places.get(a, a) for a in p.advance.arguments)
-        if len(p.states) == 1:
-            lines.append(f"    s[{first}] = {prefix}{p.advance.name}({arguments});")
-        else:
-            lines.append(f"    {{ double e[{len(p.states)}]; {prefix}{p.advance.name}({arguments}, e);")
-            lines.append(f"      for (int k = 0; k < {len(p.states)}; k++) s[{first} + k] = e[k]; }}")
-    head = f"static void {prefix}advance(double *s, double x0, double x1, double v0, double v1, double dt, const double *p)"
-    unused = "    (void)s; (void)x0; (void)x1; (void)v0; (void)v1; (void)dt; (void)p;"
-    return "\n".join([head, "{", unused, *lines, "}"])
-
-
-def _force(damper: Damper, prefix: str) -> str:
-    terms = []
-    for p, places, _ in _places(damper):
-        if p.force:
-            terms.append(f"{prefix}{p.force.name}({', '.join(places.get(a, a) for a in p.force.arguments)})")
-    head = f"static double {prefix}force(const double *s, double x, double v, const double *p)"
-    return "\n".join([head, "{", "    (void)s; (void)x; (void)v; (void)p;", f"    return {' + '.join(terms)};", "}"])
-
-
 def _in_range(damper: Damper, prefix: str, allow_extrapolation: bool) -> str:
     low, high = damper.range
     slack = 1e-9 * max(abs(low), abs(high), 1.0)
@@ -220,7 +178,7 @@ double {prefix}start({prefix}state *d, double t, double x, double v, double u)
 {past}    d->t = t; d->x = x; d->v = v;
 {empty}    if (!{prefix}in_range(u)) return NAN;
     {prefix}values(u, p);
-    f = {prefix}force(d->s, x, v, p);
+    f = {prefix}force(d->s, x, v, 0.0, p);
     return {result};
 }}
 
@@ -231,6 +189,6 @@ double {prefix}step({prefix}state *d, double t, double x, double v, double u)
     {prefix}values(u, p);
     {prefix}advance(d->s, d->x, x, d->v, v, t - d->t, p);
     d->t = t; d->x = x; d->v = v;
-    f = {prefix}force(d->s, x, v, p);
+    f = {prefix}force(d->s, x, v, 0.0, p);
     return {result};
 }}"""

@@ -4,82 +4,77 @@
 that no state enters are computed before it, the states and their tangents walk alone, and the columns are filled after it.
 All but the recurrence itself are loops over samples that do not wait for each other, so that the compiler takes several
 samples at once (see `dampyr.models.numerics.fast_math`). In series nothing can be taken out, and the walk is sample by sample.
+
+Its argument ``still`` is 1 to fill the columns of the first sample without a step, 0 to step from the first sample to all
+others.
 """
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Iterable
-from functools import lru_cache
-from typing import TYPE_CHECKING
 
 from dampyr.models.codegen.formula import Formula, tangents
-from dampyr.models.codegen.series import Slot, slots
+from dampyr.models.codegen.layout import SIGNATURES, SITE, Function, Layout, Slot, call
 
-if TYPE_CHECKING:
-    from dampyr.models.codegen.composition import Composition
-
-#: ``still`` is 1 to fill the columns of the first sample without a step, 0 to walk from the first sample to all others
-ARGUMENTS = "still, t, x, v, a, p, s, D, room, rows"
 QUICK = {"exp": "quick_exp", "tanh": "quick_tanh"}
 PIECE = {"x0": "x[m]", "x1": "x[m + 1]", "v0": "v[m]", "v1": "v[m + 1]", "dt": "(t[m + 1] - t[m])"}
 SAMPLE = {"x": "x_at[m]", "v": "v_at[m]", "a": "a_at[m]"}
 LOOP = "for m in range(x.size - 1):"
 
 
-@lru_cache(maxsize=256)
-def written(composition: Composition) -> tuple[tuple[str, ...], int]:
-    """``walk_SITE`` after the functions that it calls, and how many rows of ``room`` it needs."""
-    if composition.in_series:
-        return (in_series(len(composition.parameters) + composition.n_states),), 0
-    writer = Writer(composition)
-    return tuple(writer.texts()), writer.workspace_rows
+def write_walk(layout: Layout) -> tuple[list[str], Function, int]:
+    """The functions that ``walk`` calls, as text, ``walk`` itself, and how many rows of workspace it needs."""
+    if layout.in_series:
+        return [], _sample_by_sample(layout), 0
+    writer = Writer(layout)
+    walk = writer.walk()
+    return writer.functions, walk, writer.workspace_rows
 
 
-def in_series(width: int) -> str:
-    """``walk`` sample by sample."""
+def _sample_by_sample(layout: Layout) -> Function:
     x, v, a = SAMPLE.values()
-    walked = ["if still == 0:", f"    spread_SITE(s, D, {', '.join(PIECE.values())}, p)"]
+    moved = ["if still == 0:", f"    spread{SITE}s, D, {', '.join(PIECE.values())}, p)"]
     filled = [
-        f"rows[{width}, m] = force_SITE(s, {x}, {v}, {a}, p)",
-        f"columns_SITE(s, D, {x}, {v}, {a}, p, rows[:, m])",
+        f"rows[{layout.width}, m] = force{SITE}s, {x}, {v}, {a}, p)",
+        f"columns{SITE}s, D, {x}, {v}, {a}, p, rows[:, m])",
     ]
-    return _define([*_loop(*walked, *filled)])
+    return _walk(_loop(*moved, *filled))
 
 
 class Writer:
-    """Writes ``walk`` of one composition; ``room`` (rows, BLOCK) keeps what passes from one of its loops to the next."""
+    """Writes ``walk`` of one composition; ``workspace`` (rows, BLOCK) holds what passes from one of its loops to the next."""
 
-    def __init__(self, composition: Composition) -> None:
-        self.slots = list(slots(composition))
-        self.offset = len(composition.parameters)
-        self.force = self.offset + composition.n_states
+    def __init__(self, layout: Layout) -> None:
+        self.slots = layout.slots
+        self.offset = layout.n_parameters
+        self.force = layout.width
         self.functions: list[str] = []
         self.workspace_rows = 0
         self.stored: dict[str, str] = {}
 
-    def texts(self) -> list[str]:
-        """The functions that ``walk`` calls, and itself."""
+    def walk(self) -> Function:
+        """``walk``; the functions that it calls are then in ``functions``."""
         lines = [f"p{k} = p[{k}]" for k in range(self.offset)]
         for slot in self.slots:
             lines += self._states(slot, slot.part.advance) if slot.part.advance else []
         for slot in self.slots:
             lines += self._columns(slot, slot.part.force) if slot.part.force else []
-        return [*self.functions, _define(lines)]
+        return _walk(lines)
 
     def _row(self) -> str:
         self.workspace_rows += 1
-        return f"room[{self.workspace_rows - 1}, m]"
+        return f"workspace[{self.workspace_rows - 1}, m]"
 
     def _states(self, slot: Slot, formula: Formula) -> list[str]:
-        """The lines that walk a part's states and their tangents, and keep them in ``room``."""
+        """The lines that walk a part's states and their tangents, and keep them in ``workspace``."""
         units = {n: k for n, k in slot.values.items() if n in formula.arguments}
         columns = [*units.values(), *(self.offset + k for k in slot.states.values())]
         homes = {f"s{k}": f"s[{k}]" for k in slot.states.values()}
         homes |= {f"D{k}_{c}": f"D[{k}, {c}]" for c in columns for k in slot.states.values()}
         used = [n for n in slot.states if n in formula.arguments]
         seeds = [f"D{slot.states[n]}_{c}" for c in columns for n in used]
-        places = PIECE | _values(slot) | {n: f"s{k}" for n, k in slot.states.items()}
+        places = PIECE | slot.value_places("p{}") | slot.state_places("s{}")
         ahead, lines = self._ahead(formula, [n for n in formula.arguments if n not in slot.states], places)
         text = tangents(formula, f"walked_{formula.name}", used, [*units, *(None for _ in slot.states)])
         called = self._called(text, formula, places, seeds, ahead)
@@ -94,7 +89,7 @@ class Writer:
     def _columns(self, slot: Slot, formula: Formula) -> list[str]:
         """The lines that fill a part's columns and add its force."""
         used = {n: k for n, k in slot.states.items() if n in formula.arguments}
-        places = SAMPLE | _values(slot) | {n: self.stored[f"s{k}"] for n, k in used.items()}
+        places = SAMPLE | slot.value_places("p{}") | {n: self.stored[f"s{k}"] for n, k in used.items()}
         units: dict[int, str | None] = {}
         seeds: list[str] = []
         for name, c in [*slot.values.items(), *(("", self.offset + k) for k in slot.states.values())]:
@@ -113,8 +108,8 @@ class Writer:
         self, formula: Formula, available: Iterable[str], places: dict[str, str]
     ) -> tuple[dict[str, str], list[str]]:
         """The calls that are computed in loops of their own: their text -> where their values are, and these loops."""
-        rows = {ast.unparse(call): self._row() for call in _calls(formula, available)}
-        lines = [line for call, row in rows.items() for line in _loop(f"{row} = {_quickly(call, places)}")]
+        rows = {ast.unparse(node): self._row() for node in _calls(formula, available)}
+        lines = [line for text, row in rows.items() for line in _loop(f"{row} = {_quickly(text, places)}")]
         return rows, lines
 
     def _called(
@@ -122,20 +117,16 @@ class Writer:
     ) -> str:
         """A call of the function of ``text``, which takes the values of the calls ``ahead`` as further arguments."""
         head, _, body = text.partition("):\n")
-        for k, call in enumerate(ahead):
-            head, body = f"{head}, call{k}", body.replace(call, f"call{k}")
+        for k, expression in enumerate(ahead):
+            head, body = f"{head}, call{k}", body.replace(expression, f"call{k}")
         self.functions.append(f"{head}):\n{body}")
         name = head.partition("(")[0].removeprefix("def ")
-        return f"{name}({', '.join([*(places[n] for n in formula.arguments), *seeds, *ahead.values()])})"
+        return call(formula, places, *seeds, *ahead.values(), name=name)
 
 
-def _values(slot: Slot) -> dict[str, str]:
-    return {n: f"p{k}" for n, k in slot.values.items()}
-
-
-def _define(lines: list[str]) -> str:
+def _walk(lines: list[str]) -> Function:
     at = [f"{n}_at = {n}[1 - still:]" for n in SAMPLE if any(f"{n}_at[" in line for line in lines)]
-    return "\n    ".join([f"def walk_SITE({ARGUMENTS}):", *at, *lines, "return"])
+    return Function("walk", SIGNATURES["walk"], [*at, *lines, "return"])
 
 
 def _loop(*lines: str) -> list[str]:
@@ -164,6 +155,6 @@ class _Placed(ast.NodeTransformer):
         return ast.parse(self.places.get(node.id, node.id), mode="eval").body
 
 
-def _quickly(call: str, places: dict[str, str]) -> str:
+def _quickly(text: str, places: dict[str, str]) -> str:
     """The text of a call with its arguments in their places and the function in its quick form."""
-    return ast.unparse(_Placed(places | QUICK).visit(ast.parse(call, mode="eval")))
+    return ast.unparse(_Placed(places | QUICK).visit(ast.parse(text, mode="eval")))

@@ -6,14 +6,15 @@ The text is what the kernels compile (see `dampyr.models.codegen.kernels`); ``co
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.models.codegen import batched_path, series
-from dampyr.models.codegen.formula import Formula, partials_of, read, tangent, tangents
+from dampyr.models.codegen import batched_path, parallel, series
+from dampyr.models.codegen.formula import Formula, read
+from dampyr.models.codegen.layout import SIGNATURES, Function, Layout
 from dampyr.models.part import Part, part
 from dampyr.units import Quantity
 
@@ -43,13 +44,13 @@ class Composition:
 
     @cached_property
     def in_series(self) -> bool:
-        """Whether the parts stand in series with something that stretches under the force."""
-        return any(p.stretch for p in self.parts)
+        """Whether the parts are in series with an element that stretches under the force."""
+        return self.layout.in_series
 
     @cached_property
-    def keeps_rate(self) -> bool:
-        """Whether the rate of the stretch in series is a state, because a part's states follow its velocity."""
-        return self.in_series and any(series.follows_velocity(p) for p in self.parts)
+    def layout(self) -> Layout:
+        """Where each part's states and parameters are in the vectors."""
+        return Layout(self.parts)
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:
@@ -60,7 +61,7 @@ class Composition:
     def states(self) -> dict[str, tuple[float, float]]:
         """Flat state names such as ``dahl.w`` -> their bounds."""
         states = {f"{p.name}.{key}": bounds for p in self.parts for key, bounds in p.states.items()}
-        added = [series.RATE] * self.keeps_rate + [series.FORCE] * self.in_series
+        added = [series.RATE] * self.layout.has_rate + [series.FORCE] * self.in_series
         return states | dict.fromkeys(added, (-math.inf, math.inf))
 
     @cached_property
@@ -133,25 +134,28 @@ class Composition:
                     formulas[formula.name] = formula
         return list(formulas.values())
 
+    def functions(self) -> list[Function]:
+        """The functions of the whole: ``advance``, ``force`` and their derivatives."""
+        return series.functions(self.layout) if self.in_series else parallel.functions(self.layout)
+
     @cached_property
+    def _walk(self) -> tuple[list[str], Function, int]:
+        return batched_path.write_walk(self.layout)
+
+    @property
     def workspace_rows(self) -> int:
-        """How many rows ``walk`` needs to itself (see `dampyr.models.codegen.batched_path`)."""
-        return batched_path.written(self)[1]
+        """How many rows of workspace ``walk`` needs (see `dampyr.models.codegen.batched_path`)."""
+        return self._walk[2]
 
     def source(self, site: int = 0) -> str:
         """The Python text of this composition's functions, their names ending in ``_{site}``."""
         texts = {f.name: f.source for f in self.formulas()}
         for p in self.parts:
-            texts.update(_tangents(p))
-            texts.update(series.towards(p) if self.in_series else {})
-        return "\n\n".join([*texts.values(), *self._glue(site)])
-
-    def _glue(self, site: int) -> list[str]:
-        """The functions that drivers know."""
-        walk = [text.replace("_SITE(", f"_{site}(") for text in batched_path.written(self)[0]]
-        if self.in_series:
-            return [*series.sources(self, site), *walk]
-        return [*(write(self, site) for write in (_advance, _force, _slopes, _columns, _spread)), *walk]
+            texts.update(parallel.derivatives(p))
+            texts.update(series.derivatives(p) if self.in_series else {})
+        called, walk, _ = self._walk
+        whole = [f.python(f"_{site}") for f in self.functions()]
+        return "\n\n".join([*texts.values(), *whole, *called, walk.python(f"_{site}")])
 
 
 def compose(names: str | Iterable[str]) -> Composition:
@@ -165,178 +169,15 @@ def compose(names: str | Iterable[str]) -> Composition:
     composition = Composition(tuple(listed))
     if not any(p.force for p in composition.parts):
         raise InputError(f"{composition} makes no force; add a part that does, such as dahl")
-    if composition.in_series and all(series.outside(p) for p in composition.parts if p.force):
+    if composition.in_series and all(p.needs_acceleration for p in composition.parts if p.force):
         raise InputError(f"{composition} has nothing that stretches it; add a part such as dahl")
     return composition
-
-
-Argument = Callable[[str], str]
-
-
-def _slots(composition: Composition) -> Iterator[tuple[Part, Argument, list[int], list[int]]]:
-    """Each part with the place of its arguments: states s[k], parameters p[k], the rest by their own name."""
-    i, j = 0, 0
-    for p in composition.parts:
-        states = {name: f"s[{j + k}]" for k, name in enumerate(p.states)}
-        values = {name: f"p[{i + k}]" for k, name in enumerate(p.parameters)}
-        places = states | values
-        own_states = list(range(j, j + len(states)))
-        own_values = list(range(i, i + len(values)))
-        yield p, lambda name, places=places: places.get(name, name), own_states, own_values  # type: ignore[misc]
-        i, j = i + len(values), j + len(states)
-
-
-def _call(formula: Formula, place: Argument, tangents: str = "", suffix: str = "") -> str:
-    arguments = ", ".join(place(a) for a in formula.arguments)
-    return f"{formula.name}{suffix}({arguments}{tangents})"
-
-
-def _tangents(p: Part) -> dict[str, str]:
-    """Derivatives of a part's two formulas: along its states, and along one more argument at a time."""
-    texts: dict[str, str] = {}
-    for formula in (p.advance, p.force):
-        if formula is None:
-            continue
-        states = [s for s in p.states if s in formula.arguments]
-        for name, function in partials_of(formula).items():
-            for inner, f in read(function, name).intrinsics().items():
-                texts.setdefault(inner, read(f, inner).source)
-            texts[name] = read(function, name).source
-        if formula is p.force:
-            for unit in (None, *(a for a in formula.arguments if a not in p.states)):
-                name = f"{formula.name}_by_{unit or 'states'}"
-                texts[name] = tangent(formula, name, states, unit)
-    if p.advance is not None:
-        texts[f"{p.advance.name}_and_slopes"] = _at_end(p)
-        texts[f"{p.advance.name}_and_tangents"] = _all_ways(p)
-    return texts
-
-
-def _define(name: str, site: int, arguments: str, lines: list[str]) -> str:
-    return "\n    ".join([f"def {name}_{site}({arguments}):", *lines])
-
-
-def _targets(states: list[int], array: str = "s") -> str:
-    return ", ".join(f"{array}[{k}]" for k in states)
-
-
-def _advance(composition: Composition, site: int) -> str:
-    lines = [
-        f"{_targets(states)} = {_call(p.advance, place)}" for p, place, states, _ in _slots(composition) if p.advance
-    ]
-    return _define("advance", site, "s, x0, x1, v0, v1, dt, p", [*lines, "return"])
-
-
-def _force(composition: Composition, site: int) -> str:
-    terms = [_call(p.force, place) for p, place, _, _ in _slots(composition) if p.force]
-    return _define("force", site, "s, x, v, a, p", ["return " + " + ".join(terms)])
-
-
-def _slopes(composition: Composition, site: int) -> str:
-    """dF/dx1 and dF/dv1 of the force at the end of a piece, through the states and directly."""
-    lines = ["fx, fv, x, v, a = 0.0, 0.0, x1, v1, 0.0"]
-    for p, place, states, _ in _slots(composition):
-        if p.force is None:
-            continue
-        ends = {name: f"e{k}" for name, k in zip(p.states, states, strict=True)}
-        if p.advance:
-            lines.append(_ends(p, place, states))
-        at_end = lambda name, ends=ends, place=place: ends.get(name) or place(name)  # noqa: E731
-        for axis, total in (("x", "fx"), ("v", "fv")):
-            tangents = _end_tangents(p, axis, states) if axis in _axes(p) else ""
-            if axis in p.force.arguments or tangents:
-                suffix = f"_by_{axis}" if axis in p.force.arguments else "_by_states"
-                lines.append(f"{total} += {_call(p.force, at_end, tangents or _zeros(p), suffix)}")
-    return _define("slopes", site, "s, x0, x1, v0, v1, dt, p", [*lines, "return fx, fv"])
-
-
-def _zeros(p: Part) -> str:
-    """Zero tangents of the states that the force of a part uses."""
-    assert p.force is not None
-    return ", 0.0" * sum(s in p.force.arguments for s in p.states)
-
-
-def _axes(p: Part) -> list[str]:
-    """What the states at the end of a piece change with: x1, v1 or both."""
-    return [axis for axis in "xv" if p.advance is not None and f"{axis}1" in p.advance.arguments]
-
-
-def _ends(p: Part, place: Argument, states: list[int]) -> str:
-    """The line with a part's states at the end and how they change with x1 and v1, in one call."""
-    assert p.advance is not None
-    seeds = ", 0.0" * (len(_axes(p)) * sum(s in p.advance.arguments for s in p.states))
-    targets = [f"e{k}" for k in states] + [f"d{axis}{k}" for axis in _axes(p) for k in states]
-    return f"{', '.join(targets)} = {_call(p.advance, place, seeds, '_and_slopes')}"
-
-
-def _end_tangents(p: Part, axis: str, states: list[int]) -> str:
-    """The tangents by the end of an axis that the force of a part takes."""
-    assert p.force is not None
-    return "".join(f", d{axis}{k}" for s, k in zip(p.states, states, strict=True) if s in p.force.arguments)
-
-
-def _columns(composition: Composition, site: int) -> str:
-    """dF/dp_k and dF/ds_j(start), from the tangents D of the states."""
-    lines = []
-    offset = len(composition.parameters)
-    for p, place, states, values in _slots(composition):
-        if p.force is None:
-            continue
-        used = [k for s, k in zip(p.states, states, strict=True) if s in p.force.arguments]
-        for name, k in zip(p.parameters, values, strict=True):
-            direct = name in p.force.arguments
-            if direct or used:
-                suffix = f"_by_{name}" if direct else "_by_states"
-                seeds = "".join(f", D[{j}, {k}]" for j in used)
-                lines.append(f"J[{k}] = {_call(p.force, place, seeds, suffix)}")
-        for start in states:
-            seeds = "".join(f", D[{j}, {offset + start}]" for j in used)
-            lines.append(f"J[{offset + start}] = {_call(p.force, place, seeds, '_by_states')}")
-    return _define("columns", site, "s, D, x, v, a, p, J", [*lines, "return"])
-
-
-def _spread(composition: Composition, site: int) -> str:
-    """Move the states and their tangents D along one piece."""
-    lines = []
-    offset = len(composition.parameters)
-    for p, place, states, values in _slots(composition):
-        if p.advance is None:
-            continue
-        used = [k for s, k in zip(p.states, states, strict=True) if s in p.advance.arguments]
-        columns = [k for name, k in zip(p.parameters, values, strict=True) if name in p.advance.arguments]
-        columns += [offset + start for start in states]
-        seeds = "".join(f", D[{j}, {column}]" for column in columns for j in used)
-        targets = [f"s[{k}]" for k in states] + [f"D[{k}, {column}]" for column in columns for k in states]
-        lines.append(f"{', '.join(targets)} = {_call(p.advance, place, seeds, '_and_tangents')}")
-    return _define("spread", site, "s, D, x0, x1, v0, v1, dt, p", [*lines, "return"])
-
-
-def _at_end(p: Part) -> str:
-    """The advance of a part with its derivatives by the displacement and the velocity at the end."""
-    assert p.advance is not None
-    used = [s for s in p.states if s in p.advance.arguments]
-    return tangents(p.advance, f"{p.advance.name}_and_slopes", used, [f"{axis}1" for axis in _axes(p)])
-
-
-def _all_ways(p: Part) -> str:
-    """The advance of a part with its derivatives by its parameters, and by each state at the start."""
-    assert p.advance is not None
-    used = [s for s in p.states if s in p.advance.arguments]
-    units = [name for name in p.parameters if name in p.advance.arguments]
-    return tangents(p.advance, f"{p.advance.name}_and_tangents", used, [*units, *(None for _ in p.states)])
 
 
 def namespace_of(compositions: tuple[Composition, ...]) -> tuple[str, dict[str, Any]]:
     """The text of several compositions with the functions that choose among them by ``site``, and its names."""
     texts = [c.source(site) for site, c in enumerate(compositions)]
-    for name, arguments in (
-        ("advance", "s, x0, x1, v0, v1, dt, p"),
-        ("force", "s, x, v, a, p"),
-        ("slopes", "s, x0, x1, v0, v1, dt, p"),
-        ("columns", "s, D, x, v, a, p, J"),
-        ("spread", "s, D, x0, x1, v0, v1, dt, p"),
-        ("walk", batched_path.ARGUMENTS),
-    ):
+    for name, arguments in SIGNATURES.items():
         last = len(compositions) - 1
         lines = [f"if site == {k}: return {name}_{k}({arguments})" for k in range(last)]
         texts.append("\n    ".join([f"def {name}(site, {arguments}):", *lines, f"return {name}_{last}({arguments})"]))

@@ -26,9 +26,10 @@ from types import FunctionType
 from typing import Any
 
 from dampyr.models.codegen.composition import Composition, namespace_of
+from dampyr.models.codegen.layout import SIGNATURES
 from dampyr.models.numerics import fast_math
 
-BOUND = ("advance", "force", "slopes", "columns", "spread", "walk")
+BOUND = tuple(SIGNATURES)
 MORE = ("decide",)
 QUICK = ("quick_exp", "quick_tanh")
 MAX_CACHE_AGE = 30 * 86400.0

@@ -51,7 +51,7 @@ def _in_series(
 ) -> Half:
     """The same where something stretches under the force; the last state is the force itself."""
     names, hidden = _Names(tag, states, values, motion), len(states) - 1
-    lines = [ast.unparse(names.visit(ast.parse(line).body[0])) for line in series.law(composition)]
+    lines = [ast.unparse(names.visit(ast.parse(line).body[0])) for line in series.law(composition.layout)]
     ends = [f"e{k}{tag}" for k in range(hidden)]
     by = [[f"f{axis}{k}{tag}" for k in range(hidden)] for axis in "xv"]
     return Half(lines, ends, f"raw{tag}", (f"fx{tag}", f"fv{tag}"), by[0], by[1])
