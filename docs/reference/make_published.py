@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 import sys
-from importlib import import_module
 from pathlib import Path
 from textwrap import fill
 
@@ -21,8 +19,8 @@ damper = dp.models.published.damper("spencer_1997")  # a damper like any other: 
 about = dp.models.published.about("spencer_1997")  # paper, where, read, device, printed, limits, notes, differs
 ```
 
-Each set is one file of `dampyr/models/published`, with the printed numbers and the arithmetic to SI, and this page is
-written from these files. "Read" says what was read: for all but `tan_agrawal_2004`, whose own files were, it is somebody's
+The sets are the TOML files of `dampyr/models/published`, with the numbers as printed, and this page is written from these
+files. "Read" says what was read: for all but `tan_agrawal_2004`, whose own files were, it is somebody's
 quotation or program and not the paper, and where it may be wrong the notes say so. Sets that claim the same source and
 differ are all here and name each other. The damper of Raminelli (2020), read in the dissertation itself, is
 `dp.studies.raminelli_2020.damper()`.
@@ -65,13 +63,13 @@ def section(name: str) -> str:
     ]
     rows = [f"| `{letter}` | {number:.15g} | {unit} |" for letter, (number, unit) in about.printed.items()]
     table = ["| as printed | number | unit |", "|---|---|---|", *rows]
-    text = markdown(inspect.getdoc(import_module(f"{published.__name__}.{name}")) or "")
+    text = markdown(about.description)
     items = [fill(item, 118, subsequent_indent="  ", break_long_words=False, initial_indent="- ") for item in said]
     return "\n".join([f"## `{name}`", "", text, "", *items, "", *table, ""])
 
 
 def markdown(text: str) -> str:
-    """A docstring of these files as Markdown: displayed equations, mathematics in a line."""
+    """A description of these files as Markdown: displayed equations, mathematics in a line."""
     text = re.sub(r"^\.\. math:: (.*(?:\n[ ]+\S.*)*)", lambda m: "$$" + " ".join(m[1].split()) + "$$", text, flags=re.M)
     text = re.sub(r":math:`([^`]+)`", r"$\1$", text)
     return text.replace("\\|v\\|", "|v|")

@@ -63,7 +63,7 @@ def test_the_derived_gradient_is_the_gradient(name: str) -> None:
 
 
 @pytest.mark.prove
-@pytest.mark.parametrize("name", [one for one in SERIES if compose(one).keeps_rate])
+@pytest.mark.parametrize("name", [one for one in SERIES if compose(one).layout.has_rate])
 def test_so_is_that_of_a_stretch_with_an_unknown_past(name: str) -> None:
     agree_with_differences(name, np.array(list(typical(name).values())), np.array(compose(name).path0))
 

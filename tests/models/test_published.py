@@ -295,7 +295,9 @@ def test_the_a_of_the_damper_lab_scales_the_hysteretic_force() -> None:
 
 
 def test_an_unknown_set_lists_the_known_ones() -> None:
-    with pytest.raises(InputError, match=r"'spencer_97' is not among the published; did you mean 'spencer_1997'\?"):
+    with pytest.raises(
+        InputError, match=r"'spencer_97' is not among the published sets; did you mean 'spencer_1997'\?"
+    ):
         published.damper("spencer_97")
     with pytest.raises(InputError, match="choose from azimi_2020"):
         published.about("_about")

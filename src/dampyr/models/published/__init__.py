@@ -1,4 +1,4 @@
-"""Published parameter sets, one file each: the printed numbers, their units, and the arithmetic to SI.
+"""Published parameter sets: TOML files with the printed numbers, their units and their source.
 
 `names` lists the sets, `about` says where one comes from and what was read of it, and `damper` makes it::
 
@@ -8,32 +8,45 @@
     force = damper.force(t, x, voltage=1.5)
     print(dp.models.published.about("spencer_1997").differs)
 
-A set whose paper was not read itself says whose quotation was. Sets that claim the same source and differ are all here,
+A set whose paper was not read itself names the quotation that was. Sets that claim the same source and differ are all here,
 and each names the others. The damper of Raminelli (2020) is `dampyr.studies.raminelli_2020.damper`.
+
+A new set is a new file of this folder: `dampyr.models.published._about.About` lists its keys, and its ``model`` is one of
+`dampyr.models.published._conversion`, which has the arithmetic to SI. A file whose sets share most numbers has what each has
+of its own in tables ``sets``.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from difflib import get_close_matches
+from functools import lru_cache
+from pathlib import Path
 
-from dampyr import registry
-
-if TYPE_CHECKING:
-    from dampyr.models.damper import Damper
-    from dampyr.models.published._about import About
+from dampyr.errors import InputError
+from dampyr.models.damper import Damper
+from dampyr.models.published._about import About, read_sets
 
 __all__ = ["about", "damper", "names"]
 
 
+@lru_cache(maxsize=1)
+def _sets() -> dict[str, About]:
+    files = sorted(Path(__file__).parent.glob("*.toml"))
+    return {name: about for file in files for name, about in read_sets(file).items()}
+
+
 def names() -> list[str]:
     """The names of all sets."""
-    return registry.names(__name__)
+    return sorted(_sets())
 
 
 def about(name: str) -> About:
-    """Where the set called ``name`` comes from; :class:`~dampyr.errors.InputError` with the known names if there is none."""
-    result: About = registry.member(__name__, name).ABOUT
-    return result
+    """Where the set called ``name`` comes from; :class:`~dampyr.errors.InputError` lists the names if there is none."""
+    if name not in _sets():
+        close = get_close_matches(name, names(), n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        raise InputError(f"{name!r} is not among the published sets; {hint}choose from {', '.join(names())}")
+    return _sets()[name]
 
 
 def damper(name: str) -> Damper:
@@ -41,5 +54,4 @@ def damper(name: str) -> Damper:
 
     A set whose loops bulge the wrong way is made with a :class:`~dampyr.errors.DampyrWarning`.
     """
-    made: Damper = registry.member(__name__, name).damper()
-    return made
+    return about(name).damper()

@@ -1,12 +1,16 @@
-"""What is known of a published set: where its numbers stand, who read them where, and what disagrees."""
+"""A published set as its file describes it: where its numbers are printed, who read them, and what disagrees."""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import pi
+from pathlib import Path
+from typing import Any
 
 from dampyr.models.damper import Damper
-from dampyr.models.laws import Law
+from dampyr.models.published._conversion import LENGTHS, MODELS, Printed
 
 
 @dataclass(frozen=True)
@@ -32,15 +36,20 @@ class About:
         what was read: the source of every number here.
     ``device``
         the specimen, as far as the source names it.
+    ``model``
+        the model, a function of `dampyr.models.published._conversion`.
+    ``length``
+        the unit of length of the printed numbers: m, cm or mm.
+    ``description``
+        the equations, and what a reader should know first.
+    ``letters``
+        letter of the model -> letter or letters of the source, where they differ.
     ``printed``
         letter -> (number, unit) as printed; a unit that the source leaves out is inferred, and the notes say so.
     ``limits``
         the smallest and largest input, and ``limits_from`` where they come from.
     ``motion``
         a sine that the source runs.
-    ``eta``
-        the rate in 1/s of the first-order filter u' = -eta (u - V) between command and damper; None without one. The damper
-        has it as the part ``lag``, tau = 1/eta.
     ``notes``
         what a user must know.
     ``differs``
@@ -56,10 +65,13 @@ class About:
     limits: tuple[float, float]
     limits_from: str
     motion: Motion
+    model: str
+    length: str
+    description: str
     input: str = "V"
-    eta: float | None = None
     notes: tuple[str, ...] = ()
     differs: Mapping[str, str] = field(default_factory=dict)
+    letters: Mapping[str, str | list[str]] = field(default_factory=dict)
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -67,19 +79,52 @@ class About:
         return {letter: number for letter, (number, _) in self.printed.items()}
 
     @property
+    def eta(self) -> float | None:
+        """The rate in 1/s of the first-order filter u' = -eta (u - V) between command and damper; None without one.
+
+        The damper has it as the part ``lag``, tau = 1/eta.
+        """
+        return self.numbers.get("eta")
+
+    @property
     def units(self) -> tuple[str, ...]:
         """The printed units, each once."""
         return tuple(dict.fromkeys(unit for _, unit in self.printed.values()))
 
-    def damper(self, parts: str, laws: Mapping[str, Law | float]) -> Damper:
-        """A damper of these laws, and of the lag of its input, that says where it comes from."""
-        said = {"paper": self.paper, "where": self.where, "read": self.read, "device": self.device}
-        said |= {"limits": self.limits_from}
+    def damper(self) -> Damper:
+        """The damper in SI, which says where it comes from."""
+        laws = MODELS[self.model](Printed(self.numbers, self.letters, LENGTHS[self.length]), self.limits)
+        source = {"paper": self.paper, "where": self.where, "read": self.read, "device": self.device}
+        source |= {"limits": self.limits_from}
         if self.eta is not None:
-            said["filter"] = (
+            source["filter"] = (
                 f"the source filters the command V first, u' = -{self.eta:g} (u - V): the part lag, tau = 1/eta"
             )
-            parts, laws = f"{parts} + lag", {**laws, "lag.tau": 1.0 / self.eta}
+            laws["lag.tau"] = 1.0 / self.eta
         if self.differs:
-            said["differs"] = "; ".join(f"{name}: {what}" for name, what in self.differs.items())
-        return Damper(parts, laws, input=self.input, provenance=said)
+            source["differs"] = "; ".join(f"{name}: {what}" for name, what in self.differs.items())
+        parts = tuple(dict.fromkeys(name.partition(".")[0] for name in laws))
+        return Damper(parts, laws, input=self.input, provenance=source)
+
+
+def read_sets(path: Path) -> dict[str, About]:
+    """The sets of one file, by name: the file's own, or those of its tables ``sets``, which share all else."""
+    table = tomllib.loads(path.read_text(encoding="utf-8"))
+    sets = table.pop("sets", {path.stem: {}})
+    return {
+        name: _about(table | own | {"printed": table["printed"] | own.get("printed", {})}) for name, own in sets.items()
+    }
+
+
+def _about(table: dict[str, Any]) -> About:
+    motion = dict(table["motion"])
+    if "angular_frequency" in motion:
+        motion["frequency"] = motion.pop("angular_frequency") / (2.0 * pi)
+    read = {
+        "motion": Motion(motion["amplitude"], motion["frequency"], tuple(motion["inputs"])),
+        "printed": {letter: (number, unit) for letter, (number, unit) in table["printed"].items()},
+        "limits": tuple(table["limits"]),
+        "notes": tuple(table["notes"]),
+        "description": table["description"].strip(),
+    }
+    return About(**(table | read))

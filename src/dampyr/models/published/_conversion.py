@@ -8,62 +8,90 @@ the ratio.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
-from dampyr.models.parts.bouc_wen import Printed
+from dampyr.models.parts.bouc_wen import Printed as BoucWenPrinted
 
-KNOTS = 65
+KNOTS = 65  # of a ratio; they keep it within 1e-4
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}  # m
+LINEAR = {"c0": ["c0a", "c0b"], "c1": ["c1a", "c1b"], "alpha": ["alpha_a", "alpha_b"]}
+
+Laws = dict[str, Law | float]
 
 
-def bouc_wen(
-    limits: tuple[float, float],
-    c0: Sequence[float],
-    alpha: Sequence[float],
-    A: float,
-    beta: float,
-    gamma: float,
-    n: float,
-) -> dict[str, Law | float]:
-    """The laws of `bouc_wen` without its spring; ``c0`` and ``alpha`` in rising powers of the input, gamma with \\|v\\| z."""
-    z_max = Printed(0.0, 0.0, 1.0, A, beta, gamma, n).z_max
+@dataclass(frozen=True)
+class Printed:
+    """The printed numbers of a set by the letters of the models, gamma with \\|v\\| z, in SI.
+
+    ``numbers`` has them by the letters of the source, ``letters`` the letters that differ, ``length`` the unit of length in m.
+    """
+
+    numbers: Mapping[str, float]
+    letters: Mapping[str, str | list[str]]
+    length: float
+
+    def scalar(self, letter: str) -> float:
+        """One number as printed; 0 where the source has none."""
+        return self.numbers.get(str(self.letters.get(letter, letter)), 0.0)
+
+    def stiffness(self, letter: str) -> float:
+        """One number in N/m."""
+        return self.scalar(letter) / self.length
+
+    def polynomial(self, letter: str) -> list[float]:
+        """Coefficients per unit of length, in rising powers of the input."""
+        return [self.numbers[name] / self.length for name in self.letters.get(letter, LINEAR[letter])]
+
+    @property
+    def z_max(self) -> float:
+        """The ultimate value of z in m."""
+        return BoucWenPrinted(0.0, 0.0, 1.0, self.scalar("A"), *self._shape(), self.scalar("n")).z_max
+
+    def _shape(self) -> tuple[float, float]:
+        """beta and gamma."""
+        power = self.length ** self.scalar("n")
+        return self.scalar("beta") / power, self.scalar("gamma") / power
+
+    def shape(self, part: str, limits: tuple[float, float]) -> Laws:
+        """The laws of rho, sigma and n."""
+        beta, gamma = self._shape()
+        return {
+            f"{part}.rho": Constant(self.scalar("A") / self.z_max, *limits),
+            f"{part}.sigma": Constant(gamma / (beta + gamma), *limits),
+            f"{part}.n": Constant(self.scalar("n"), *limits),
+        }
+
+
+def bouc_wen(p: Printed, limits: tuple[float, float]) -> Laws:
+    """The laws of `bouc_wen` without its spring."""
     return {
-        "bouc_wen.c0": Polynomial(tuple(c0), *limits),
+        "bouc_wen.c0": Polynomial(tuple(p.polynomial("c0")), *limits),
         "bouc_wen.k0": Constant(0.0, *limits),
-        "bouc_wen.kw": Polynomial(tuple(a * z_max for a in alpha), *limits),
-        "bouc_wen.rho": Constant(A / z_max, *limits),
-        "bouc_wen.sigma": Constant(gamma / (beta + gamma), *limits),
-        "bouc_wen.n": Constant(n, *limits),
+        "bouc_wen.kw": Polynomial(tuple(a * p.z_max for a in p.polynomial("alpha")), *limits),
+        **p.shape("bouc_wen", limits),
     }
 
 
-def modified_bouc_wen(
-    limits: tuple[float, float],
-    c0: Sequence[float],
-    c1: Sequence[float],
-    alpha: Sequence[float],
-    k0: float,
-    k1: float,
-    A: float,
-    beta: float,
-    gamma: float,
-    n: float,
-) -> dict[str, Law | float]:
-    """The laws of `modified_bouc_wen`; ``c0``, ``c1``, ``alpha`` in rising powers of the input, gamma with \\|v\\| z."""
-    z_max = Printed(0.0, k0, 1.0, A, beta, gamma, n).z_max
-    kw = [a * z_max for a in alpha]
-    return {
+def modified_bouc_wen(p: Printed, limits: tuple[float, float]) -> Laws:
+    """The laws of `modified_bouc_wen`, and of an `offset`: the printed f0, or that of the spring k1 (x - x0)."""
+    kw, c1 = [a * p.z_max for a in p.polynomial("alpha")], p.polynomial("c1")
+    laws: Laws = {
         "modified_bouc_wen.kw": Polynomial(tuple(kw), *limits),
-        "modified_bouc_wen.k1": Constant(k1, *limits),
+        "modified_bouc_wen.k1": Constant(p.stiffness("k1"), *limits),
         "modified_bouc_wen.vc": ratio(kw, c1, limits),
-        "modified_bouc_wen.r": ratio(c0, c1, limits),
-        "modified_bouc_wen.kappa": ratio([k0], kw, limits),
-        "modified_bouc_wen.rho": Constant(A / z_max, *limits),
-        "modified_bouc_wen.sigma": Constant(gamma / (beta + gamma), *limits),
-        "modified_bouc_wen.n": Constant(n, *limits),
+        "modified_bouc_wen.r": ratio(p.polynomial("c0"), c1, limits),
+        "modified_bouc_wen.kappa": ratio([p.stiffness("k0")], kw, limits),
+        **p.shape("modified_bouc_wen", limits),
     }
+    offset = p.scalar("f0") or -p.stiffness("k1") * p.scalar("x0") * p.length
+    return laws | {"offset.f0": offset} if offset else laws
+
+
+MODELS = {"bouc_wen": bouc_wen, "modified_bouc_wen": modified_bouc_wen}
 
 
 def ratio(above: Sequence[float], below: Sequence[float], limits: tuple[float, float]) -> Interpolation:
