@@ -15,7 +15,9 @@ A damper is made of parts, written as `"dahl + spring + delay"`. Each part is on
 page is written from these files. The force is the sum over the parts, late by the `delay` where there is one. x is the
 displacement in m (extension positive), v the velocity in m/s; a positive force opposes positive velocity. Each parameter
 follows the coil's voltage (or current) by a law: see [card](card.md). `compliance` and `free_play` have no force of their
-own: they stand in series with all other parts, which then feel the motion less the stretch.
+own: they stand in series with all other parts, which then feel the motion less the stretch. In Python a damper is made of
+names and laws, or of part objects with their numbers: `Damper([Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)])`, with
+`from dampyr.models.parts import Dahl, Spring`.
 
 A parameter is *linear* where the force is proportional to it; a fit solves for these inside (in series with a stretch
 none is). A state is 0 at rest.

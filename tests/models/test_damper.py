@@ -8,6 +8,7 @@ import pytest
 
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, FileError, InputError, MissingData, RangeError
 from dampyr.models import Damper, Interpolation, Polynomial, compose
+from dampyr.models.parts import Compliance, Dahl, Spring
 from dampyr.models.parts.bouc_wen import BoucWen, from_printed
 
 T = np.linspace(0.0, 2.0, 1001)
@@ -30,6 +31,41 @@ def test_at_gives_the_model_at_one_voltage() -> None:
     assert model.kx == pytest.approx(802.0 + 493.1 * 1.98 + 34.2 * 1.98**2 + 85.5 * 1.98**3)
     several = Damper("dahl + spring", {"dahl.kx": 1.0, "dahl.kw": 2.0, "dahl.rho": 3.0, "spring.k0": 4.0}).at(0.0)
     assert [type(m).__name__ for m in several] == ["Dahl", "Spring"]
+
+
+def test_a_damper_of_part_objects_is_that_of_their_names_and_numbers() -> None:
+    laws = {"dahl.kx": 800.0, "dahl.kw": 50.0, "dahl.rho": 900.0, "spring.k0": 200.0}
+    by_name = Damper("dahl + spring", laws)
+    by_part = Damper([Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)])
+    assert by_part.parts == ("dahl", "spring")
+    assert by_part.all_laws == by_name.all_laws
+    np.testing.assert_array_equal(by_part.force(T, X, voltage=0.0), by_name.force(T, X, voltage=0.0))
+    assert Damper(by_part.at(0.0)).all_laws == by_name.all_laws
+    assert Damper(Dahl(800.0, 50.0, 900.0)).parts == ("dahl",)
+
+
+def test_names_with_laws_and_part_objects_go_together() -> None:
+    damper = Damper(["dahl", Compliance(s=1e-7)], published().laws)
+    assert damper.parts == ("dahl", "compliance")
+    assert damper.range == (0.0, 3.212)
+    assert damper.at(1.98)[1] == Compliance(s=1e-7)
+
+
+def test_a_part_that_is_none_says_what_to_give() -> None:
+    with pytest.raises(
+        InputError, match=r"3.5 is not a part of a damper; give names such as 'dahl' or objects such as Dahl"
+    ):
+        Damper([Dahl(kx=800.0, kw=50.0, rho=900.0), 3.5])
+    with pytest.raises(InputError, match=r"Dahl is a class without numbers; give Dahl\(kx=..., kw=..., rho=...\)"):
+        Damper([Dahl])
+    with pytest.raises(InputError, match=r"spring.k0 is given twice, by its part and in laws; leave it out of laws"):
+        Damper([Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)], {"spring.k0": 3.0})
+    with pytest.raises(InputError, match="the part 'spring' stands twice"):
+        Damper([Spring(k0=1.0), Spring(k0=2.0)])
+    with pytest.raises(InputError, match=r"dahl lacks a law for dahl\.kw, dahl\.kx, dahl\.rho"):
+        Damper("dahl")
+    with pytest.raises(ImportError, match="cannot import name 'Dall'"):
+        from dampyr.models.parts import Dall  # noqa: F401
 
 
 def test_a_voltage_that_does_not_vary_is_the_same_as_a_number() -> None:

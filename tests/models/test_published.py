@@ -17,6 +17,7 @@ from dampyr import ground_motions, structures
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.export import export
 from dampyr.models import Damper, published
+from dampyr.models.published._about import read_sets
 from dampyr.models.published._conversion import ratio
 
 Array = NDArray[np.float64]
@@ -301,6 +302,13 @@ def test_an_unknown_set_lists_the_known_ones() -> None:
         published.damper("spencer_97")
     with pytest.raises(InputError, match="choose from azimi_2020"):
         published.about("_about")
+
+
+def test_a_set_is_found_by_its_file(tmp_path: Path) -> None:
+    folder = Path(published.__file__).parent
+    (tmp_path / "another_2026.toml").write_bytes((folder / "azimi_2020.toml").read_bytes())
+    assert read_sets(tmp_path / "another_2026.toml") == {"another_2026": published.about("azimi_2020")}
+    assert set(read_sets(folder / "eldorado.toml")) == {"eldorado_as_noted", "eldorado_as_run"}
 
 
 def test_the_page_is_what_the_sets_say() -> None:

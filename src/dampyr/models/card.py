@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError, InputError, MissingData
+from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
 
-if TYPE_CHECKING:
-    from dampyr.models.damper import Damper
-
 SCHEMA = 1
+Damper = TypeVar("Damper")
 
 
-def write(damper: Damper, path: Path) -> Path:
-    """Write ``damper`` to ``path``, whole or not at all."""
+def write(damper: Any, path: Path) -> Path:
+    """Write a :class:`~dampyr.models.damper.Damper` to ``path``, whole or not at all."""
     import tomli_w
 
     head = "# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n"
@@ -27,7 +27,7 @@ def write(damper: Damper, path: Path) -> Path:
     return path
 
 
-def _tables(damper: Damper) -> dict[str, Any]:
+def _tables(damper: Any) -> dict[str, Any]:
     head: dict[str, Any] = {"parts": list(damper.parts), "input": damper.input}
     if damper.bandwidth is not None:
         head["velocity_bandwidth_Hz"] = damper.bandwidth
@@ -48,8 +48,11 @@ def _tables(damper: Damper) -> dict[str, Any]:
     return tables
 
 
-def read(path: Path) -> Damper:
-    """Read a card; FileError names what is wrong, and refuses a schema that this version does not know."""
+def read(path: Path, make: Callable[..., Damper]) -> Damper:
+    """What ``make``, the class of dampers, makes of a card's fields.
+
+    FileError says what is wrong, and refuses a schema that this version cannot read.
+    """
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -59,17 +62,15 @@ def read(path: Path) -> Damper:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise FileError(path, f"this is not a TOML file: {problem}") from None
     if tables.get("schema") != SCHEMA:
-        raise FileError(path, f"schema {tables.get('schema')!r} is not known; this dampyr reads schema {SCHEMA}")
+        raise FileError(path, f"schema {tables.get('schema')!r} is not supported; this dampyr reads schema {SCHEMA}")
     try:
-        return _damper(tables)
+        return make(**_fields(tables))
     except (InputError, KeyError, TypeError, ValueError, AttributeError) as problem:
         text = f"it lacks {problem.args[0]!r}" if isinstance(problem, KeyError) else str(problem)
         raise FileError(path, f"{text}; see docs/reference/card.md") from None
 
 
-def _damper(tables: dict[str, Any]) -> Damper:
-    from dampyr.models.damper import Damper
-
+def _fields(tables: dict[str, Any]) -> dict[str, Any]:
     head = tables["damper"]
     laws = {}
     for name, table in tables["laws"].items():
@@ -83,18 +84,18 @@ def _damper(tables: dict[str, Any]) -> Damper:
         raise InputError(
             f"covariance.within_records_only = {within!r} is not allowed; give a list of names, or leave it out"
         )
-    damper = Damper(
-        parts=tuple(head["parts"]),
-        laws=laws,
-        input=head["input"],
-        ranges={name: (float(span[0]), float(span[1])) for name, span in tables.get("ranges", {}).items()},
-        covariance=None if covariance is None else np.asarray(covariance, dtype=float),
-        bandwidth=head.get("velocity_bandwidth_Hz"),
-        provenance=tables.get("provenance", {}),
-        within_records=tuple(within),
-    )
-    for name, quantity in damper.composition.quantities.items():
-        said = tables["laws"][name].get("unit", quantity.unit or "1")
-        if said != (quantity.unit or "1"):
-            raise InputError(f"law {name} is in {said!r}; a card holds {quantity.unit or '1'!r}")
-    return damper
+    composition = compose(tuple(head["parts"]))
+    for name, quantity in composition.quantities.items():
+        unit = tables["laws"].get(name, {}).get("unit", quantity.unit or "1")
+        if unit != (quantity.unit or "1"):
+            raise InputError(f"law {name} is in {unit!r}; a card holds {quantity.unit or '1'!r}")
+    return {
+        "parts": composition.names,
+        "laws": laws,
+        "input": head["input"],
+        "ranges": {name: (float(span[0]), float(span[1])) for name, span in tables.get("ranges", {}).items()},
+        "covariance": None if covariance is None else np.asarray(covariance, dtype=float),
+        "bandwidth": head.get("velocity_bandwidth_Hz"),
+        "provenance": tables.get("provenance", {}),
+        "within_records": tuple(within),
+    }

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
+from dampyr.models import card
 from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.laws import Constant, Law
+from dampyr.models.part import part_name
 
 Array = NDArray[np.float64]
 INPUTS = {"V": "voltage", "A": "current"}
@@ -26,9 +28,11 @@ class Damper:
     """A damper, from whatever parts.
 
     ``parts``
-        such as ``"dahl + spring"`` or ``("dahl", "spring")``: names of ``dampyr.models.parts``.
+        such as ``"dahl + spring"`` or ``("dahl", "spring")``: names of ``dampyr.models.parts``. Also part objects, as `at`
+        returns them: ``[Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)]``; their numbers are constant laws.
     ``laws``
-        one law per parameter, by its flat name (``"dahl.kx"``), in SI units over the input; a number means a constant.
+        one law per parameter that no part object has, by its flat name (``"dahl.kx"``), in SI units over the input; a number
+        means a constant.
     ``input``
         ``"V"``: the voltage at the coil, or ``"A"``: its current.
     ``ranges``
@@ -46,8 +50,8 @@ class Damper:
     Raises :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
     """
 
-    parts: str | tuple[str, ...]
-    laws: Mapping[str, Law | float]
+    parts: str | Sequence[Any]
+    laws: Mapping[str, Law | float] = field(default_factory=dict)
     input: str = "V"
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     covariance: Array | None = None
@@ -56,7 +60,12 @@ class Damper:
     within_records: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        composition = compose(self.parts)
+        names, constants = _names_and_constants(self.parts)
+        twice = sorted(set(constants) & set(self.laws))
+        if twice:
+            raise InputError(f"{twice[0]} is given twice, by its part and in laws; leave it out of laws")
+        composition = compose(names)
+        object.__setattr__(self, "laws", {**constants, **self.laws})
         object.__setattr__(self, "parts", composition.names)
         object.__setattr__(self, "composition", composition)
         self._check_names()
@@ -341,16 +350,25 @@ class Damper:
 
     def save(self, path: str | Path) -> Path:
         """Write the card, a TOML file (docs/reference/card.md), whole or not at all."""
-        from dampyr.models.card import write
-
-        return write(self, Path(path))
+        return card.write(self, Path(path))
 
     @classmethod
-    def load(cls, path: str | Path) -> Damper:
+    def load(cls, path: str | Path) -> Self:
         """Read a card; :class:`~dampyr.errors.FileError` says what is wrong with it."""
-        from dampyr.models.card import read
+        return card.read(Path(path), cls)
 
-        return read(Path(path))
+
+def _names_and_constants(parts: Any) -> tuple[str | list[str], dict[str, float]]:
+    """The names of parts that are given as text, as objects or as both, and the parameters of the objects."""
+    if isinstance(parts, str):
+        return parts, {}
+    names, constants = [], {}
+    for each in parts if isinstance(parts, Iterable) else [parts]:
+        name = each if isinstance(each, str) else part_name(each)
+        names.append(name)
+        if not isinstance(each, str):
+            constants.update({f"{name}.{one.name}": float(getattr(each, one.name)) for one in fields(each)})
+    return names, constants
 
 
 def _shortened(labels: tuple[str, ...]) -> str:

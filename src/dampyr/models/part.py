@@ -8,6 +8,7 @@ from functools import lru_cache, wraps
 from types import ModuleType
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
+from dampyr.errors import InputError
 from dampyr.models.codegen.formula import Formula, read
 from dampyr.registry import member
 from dampyr.units import Quantity
@@ -143,3 +144,15 @@ def part(name: str) -> Part:
             f"{name}: {taken[0]!r} means the motion in its formulas, so no parameter or state can have this name"
         )
     return result
+
+
+def part_name(model: object) -> str:
+    """The name of the part whose object ``model`` is: ``"dahl"`` for ``Dahl(...)``; InputError for anything else."""
+    cls = model if isinstance(model, type) else type(model)
+    package, _, name = cls.__module__.rpartition(".")
+    if package != REGISTRY or part(name).cls is not cls:
+        raise InputError(f"{model!r} is not a part of a damper; give names such as 'dahl' or objects such as Dahl(...)")
+    if isinstance(model, type):
+        needed = ", ".join(f"{key}=..." for key in part(name).parameters)
+        raise InputError(f"{cls.__name__} is a class without numbers; give {cls.__name__}({needed})")
+    return name
