@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from dampyr.errors import InputError
 from dampyr.models import Constant, Damper, Interpolation, Polynomial
-from dampyr.models.laws import from_card
+from dampyr.models.laws import from_card, look_up, polynomial_table
 
 VALUES = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=6)
 
@@ -68,3 +68,22 @@ def test_a_law_that_lets_rho_reach_zero_inside_its_range_is_refused() -> None:
 def test_a_law_that_lets_kw_reach_zero_is_refused() -> None:
     with pytest.raises(InputError, match=r"dahl\.kw"):
         Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": Polynomial((50.0, -25.0), 0.0, 2.0), "dahl.rho": 1e4})
+
+
+def test_a_table_gives_what_the_laws_give():
+    laws = {
+        "dahl.kx": Constant(800.0, 0.0, 3.0),
+        "dahl.kw": Interpolation((0.0, 0.9, 2.0, 3.0), (50.0, 210.0, 380.0, 560.0)),
+        "dahl.rho": Polynomial((42745.0, -39038.0, 17881.0, -2836.8), 0.0, 3.0),
+        "offset.f0": 120.0,
+    }
+    damper = Damper("dahl + offset", laws)
+    knots, coefficients = polynomial_table(damper)
+    out = np.zeros(4)
+    for u in [0.0, 0.9, 2.0, 3.0, *np.linspace(0.0, 3.0, 61)]:
+        look_up(knots, coefficients, u, out)
+        assert out == pytest.approx(damper.values(u), rel=1e-12)
+    look_up(*polynomial_table(damper, static=False), 1.0, out)
+    assert out[3] == 0.0
+    look_up(knots, coefficients, 3.4, out)  # beyond the range the last piece goes on
+    assert out[1] == pytest.approx(float(damper.all_laws["dahl.kw"](3.4)), rel=1e-12)

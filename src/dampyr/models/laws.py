@@ -224,3 +224,47 @@ def from_card(table: dict[str, Any]) -> Law:
             raise
         raise InputError(f"a law of kind {kind!r} holds something that is not a number: {problem}") from None
     raise InputError(f"unknown law {kind!r}; choose constant, polynomial or interpolation")
+
+
+# The laws as piecewise polynomials, for kernels in which the input changes as they run:
+# p(u) = sum_j c_kj (u - u_k)^j between the knots u_k and u_k+1; the first and the last piece extend beyond the range.
+
+
+def polynomials(law: Law) -> tuple[Array, Array]:
+    """The knots (K,) where pieces begin, and their coefficients (K, degree + 1) in rising powers."""
+    if isinstance(law, Constant):
+        return np.zeros(1), np.array([[law.value]])
+    if isinstance(law, Polynomial):
+        return np.zeros(1), np.array([law.coefficients])
+    if isinstance(law, Interpolation):
+        return np.array(law.knots[:-1]), np.ascontiguousarray(law.pieces.T)
+    raise InputError(
+        f"a law of kind {law.kind!r} cannot follow an input that changes; take constant, polynomial or interpolation"
+    )
+
+
+def polynomial_table(damper: Any, static: bool = True) -> tuple[Array, Array]:
+    """All laws of a damper: knots (P, K), infinite where a law has fewer, and coefficients (P, K, degree + 1).
+
+    ``static=False`` sets static forces (the offset) to zero.
+    """
+    laws = [polynomials(law) for law in damper.all_laws.values()]
+    max_knots, width = max(len(knots) for knots, _ in laws), max(c.shape[1] for _, c in laws)
+    knots, coefficients = np.full((len(laws), max_knots), np.inf), np.zeros((len(laws), max_knots, width))
+    for k, (at, c) in enumerate(laws):
+        knots[k, : len(at)], coefficients[k, : len(at), : c.shape[1]] = at, c
+    if not static:
+        coefficients[list(damper.composition.static)] = 0.0
+    return knots, coefficients
+
+
+def look_up(knots: Any, coefficients: Any, u: float, out: Any) -> None:
+    """Fill ``out`` with the parameters at ``u``; plain Python for numba."""
+    for k in range(knots.shape[0]):
+        piece = 0
+        while piece + 1 < knots.shape[1] and u >= knots[k, piece + 1]:
+            piece += 1
+        d, total = u - knots[k, piece], 0.0
+        for j in range(coefficients.shape[2] - 1, -1, -1):
+            total = total * d + coefficients[k, piece, j]
+        out[k] = total

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.models.piecewise_laws import table
+from dampyr.models.laws import polynomial_table
 from dampyr.structures.connection import describe_place
 from dampyr.structures.control_law import lag_of, settings
 from dampyr.structures.sites import Site
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 def control(sites: tuple[Site, ...], kinds: list[int], gains: Array, step: float) -> Control:
     """The laws of the sites for steps of ``step`` seconds; ``kinds`` and ``gains`` (N, 2n + 1) as the kernel knows them."""
-    count, tables = len(sites), [table(site.damper, static=False) for site in sites]
+    count, tables = len(sites), [polynomial_table(site.damper, static=False) for site in sites]
     max_settings = max(1, *(len(settings(site.law)) for site in sites if site.law))
     depth = [max(c.shape[axis] for _, c in tables) for axis in range(3)]
     controllers = Control(

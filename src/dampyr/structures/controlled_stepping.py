@@ -14,11 +14,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from dampyr.models.piecewise_laws import look_up
+from dampyr.models.laws import look_up
 from dampyr.structures.kernel_math import solve
 from dampyr.structures.time_stepping import finish, forecast, keep, observe, prepare, settle, store
 
-BOUND_WITH = ("dampyr.structures.time_stepping", "dampyr.models.piecewise_laws")
+BOUND_WITH = ("dampyr.structures.time_stepping", "dampyr.models.laws")
 
 
 def _unbound(*_: Any) -> Any:

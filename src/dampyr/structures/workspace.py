@@ -45,7 +45,7 @@ class Control(NamedTuple):
     command: Any  # (N,) what was decided last
     level: Any  # (N,) at the coil, at the end of the step under way
     reached: Any  # (N, 2): the least and the greatest that was decided
-    knots: Any  # (N, P, K), see dampyr.models.piecewise_laws
+    knots: Any  # (N, P, K), see dampyr.models.laws
     coefficients: Any  # (N, P, K, degree + 1)
 
 
