@@ -12,8 +12,7 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper
 from dampyr.structures.batch.engine import Engine, engine
 from dampyr.structures.building import Building
-from dampyr.structures.kernel_run import connections
-from dampyr.structures.sites import place
+from dampyr.structures.sites import connections, place
 
 
 @dataclass(frozen=True)

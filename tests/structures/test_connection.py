@@ -5,7 +5,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.models import Damper
 from dampyr.structures import Building, respond, shear_building, state_space
-from dampyr.structures.linear_response import largest
+from dampyr.structures.linear_response import peak_displacement
 
 MOTION = GroundMotion(np.asarray(el_centro().acceleration)[:201], 0.02, "start of El Centro")
 
@@ -112,7 +112,7 @@ def test_the_calibrated_stroke_holds_over_two_storeys_too(building, cubics):
 
 def test_the_largest_stroke_lies_between_samples():
     t = np.arange(0.0, 1.0, 0.05) + 0.013
-    largest_stroke = largest(np.sin(7.0 * t), 7.0 * np.cos(7.0 * t), 0.05)
+    largest_stroke = peak_displacement(np.sin(7.0 * t), 7.0 * np.cos(7.0 * t), 0.05)
     assert largest_stroke == pytest.approx(1.0, abs=2e-4)
     assert np.abs(np.sin(7.0 * t)).max() < 1.0 - 2e-4
 

@@ -23,7 +23,7 @@ from dampyr.structures.batch.modal import classical_modes
 from dampyr.structures.ensemble import run
 from dampyr.structures.ensemble_batches import run_shard
 from dampyr.structures.ensemble_grid import cases
-from dampyr.structures.kernel_run import connections
+from dampyr.structures.sites import connections
 from dampyr.structures.store import progress_of
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.DampyrWarning")

@@ -9,8 +9,7 @@ dampers, inputs, motions and scales, and keeps the peaks; ``fragility`` and ``in
 ``collect`` cut the work for a batch system.
 """
 
-from dampyr.structures.building import Building
-from dampyr.structures.condensation import Condensed, condense
+from dampyr.structures.building import Building, Condensed, condense
 from dampyr.structures.control_law import control_law, control_laws
 from dampyr.structures.ensemble import ensemble
 from dampyr.structures.ensemble_grid import cases as ensemble_cases

@@ -1,30 +1,38 @@
-r"""A building: masses, dashpots and springs that move with the ground.
+r"""A building: masses, dashpots and springs that move with the ground; and its condensation to fewer degrees of freedom.
 
 .. math:: M \ddot q + C \dot q + K q = -M \iota\, a_g - \sum_d \lambda_d f_d
 
-q are the displacements relative to the ground, one degree of freedom per storey from the ground up,
-:math:`\iota` the influence of the ground motion (ones), :math:`f_d` the force of damper d (positive against
-positive stroke rate) and :math:`\lambda_d` its connection: storey i joins the floors i-1 and i, floor 0 is
-the ground; a damper may also join any two floors.
+q are the displacements relative to the ground, one degree of freedom per storey from the ground up, :math:`\iota` the influence
+of the ground motion (ones), :math:`f_d` the force of damper d (positive against positive stroke rate) and :math:`\lambda_d` its
+connection. A *place* of a damper is a storey, a number from 1 up, or a pair of floors, each by its label or its count from 1;
+0 or "ground" is the ground. Storey i joins the floors i-1 and i.
+
+Condensation leaves degrees of freedom out, their motion following the others through the springs alone (Guyan):
+
+.. math:: q = T q_k, \qquad T_k = I, \quad T_r = -K_{rr}^{-1} K_{rk}, \qquad
+          M' = T^T M T, \quad C' = T^T C T, \quad K' = T^T K T
+
+It is exact where what is left out has neither mass nor damping, as the joints of a frame that turn without inertia. Otherwise
+every frequency rises: see ``frequency_errors``, and retain more. A damper needs both of its floors among the retained ones.
+
+Reference: R. J. Guyan, Reduction of stiffness and mass matrices, AIAA Journal 3 (1965).
 """
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dampyr.errors import InputError
+from dampyr.errors import DampyrWarning, InputError
 from dampyr.representation import as_html, as_text, extent, listing
-from dampyr.structures.connection import GROUND, row
-
-if TYPE_CHECKING:
-    from dampyr.structures.condensation import Condensed
 
 Array = NDArray[np.float64]
+GROUND = ("0", "ground")
 
 
 FEW = 4  # floors and modes that a short text lists one by one
@@ -61,19 +69,46 @@ class Building:
     def _set(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
+    def resolve_place(self, place: Any) -> int | tuple[int, int]:
+        """A place in its one form: the storey as an int where it is one, else the pair of counts, 0 for the ground."""
+        if not isinstance(place, list | tuple):
+            return self._storey(place)
+        if len(place) != 2:
+            raise InputError(f"{place!r} names {len(place)} floors; a damper stands between 2, such as (0, 2)")
+        first, second = (_floor_count(self.floors, each, self.name) for each in place)
+        if first == second:
+            raise InputError(f"{place!r} joins floor {second} to itself; a damper needs two different ends")
+        return second if second == first + 1 else (first, second)
+
+    def _storey(self, storey: Any) -> int:
+        if isinstance(storey, bool) or not isinstance(storey, int | np.integer) or not 1 <= storey <= self.n:
+            raise InputError(
+                f"storey {storey!r} is not in {self.name}; storeys are whole numbers "
+                f"from 1 (ground to first floor) to {self.n}"
+            )
+        return int(storey)
+
     def connection(self, place: int | tuple[int | str, int | str]) -> Array:
         """The row (n,) that turns floor displacements into the stroke of a damper there.
 
         ``place`` is a storey, counted from 1, or two floors (i, j) by label or count, 0 or "ground" for the
         ground: the stroke is q_j - q_i, and (i-1, i) is storey i.
         """
-        return row(self, place)
+        there = self.resolve_place(place)
+        first, second = (there - 1, there) if isinstance(there, int) else there
+        values = np.zeros(self.n + 1)
+        values[first], values[second] = -1.0, 1.0
+        return values[1:]
+
+    def place_label(self, place: Any) -> str:
+        """A place as a response names it: "storey 1", or the labels of its floors as in "0-2"."""
+        there = self.resolve_place(place)
+        if isinstance(there, int):
+            return f"storey {there}"
+        return "-".join(GROUND[0] if k == 0 else self.floors[k - 1] for k in there)
 
     def condensed(self, keep: Sequence[int | str]) -> Condensed:
-        """The building on the floors ``keep`` alone, by label or count: see
-        :func:`~dampyr.structures.condensation.condense`."""
-        from dampyr.structures.condensation import condense
-
+        """The building on the floors ``keep`` alone, by label or count: see `condense`."""
         return condense(self.M, self.C, self.K, keep, self.name, self.floors, self.influence)
 
     @property
@@ -188,3 +223,155 @@ def _influence(building: Building) -> Array:
         raise InputError(f"influence has shape {values.shape}; it must be {building.n} finite numbers, one per floor")
     values.flags.writeable = False
     return values
+
+
+def _floor_count(floors: Sequence[str], name: Any, owner: str) -> int:
+    """A floor by label (text) or count (a whole number), as its count; 0 is the ground."""
+    if isinstance(name, str):
+        if name in GROUND or name in floors:
+            return 0 if name in GROUND else list(floors).index(name) + 1
+    elif isinstance(name, int | np.integer) and not isinstance(name, bool) and 0 <= name <= len(floors):
+        return int(name)
+    raise InputError(
+        f"floor {name!r} is not in {owner}; write 0 for the ground, a whole number up to {len(floors)}, "
+        f"or a label: {', '.join(floors)}"
+    )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Condensed(Building):
+    """A building on k of m degrees of freedom, with the motion of the others.
+
+    ``T`` (m, k) makes displacements of all from those that are kept, in the order of ``all_floors`` (m
+    labels). ``exact`` says whether nothing was lost. ``frequency_errors`` (k,) are the relative rises of the
+    natural frequencies above those of the whole (nan for a free mode).
+    """
+
+    T: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    all_floors: tuple[str, ...] = ()
+    exact: bool = False
+    frequency_errors: Array = field(default_factory=lambda: np.zeros(0))
+
+    def recover(self, motion: ArrayLike) -> Array:
+        """Displacements or velocities (m, T) of all degrees of freedom, from those (k, T) of a response."""
+        reduced_motion = np.asarray(motion, dtype=float)
+        if reduced_motion.ndim not in (1, 2) or len(reduced_motion) != self.n:
+            raise InputError(
+                f"a motion of shape {reduced_motion.shape} is not one of {self.n} floors; pass one row for each"
+            )
+        return self.T @ reduced_motion
+
+
+def condense(
+    M: ArrayLike,
+    C: ArrayLike,
+    K: ArrayLike,
+    keep: Sequence[int | str],
+    name: str = "building",
+    floors: Sequence[str] = (),
+    influence: ArrayLike | None = None,
+) -> Condensed:
+    r"""A building from matrices (m, m) of which some degrees of freedom may have no mass.
+
+    ``keep`` are those that stay, by label or count from 1, in the order in which they shall be floors from the
+    ground up; ``floors`` (m labels, default 1 to m) and ``influence`` (m,) are those of all. The ground's push
+    is kept whole: :math:`\iota' = M'^{-1} T^T M \iota`. Warns (:class:`~dampyr.errors.DampyrWarning`) where the
+    result is not exact, and says by how much the frequencies rise; :class:`~dampyr.errors.InputError` where a
+    degree of freedom that is left out is held by no spring.
+    """
+    m, c, k = _matrices(M, C, K)
+    labels = _whole_labels(floors, len(k))
+    retained = _retained_indices(keep, labels, name)
+    left = [i for i in range(len(k)) if i not in retained]
+    T = _recovery(k, retained, left, labels)
+    made = Building(_reduced(T, m), _reduced(T, c), _reduced(T, k), name, [labels[i] for i in retained])
+    pushed = np.asarray(np.linalg.solve(made.M, T.T @ m @ _whole_influence(influence, len(k))), dtype=np.float64)
+    errors = _frequency_errors(made, m, k)
+    exact = not (np.any(m[left]) or np.any(c[left]))
+    if not exact:
+        _warn_of_error(name, bool(np.any(c[left])), errors)
+    return Condensed(made.M, made.C, made.K, name, made.floors, pushed, T, labels, exact, errors)
+
+
+def _reduced(T: Array, matrix: Array) -> Array:
+    small = T.T @ matrix @ T
+    return np.asarray(0.5 * (small + small.T))
+
+
+def _matrices(*given: ArrayLike) -> list[Array]:
+    matrices = [_square(letter, values) for letter, values in zip("MCK", given, strict=True)]
+    if len({len(each) for each in matrices}) > 1:
+        raise InputError("M, C and K differ in size; they must have one row per degree of freedom each")
+    return matrices
+
+
+def _whole_influence(values: ArrayLike | None, size: int) -> Array:
+    iota = np.ones(size) if values is None else np.asarray(values, dtype=float)
+    if iota.shape != (size,):
+        raise InputError(f"influence has shape {iota.shape}; it must be {size} numbers, one per degree of freedom")
+    return iota
+
+
+def _square(letter: str, values: ArrayLike) -> Array:
+    array = np.array(values, dtype=float)
+    if array.ndim != 2 or array.shape[0] != array.shape[1] or not np.all(np.isfinite(array)):
+        raise InputError(f"{letter} has shape {array.shape}; it must be square, of finite numbers")
+    if np.max(np.abs(array - array.T)) > 1e-9 * np.max(np.abs(array)):
+        raise InputError(f"{letter} is not symmetric; make {letter}[i][j] = {letter}[j][i]")
+    return array
+
+
+def _retained_indices(keep: Sequence[int | str], labels: tuple[str, ...], name: str) -> list[int]:
+    retained = [_floor_count(labels, each, name) - 1 for each in keep]
+    if not retained or -1 in retained or len(set(retained)) != len(retained):
+        raise InputError(
+            f"keep = {list(keep)} is not allowed; give different floors of {name}, the ground not among them"
+        )
+    return retained
+
+
+def _whole_labels(floors: Sequence[str], size: int) -> tuple[str, ...]:
+    labels = tuple(str(each) for each in floors) or tuple(str(i + 1) for i in range(size))
+    if len(labels) != size:
+        raise InputError(f"floors = {list(labels)} does not label {size} degrees of freedom; give {size} names")
+    return labels
+
+
+def _recovery(k: Array, retained: list[int], left: list[int], labels: tuple[str, ...]) -> Array:
+    T = np.zeros((len(k), len(retained)))
+    T[retained] = np.eye(len(retained))
+    if left:
+        block = k[left][:, left]
+        values = np.linalg.eigvalsh(block)
+        if values[0] <= 1e-12 * np.max(np.abs(k)):
+            raise InputError(
+                f"what is left out ({', '.join(labels[i] for i in left)}) is not held by springs: its stiffness has "
+                f"the eigenvalue {values[0]:g}, which must be greater than 0; keep more, or add the springs"
+            )
+        T[left] = -np.linalg.solve(block, k[left][:, retained])
+    return T
+
+
+def _frequency_errors(made: Building, m: Array, k: Array) -> Array:
+    """How far the frequencies lie above the lowest of the whole, whose mass may be singular."""
+    from scipy.linalg import eigh
+
+    shift = 1e-3 * np.trace(k) / np.trace(m)
+    inverse = eigh(m, k + shift * m, eigvals_only=True)[::-1][: made.n]
+    square = 1.0 / inverse - shift
+    ours = (2 * np.pi * made.frequencies) ** 2
+    free = square <= 1e-9 * square[-1]
+    return np.where(free, np.nan, np.sqrt(np.maximum(ours / np.where(free, 1.0, square), 0.0)) - 1.0)
+
+
+def _warn_of_error(name: str, damped: bool, errors: Array) -> None:
+    finite_errors = np.nan_to_num(errors)
+    worst = int(np.argmax(finite_errors))
+    lost = "mass and damping" if damped else "mass"
+    warnings.warn(
+        f"{name}: what was left out has {lost}, so the condensed building is not exact: frequency 1 "
+        f"rises by {100 * finite_errors[0]:.2g} %, the worst, frequency {worst + 1}, by {100 * finite_errors[worst]:.2g} %; "
+        "keep more where that matters",
+        DampyrWarning,
+        stacklevel=3,
+    )

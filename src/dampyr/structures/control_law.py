@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 REGISTRY = "dampyr.structures.control"
 SENSED = ("signal", "stroke", "rate", "force")
 NEEDED = ("low", "high", "period", "lag")
-SHORTEST_LAG = 2e-5
+MIN_LAG = 2e-5  # s, as `dampyr.structures.sites.MIN_DELAY`: steps resolve the lag
 MAX_PARTS = 400  # of a sample of the motion, at the ends of which laws may decide
 
 
@@ -148,8 +148,8 @@ def lag_of(law: Any, damper: Any) -> float:
             "leave one of the two out, as they are the same coil"
         )
     lag = max(own, law.lag)
-    if 0 < lag < SHORTEST_LAG:
-        raise InputError(f"a lag of {lag:g} s is below the {SHORTEST_LAG:g} s that can be resolved; set it to 0")
+    if 0 < lag < MIN_LAG:
+        raise InputError(f"a lag of {lag:g} s is below the {MIN_LAG:g} s that can be resolved; set it to 0")
     return lag
 
 

@@ -21,9 +21,8 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.batch.gpu import missing
 from dampyr.structures.building import Building
-from dampyr.structures.connection import row
 from dampyr.structures.control_law import gains, is_control_law, parts, spelled
-from dampyr.structures.sites import Site, place
+from dampyr.structures.sites import Site, make_sites, placement
 
 Array = NDArray[np.float64]
 STEPS = {"fast": 1.0, "strict": 0.4}  # of the longest step that the rule allows
@@ -98,7 +97,7 @@ class Cases:
         """The dampers of a placement at an input, checked."""
         given = {self.kind: self.inputs[at]} if self.placements[damper] else {}
         voltage, current = given.get("voltage"), given.get("current")
-        return place(self.buildings[building], self.placements[damper], voltage, current, self.allow_extrapolation)
+        return make_sites(self.buildings[building], self.placements[damper], voltage, current, self.allow_extrapolation)
 
     @cached_property
     def digest(self) -> str:
@@ -145,7 +144,7 @@ def cases(
     inputs = voltages if currents is None else currents
     grid = Cases(
         _several("buildings", buildings, Building),
-        tuple(_placement(entry) for entry in _list(dampers)),
+        tuple(placement(entry) for entry in _list(dampers)),
         (None,) if inputs is None else _inputs(kind + "s", inputs),
         _several("motions", motions, GroundMotion),
         np.array(_numbers("scales", scales)),
@@ -185,8 +184,8 @@ def _check(grid: Cases) -> None:
 
 def _check_law(law: Any, building: Building, grid: Cases) -> None:
     """A law must find its gains wherever a damper stands, and decide at the ends of steps of every motion."""
-    for where in {each for placement in grid.placements for each, _ in _dampers_of(placement)}:
-        gains(law, building, row(building, where))
+    for where in {each for entry in grid.placements for each, _ in _dampers_of(entry)}:
+        gains(law, building, building.connection(where))
     for dt in {motion.dt for motion in grid.motions}:
         parts((law,), dt)
 
@@ -197,13 +196,6 @@ def _list(dampers: Any) -> list[Any]:
             raise InputError("dampers is empty; give dampers or placements, or leave it out for the bare building")
         return list(dampers)
     return [dampers]
-
-
-def _placement(entry: Any) -> Mapping[Any, Any]:
-    """A damper alone stands in storey 1; None is the bare building."""
-    if entry is None:
-        return {}
-    return entry if isinstance(entry, Mapping) else {1: entry}
 
 
 def _several(name: str, given: Any, kind: type) -> tuple[Any, ...]:

@@ -1,45 +1,113 @@
-"""One march of the kernel: the arrays it needs are made, and what it wrote is checked."""
+"""Integration by the time-stepping kernel: its arrays by name, how they are filled, and what it wrote checked.
+
+In the shapes, n is the number of floors, N of damper sites, P of parameters, S of states.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
+from dampyr.models.laws import polynomial_table
 from dampyr.structures.building import Building
-from dampyr.structures.control_law import gains, source
-from dampyr.structures.linear_response import march_bare
+from dampyr.structures.control_law import gains, lag_of, settings, source
+from dampyr.structures.linear_response import bare_response
 from dampyr.structures.propagator import propagator, system
-from dampyr.structures.sites import Site, laws_of
-from dampyr.structures.workspace import Linear, Output, Sites, output, scratch
+from dampyr.structures.response import Output, Run, output
+from dampyr.structures.sites import Site, connections, describe_place, drifts
 
 Array = NDArray[np.float64]
 
-FORCES_TO = 1e-10  # relative; the forces of a step are Newton's to about this
+FORCE_TOLERANCE = 1e-10  # relative, of Newton's method: far below the 2e-4 to which a strict response is computed
 
 
-@dataclass(frozen=True, eq=False)
-class Run:
-    """One march and how it was judged."""
+class Linear(NamedTuple):
+    """The linear building, as the kernel needs it."""
 
-    out: Output
-    step: float
-    tolerance: float | None = None
-    error: float | None = None
-    reason: str = ""
+    half: Any  # (2n, 2n + 2 + 3N), see propagator
+    whole: Any  # the same, over the whole step
+    explicit: Any  # (6N, 2n + 2 + N)
+    unknown: Any  # (6N, 2N)
+    acceleration: Any  # (n, 2n + N): absolute acceleration from the state and the forces
+    damping: Any  # (n, n)
+    pull: Any  # (n,): influence @ M, turns accelerations into base shear and velocities into input power
+    drifts: Any  # (2n, 2n): the drift of every storey, then its rate, from the state
+    connections: Any  # (N, n): a row per site
+
+
+class Sites(NamedTuple):
+    """The dampers: parameters, states and past forces."""
+
+    params: Any  # (N, 4, P): at h/4, h/2, 3h/4 and h of the step under way; they differ where the input does
+    states: Any  # (N, S)
+    delays: Any  # (N,) in steps, 0 for none
+    inertance: Any  # (N,) kg, filled in by the kernel
+    ring: Any  # (N, nodes): the latest undelayed forces
+
+
+class Control(NamedTuple):
+    """The laws that set the inputs of the dampers; a site without one has ``every`` 0."""
+
+    kind: Any  # (N,) which of the functions of `dampyr.structures.control_law.source`
+    gains: Any  # (N, 2n + 1): factors of the state and the ground's velocity in the signal
+    settings: Any  # (N, the longest of a law)
+    every: Any  # (N,) whole steps between decisions
+    decay: Any  # (N, 4): the remaining share of the coil's gap to its command at h/4, h/2, 3h/4, h
+    command: Any  # (N,) the latest decision
+    level: Any  # (N,) at the coil, at the end of the step under way
+    reached: Any  # (N, 2): the least and the greatest decision so far
+    knots: Any  # (N, P, K), see dampyr.models.laws
+    coefficients: Any  # (N, P, K, degree + 1)
+
+
+class Node(NamedTuple):
+    """The building at one instant."""
+
+    z: Any  # (2n,)
+    f: Any  # (N,)
+    both: Any  # (2n + N,): z and f
+    a: Any  # (n,) absolute acceleration
+    q: Any  # (2n,): drifts, and their rates
+    power: Any  # (2 + N,): input, viscous, each damper
+
+
+class Scratch(NamedTuple):
+    """Workspace of one step."""
+
+    u: Any  # (2n + 2 + 3N,): z0, ag0, ag1, f0, fh, f1
+    base: Any  # (6N,): the motion of the sites that the unknown forces do not touch
+    y: Any  # (6N,): xh, vh, ah, x1, v1, a1
+    start: Any  # (2N,): x0, v0
+    g: Any  # (2N,): fh, f1
+    raw: Any  # (2N,)
+    slope: Any  # (2N, 2)
+    jacobian: Any  # (2N, 2N)
+    residual: Any  # (2N,)
+    states: Any  # (N, S)
+    rest: Any  # (N,)
+    now: Any  # a Node, at the start of the step
+    half: Any  # the same, at its middle
+    whole: Any  # the same, at its end
+    work: Any  # (2 + N,): input, viscous, each damper, so far
 
 
 def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
-    """A function of the steps per sample that marches once; of the motion times ``scale`` where that is given."""
+    """A function of the steps per sample that integrates once; of the motion times ``scale`` where that is given."""
     if not sites:
-        return lambda m, scale=1.0: Run(march_bare(building, motion.scaled(scale), m), motion.dt / m)
-    kernel = _governed(building, sites) if laws_of(sites) else _constant(sites)
+        return lambda m, scale=1.0: Run(bare_response(building, motion.scaled(scale), m), motion.dt / m)
+    from dampyr.models.codegen.kernels import bind
+    from dampyr.structures.time_stepping import integrate
+
+    compositions, laws = tuple(site.composition for site in sites), tuple(site.law for site in sites)
+    text, kinds = source(laws) if any(laws) else ("", [])
+    kernel = bind(integrate, compositions, text)
+    law_gains = _gains(building, sites)
     linear = lru_cache(maxsize=2)(lambda step: _linear(building, sites, step))
 
     def run(m: int, samples: int | None = None, start: float = 0.0, scale: float = 1.0) -> Run:
@@ -47,48 +115,25 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
         ag = motion.acceleration[:samples] * scale
         step = motion.dt / m
         out = output(len(ag), building.n, len(sites))
-        memory = _memory(sites, step, start)
-        kernel(ag, m, step, linear(step), memory, scratch(building.n, memory.states), out)
+        dampers = _dampers(sites, step, start)
+        control = _control(sites, kinds, law_gains, step) if any(laws) else None
+        if control is None:
+            out.input[:] = [site.input_value for site in sites]
+        work = _scratch(building.n, dampers.states)
+        kernel(ag, m, step, FORCE_TOLERANCE, linear(step), dampers, control, work, out)
+        if control is not None:
+            _check_inputs(sites, control)
         _check_bounded(out, motion)
         return Run(out, step)
 
     return run
 
 
-def _constant(sites: tuple[Site, ...]) -> Any:
-    """The march at constant inputs."""
-    from dampyr.models.codegen.kernels import bind
-    from dampyr.structures.time_stepping import march
-
-    kernel = bind(march, tuple(site.composition for site in sites))
-
-    def run(ag: Array, m: int, step: float, linear: Linear, memory: Sites, work: Any, out: Output) -> None:
-        out.input[:] = [site.input_value for site in sites]
-        kernel(ag, m, step, FORCES_TO, linear, memory, work, out)
-
-    return run
-
-
-def _governed(building: Building, sites: tuple[Site, ...]) -> Any:
-    """The march where at least one input is set by a law."""
-    from dampyr.models.codegen.kernels import bind
-    from dampyr.structures.control_kernel import check_reached, control
-    from dampyr.structures.controlled_stepping import march
-
-    text, kinds = source(tuple(site.law for site in sites))
-    kernel = bind(march, tuple(site.composition for site in sites), text)
+def _gains(building: Building, sites: tuple[Site, ...]) -> Array:
+    """What each law senses (N, 2n + 1); zeros where a site has none."""
     rows = connections(building, sites)
     nothing = np.zeros(2 * building.n + 1)
-    law_gains = np.array(
-        [gains(s.law, building, row) if s.law else nothing for s, row in zip(sites, rows, strict=True)]
-    )
-
-    def run(ag: Array, m: int, step: float, linear: Linear, memory: Sites, work: Any, out: Output) -> None:
-        governors = control(sites, kinds, law_gains, step)
-        kernel(ag, m, step, FORCES_TO, linear, memory, governors, work, out)
-        check_reached(sites, governors)
-
-    return run
+    return np.array([gains(s.law, building, row) if s.law else nothing for s, row in zip(sites, rows, strict=True)])
 
 
 def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
@@ -102,8 +147,8 @@ def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
     return Linear(exact.half, exact.whole, exact.explicit, exact.unknown, acceleration, damping, pull, by_storey, rows)
 
 
-def _memory(sites: tuple[Site, ...], step: float, start: float = 0.0) -> Sites:
-    """Parameters, states and past of the dampers at the start."""
+def _dampers(sites: tuple[Site, ...], step: float, start: float = 0.0) -> Sites:
+    """Parameters, states and past forces of the dampers at the start."""
     width = max([1, *(len(site.values) for site in sites)])
     depth = max([1, *(site.composition.n_states for site in sites)])
     params, states = np.zeros((len(sites), 4, width)), np.zeros((len(sites), depth))
@@ -126,9 +171,84 @@ def _check_bounded(out: Output, motion: GroundMotion) -> None:
         )
 
 
-def connections(building: Building, sites: tuple[Site, ...]) -> Array:
-    return np.array([building.connection(site.place) for site in sites]).reshape(len(sites), building.n)
+def _control(sites: tuple[Site, ...], kinds: list[int], law_gains: Array, step: float) -> Control:
+    """The laws of the sites for steps of ``step`` seconds; ``kinds`` and ``gains`` (N, 2n + 1) as in `Control`."""
+    count, tables = len(sites), [polynomial_table(site.damper, static=False) for site in sites]
+    max_settings = max(1, *(len(settings(site.law)) for site in sites if site.law))
+    depth = [max(c.shape[axis] for _, c in tables) for axis in range(3)]
+    control = Control(
+        kind=np.array(kinds),
+        gains=law_gains,
+        settings=np.zeros((count, max_settings)),
+        every=np.zeros(count, dtype=np.int64),
+        decay=np.zeros((count, 4)),
+        command=np.zeros(count),
+        level=np.zeros(count),
+        reached=np.tile([math.inf, -math.inf], (count, 1)),
+        knots=np.full((count, *depth[:2]), math.inf),
+        coefficients=np.zeros((count, *depth)),
+    )
+    for d, site in enumerate(sites):
+        control.level[d] = control.command[d] = site.law.low if site.law else site.input_value
+        if site.law:
+            _fill(control, d, site, step)
+            knots, coefficients = tables[d]
+            control.knots[d, : knots.shape[0], : knots.shape[1]] = knots
+            control.coefficients[d][tuple(map(slice, coefficients.shape))] = coefficients
+    return control
 
 
-def drifts(building: Building) -> Array:
-    return np.array([building.connection(storey) for storey in range(1, building.n + 1)])
+def _fill(control: Control, d: int, site: Site, step: float) -> None:
+    """Fill in the sampling, the settings and the coil of one law."""
+    lag, numbers = lag_of(site.law, site.damper), settings(site.law)
+    control.every[d] = round(site.law.period / step)
+    control.settings[d, : len(numbers)] = numbers
+    if lag > 0:
+        control.decay[d] = np.exp(-np.arange(1, 5) * 0.25 * step / lag)
+
+
+def _check_inputs(sites: tuple[Site, ...], control: Control) -> None:
+    """Raise InputError where a law returned an input outside its own bounds."""
+    for site, (low, high) in zip(sites, control.reached, strict=True):
+        if site.law is None or low > high:
+            continue
+        slack = 1e-9 * max(abs(site.law.low), abs(site.law.high), 1.0)
+        if not site.law.low - slack <= low <= high <= site.law.high + slack:
+            raise InputError(
+                f"the law {describe_place(site.place)} asked for {low if low < site.law.low else high:g}; it must "
+                f"stay between its low = {site.law.low:g} and high = {site.law.high:g}"
+            )
+
+
+def _node(n: int, sites: int) -> Node:
+    """A node of zeros."""
+    return Node(
+        np.zeros(2 * n),
+        np.zeros(sites),
+        np.zeros(2 * n + sites),
+        np.zeros(n),
+        np.zeros(2 * n),
+        np.zeros(2 + sites),
+    )
+
+
+def _scratch(n: int, states: Array) -> Scratch:
+    """A workspace for n floors and as many sites as ``states`` has rows."""
+    sites = len(states)
+    return Scratch(
+        u=np.zeros(2 * n + 2 + 3 * sites),
+        base=np.zeros(6 * sites),
+        y=np.zeros(6 * sites),
+        start=np.zeros(2 * sites),
+        g=np.zeros(2 * sites),
+        raw=np.zeros(2 * sites),
+        slope=np.zeros((2 * sites, 2)),
+        jacobian=np.zeros((2 * sites, 2 * sites)),
+        residual=np.zeros(2 * sites),
+        states=states.copy(),
+        rest=np.zeros(sites),
+        now=_node(n, sites),
+        half=_node(n, sites),
+        whole=_node(n, sites),
+        work=np.zeros(2 + sites),
+    )

@@ -1,6 +1,6 @@
-"""The bare building: linear, so every instant follows exactly from the sample before it, all at once.
+"""Response of the bare building: linear, so every instant follows exactly from the sample before it, all at once.
 
-The nodes, peaks and integrals are those of the coupling kernel, which is left out together with its compiler.
+The nodes, peaks and integrals are those of the time-stepping kernel, which is left out together with its compiler.
 """
 
 from __future__ import annotations
@@ -10,14 +10,16 @@ from numpy.typing import NDArray
 
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
+from dampyr.structures.kernel_math import turning_point
 from dampyr.structures.propagator import system, transition
-from dampyr.structures.workspace import Output, output
+from dampyr.structures.response import Output, output
+from dampyr.structures.sites import drifts
 
 Array = NDArray[np.float64]
 
 
-def march_bare(building: Building, motion: GroundMotion, m: int) -> Output:
-    """The response of a building without dampers, looked at 2m times per sample of the motion."""
+def bare_response(building: Building, motion: GroundMotion, m: int) -> Output:
+    """The response of a building without dampers, evaluated 2m times per sample of the motion."""
     n, none = building.n, np.zeros((0, building.n))
     state = _samples(building, motion)
     a, _, _ = system(building, none)
@@ -26,7 +28,7 @@ def march_bare(building: Building, motion: GroundMotion, m: int) -> Output:
     out = output(motion.n, n, 0)
     out.state[:] = state
     out.acceleration[:] = state @ a[n:].T
-    to_drift = np.array([building.connection(storey) for storey in range(1, n + 1)])
+    to_drift = drifts(building)
     before, energy = state[:-1], np.zeros((motion.n - 1, 2))
     for j in range(2 * m + 1):
         part = j / (2 * m)
@@ -34,8 +36,8 @@ def march_bare(building: Building, motion: GroundMotion, m: int) -> Output:
         weight = (1.0 if j in (0, 2 * m) else 4.0 if j % 2 else 2.0) * half / 3.0
         energy += weight * _powers(building, now, ground @ [1.0 - part, part])
         _observe(building, now @ a[n:].T, out)
-        _raise(out.displacement_peak, before, now, half)
-        _raise(out.drift_peak, _both(before, to_drift), _both(now, to_drift), half)
+        _raise_peaks(out.displacement_peak, before, now, half)
+        _raise_peaks(out.drift_peak, _both(before, to_drift), _both(now, to_drift), half)
         before = now
     out.work[1:] = np.cumsum(energy, axis=0)
     return out
@@ -52,11 +54,11 @@ def _samples(building: Building, motion: GroundMotion) -> Array:
     return state
 
 
-def largest(x: Array, v: Array, dt: float) -> float:
+def peak_displacement(x: Array, v: Array, dt: float) -> float:
     """The largest displacement of a motion (n,) sampled every ``dt``, between its samples too."""
     peak = np.zeros(1)
     state = np.column_stack([x, v])
-    _raise(peak, state[:-1], state[1:], dt)
+    _raise_peaks(peak, state[:-1], state[1:], dt)
     return float(max(peak[0], abs(x[0])))
 
 
@@ -79,20 +81,11 @@ def _observe(building: Building, acceleration: Array, out: Output) -> None:
     out.shear_peak[0] = max(out.shear_peak[0], shear)
 
 
-def _raise(largest: Array, before: Array, now: Array, dt: float) -> None:
-    """Keep the largest displacement, at nodes and where the cubic between two of them turns."""
-    n = len(largest)
+def _raise_peaks(peaks: Array, before: Array, now: Array, dt: float) -> None:
+    """Raise ``peaks`` to the largest displacement, at nodes and where the cubic between two of them turns."""
+    n = len(peaks)
     x0, u0, x1, u1 = before[:, :n], before[:, n:] * dt, now[:, :n], now[:, n:] * dt
-    np.maximum(largest, np.abs(x1).max(axis=0), out=largest)
+    np.maximum(peaks, np.abs(x1).max(axis=0), out=peaks)
     for row, k in np.argwhere(u0 * u1 < 0):
-        largest[k] = max(largest[k], _turn(x0[row, k], x1[row, k], u0[row, k], u1[row, k]))
-
-
-def _turn(x0: float, x1: float, u0: float, u1: float) -> float:
-    """The size of the cubic where it turns; its slopes u0, u1 over the unit interval differ in sign."""
-    a, b = 3.0 * (u0 + u1) - 6.0 * (x1 - x0), 6.0 * (x1 - x0) - 4.0 * u0 - 2.0 * u1
-    q = -0.5 * (b + np.copysign(np.sqrt(max(b * b - 4.0 * a * u0, 0.0)), b))
-    s = u0 / q
-    if not 0.0 <= s <= 1.0:
-        s = q / a
-    return float(abs(x0 + s * (u0 + s * (0.5 * b + s * a / 3.0))))
+        _, turn = turning_point(x0[row, k], x1[row, k], u0[row, k], u1[row, k], 1.0)
+        peaks[k] = max(peaks[k], abs(turn))

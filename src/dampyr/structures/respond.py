@@ -1,42 +1,46 @@
 r"""The response of a building with dampers to a ground motion.
 
-The coupling (:mod:`dampyr.structures.time_stepping`) is one for every damper. Its step is found here: the final
-one satisfies :math:`\omega_s h \le 1/2`, with :math:`\omega_s^2 = k/m` of the dampers at rest, and is
-halved until no peak of displacement or drift changes by more than the accuracy asked for.
+The scheme (:mod:`dampyr.structures.time_stepping`) is one for every damper. Its step is chosen here: the final one satisfies
+:math:`\omega_s h \le 1/2`, with :math:`\omega_s^2 = k/m` of the dampers at rest, and is halved until no peak of displacement or
+drift changes by more than the requested accuracy.
 """
 
 from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import DampyrWarning, InputError
+from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
-from dampyr.structures.connection import describe_place, label
-from dampyr.structures.control_law import describe_law, lag_of, parts
-from dampyr.structures.kernel_run import Run, connections, drifts, runner
-from dampyr.structures.linear_response import largest
-from dampyr.structures.response import Energy, Response
-from dampyr.structures.sites import LEVELS, Site, laws_of, place
-from dampyr.structures.workspace import Output
+from dampyr.structures.control_law import describe_law
+from dampyr.structures.kernel_run import runner
+from dampyr.structures.linear_response import peak_displacement
+from dampyr.structures.response import Energy, Output, Response, Run
+from dampyr.structures.sites import Site, connections, describe_place, drifts, make_sites
+from dampyr.structures.step_size import (
+    given_steps_per_sample,
+    halve_until_converged,
+    kernel_slopes,
+    longest_step,
+    run_once,
+    steps_per_sample,
+    tolerance_of,
+)
 
 Array = NDArray[np.float64]
 
-ACCURACIES = {"strict": 2e-4, "fast": 1e-3}
-MAX_STEP = 0.005
-MAX_STEP_COUNT = 20_000_000
+FINAL_LIMIT = 0.5  # of omega h at the final step, which resolves the stuck damper's vibration with 12 steps a period
 
 
 def respond(
     building: Building,
     motion: GroundMotion,
-    dampers: Mapping[Any, Any] | None = None,
+    dampers: Any = None,
     voltage: Any = None,
     current: Any = None,
     accuracy: str | float = "strict",
@@ -47,10 +51,10 @@ def respond(
 
     Parameters
     ----------
-    dampers : place -> damper, or a list of dampers that stand side by side. A place is a storey i, which
-        joins the floors i-1 and i (0 is the ground), or any two floors (i, j) by label or count, such as
-        (0, 2): the stroke is q_j - q_i, and (1, 2) is storey 2. None for the bare building. The static
-        force of a damper is left out, springs stay; ``damper.on_brace(stiffness)`` puts it on a brace.
+    dampers : a damper, which stands in storey 1, or a mapping from place to a damper or a list of dampers in parallel. A place
+        is a storey i, which joins the floors i-1 and i (0 is the ground), or any two floors (i, j) by label or count, such as
+        (0, 2): the stroke is q_j - q_i, and (1, 2) is storey 2. None for the bare building. The static force of a damper is
+        left out, springs stay; ``damper.on_brace(stiffness)`` puts it on a brace.
     voltage, current : the input: a number, which is constant, or a control law
         (:func:`~dampyr.structures.control_law.control_law`); one for all dampers or a mapping from place to one.
     accuracy : "strict" (2e-4), "fast" (1e-3) or a number: the largest relative change of a peak
@@ -63,107 +67,21 @@ def respond(
     (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached or where a damper, on the
     whole, fed the building.
     """
-    sites = place(building, dampers, voltage, current, allow_extrapolation)
+    sites = make_sites(building, dampers, voltage, current, allow_extrapolation)
     run = runner(building, motion, sites)
     if step is None:
-        best = refined(run, motion, _tolerance(accuracy), _first_division(building, motion, sites, run))
+        tolerance = tolerance_of(accuracy)
+        first = 2 * longest_step(
+            building, sites, kernel_slopes(run, sites), FINAL_LIMIT
+        )  # so that the first halving meets it
+        best = halve_until_converged(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))
     else:
-        best = _single(run, _division(motion, step, sites))
+        best = run_once(run, given_steps_per_sample(motion, step, sites))
     response = _response(building, motion, sites, best)
     _warn(response, sites)
     for note in response.outside:
         warnings.warn(note, DampyrWarning, stacklevel=2)
     return response
-
-
-def _tolerance(accuracy: str | float) -> float:
-    value = ACCURACIES.get(accuracy) if isinstance(accuracy, str) else accuracy
-    if value is None or isinstance(value, bool) or not 0 < value < 1:
-        raise InputError(
-            f"accuracy = {accuracy!r} is not allowed; write 'strict' (2e-4), 'fast' (1e-3) or a number between 0 and 1"
-        )
-    return float(value)
-
-
-def _division(motion: GroundMotion, step: float, sites: tuple[Site, ...]) -> int:
-    """How many of the given steps make one of the motion's."""
-    if not math.isfinite(step) or step <= 0:
-        raise InputError(f"step = {step!r} s is not allowed; it must be greater than 0")
-    m = max(round(motion.dt / step), 1)
-    if abs(m * step / motion.dt - 1) > 1e-6:
-        low = max(math.floor(motion.dt / step), 1)
-        near = f"{motion.dt / low:.6g} s or {motion.dt / (low + 1):.6g} s"
-        raise InputError(
-            f"step = {step:g} s does not divide the motion's {motion.dt:g} s; the nearest that do are {near}"
-        )
-    for site in sites:
-        if 0 < site.delay < motion.dt / m * (1 - 1e-9):
-            raise InputError(
-                f"step = {step:g} s is longer than the delay of {site.delay:g} s "
-                f"of the damper {describe_place(site.place)}; "
-                "take a step of at most the delay"
-            )
-    if m % (fitting := parts(laws_of(sites), motion.dt)):
-        raise InputError(
-            f"step = {step:g} s does not divide the periods of the laws; "
-            f"take {motion.dt / fitting:.6g} s or a whole part of it"
-        )
-    return m
-
-
-def _first_division(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: Any) -> int:
-    """The first, coarse division of a sample: twice the step of the rule, so that the first halving
-    meets the rule."""
-    lags = (lag_of(site.law, site.damper) for site in sites if site.law)
-    step = min([2 * MAX_STEP, motion.dt, *(s.delay for s in sites if s.delay > 0), *(lag for lag in lags if lag > 0)])
-    if sites:
-        slopes = _rest_slopes(run, sites)
-        rows = connections(building, sites)
-        flexibility = np.einsum("si,si->s", rows, np.linalg.solve(building.M, rows.T).T)
-        omega = math.sqrt(float(np.max(np.abs(slopes[:, 0]) * flexibility)))
-        rate = float(np.max(np.abs(slopes[:, 1]) * flexibility))
-        step = min(step, 1.0 / omega if omega > 0 else step, 2.0 / rate if rate > 0 else step)
-    fitting = parts(laws_of(sites), motion.dt)
-    return fitting * math.ceil(motion.dt / step / fitting * (1 - 1e-9))
-
-
-def _rest_slopes(run: Any, sites: tuple[Site, ...]) -> Array:
-    """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take."""
-    inputs = range(LEVELS) if any(site.law for site in sites) else range(1)
-    slopes = [np.abs(run(1, samples=1, start=k / (LEVELS - 1)).out.rest_slopes) for k in inputs]
-    return np.asarray(np.max(slopes, axis=0))
-
-
-def refined(run: Any, motion: GroundMotion, tolerance: float, m: int, max_step_count: int | None = None) -> Run:
-    """Halve the step until the peaks stand still, or until there would be more than ``most`` steps."""
-    max_step_count = max_step_count or MAX_STEP_COUNT
-    coarse = run(m)
-    while True:
-        m *= 2
-        if m * len(motion.acceleration) > max_step_count:
-            reason = f"{m} steps per sample would pass {max_step_count} steps"
-            return Run(coarse.out, coarse.step, tolerance, coarse.error, reason)
-        fine = run(m)
-        error = _change(coarse.out, fine.out)
-        if error <= tolerance and fine.out.misfit[0] == 0:
-            return Run(fine.out, fine.step, tolerance, error)
-        coarse = Run(fine.out, fine.step, tolerance, error)
-
-
-def _single(run: Any, m: int) -> Run:
-    done: Run = run(m)
-    missed, gap, _ = done.out.misfit
-    reason = f"the forces of {missed:.0f} steps were found to {gap:.1g} only" if missed else ""
-    return Run(done.out, done.step, None, None, reason)
-
-
-def _change(coarse: Output, fine: Output) -> float:
-    """The largest relative change of a peak displacement or drift."""
-    worst = 0.0
-    for a, b in ((coarse.displacement_peak, fine.displacement_peak), (coarse.drift_peak, fine.drift_peak)):
-        size = np.maximum(np.abs(b), 1e-9 * np.max(np.abs(b)) + 1e-300)
-        worst = max(worst, float(np.max(np.abs(a - b) / size)))
-    return worst
 
 
 def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: Run) -> Response:
@@ -189,7 +107,7 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         peak_force=out.force_peak,
         energy=_energy(building, out),
         storeys=tuple(site.storey for site in sites),
-        sites=tuple(label(building, site.place) for site in sites),
+        sites=tuple(building.place_label(site.place) for site in sites),
         inputs=tuple(site.input_value for site in sites),
         laws=tuple(describe_law(site.law, site.damper.input) if site.law else "" for site in sites),
         input=np.ascontiguousarray(out.input.T),
@@ -210,7 +128,7 @@ def _outside(site: Site, row: Array, out: Output, dt: float) -> list[str]:
     """Which calibrated limits of displacement and velocity the motion of a site leaves."""
     n = len(row)
     stroke, rate = out.state[:, :n] @ row, out.state[:, n:] @ row
-    reach = out.drift_peak[site.storey - 1] if site.storey else largest(stroke, rate, dt)
+    reach = out.drift_peak[site.storey - 1] if site.storey else peak_displacement(stroke, rate, dt)
     reached = {"displacement": (float(reach), "m"), "velocity": (float(np.max(np.abs(rate))), "m/s")}
     notes = []
     for name, (value, unit) in reached.items():

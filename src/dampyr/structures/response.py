@@ -1,9 +1,9 @@
-"""What a building did in an earthquake: histories at the samples of the ground motion, peaks and energies."""
+"""Response of a building to a ground motion: histories at the samples of the motion, peaks and energies."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,52 @@ _UNITS = {
     "peak_base_shear": ("", "N"),
     "peak_force": ("damper", "N"),
 }  # name -> dims, unit
+
+
+class Output(NamedTuple):
+    """Histories and peaks as they are computed; a row per sample of the ground motion."""
+
+    state: Any  # (samples, 2n)
+    acceleration: Any  # (samples, n), absolute
+    force: Any  # (samples, N)
+    input: Any  # (samples, N) V or A, that of the force
+    work: Any  # (samples, 2 + N): input, viscous, each damper
+    displacement_peak: Any  # (n,)
+    drift_peak: Any  # (n,)
+    acceleration_peak: Any  # (n,)
+    shear_peak: Any  # (1,)
+    force_peak: Any  # (N,)
+    rest_slopes: Any  # (N, 2): dF/dx and dF/dv at rest
+    misfit: Any  # (3,): steps not solved to the tolerance, the largest relative misfit, iterations in all
+
+
+def output(samples: int, n: int, sites: int) -> Output:
+    """An output of zeros."""
+    return Output(
+        state=np.zeros((samples, 2 * n)),
+        acceleration=np.zeros((samples, n)),
+        force=np.zeros((samples, sites)),
+        input=np.zeros((samples, sites)),
+        work=np.zeros((samples, 2 + sites)),
+        displacement_peak=np.zeros(n),
+        drift_peak=np.zeros(n),
+        acceleration_peak=np.zeros(n),
+        shear_peak=np.zeros(1),
+        force_peak=np.zeros(sites),
+        rest_slopes=np.zeros((sites, 2)),
+        misfit=np.zeros(3),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One integration through a ground motion, and its error estimate where the step was halved."""
+
+    out: Output
+    step: float
+    tolerance: float | None = None
+    error: float | None = None
+    reason: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Which damper stands where: the argument ``dampers=`` of a response, checked and turned into sites."""
+"""Sites of dampers in a building: the argument ``dampers=`` of a response, checked, with the input of each."""
 
 from __future__ import annotations
 
@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 from dampyr.errors import ExtrapolationWarning, InputError
 from dampyr.models.damper import INPUTS
 from dampyr.structures.building import Building
-from dampyr.structures.connection import describe_place, normal
 from dampyr.structures.control_law import is_control_law, values_at
 
 Array = NDArray[np.float64]
-SHORTEST_DELAY = 2e-5
-LEVELS = 9  # inputs of a law at which its damper's slopes are looked at
+MIN_DELAY = 2e-5  # s; a step may not be longer than a delay, so a shorter one would need a million steps in 20 s
+LEVELS = 9  # inputs of a law at which its damper's slopes are evaluated: laws of parameters are smooth between them
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,38 +51,68 @@ class Site:
             return np.asarray(self.damper.values(u, static=False, allow_extrapolation=True))
 
 
-def place(
+def make_sites(
     building: Building,
-    dampers: Mapping[Any, Any] | None,
+    dampers: Any,
     voltage: Any,
     current: Any,
     allow_extrapolation: bool,
 ) -> tuple[Site, ...]:
-    """The sites of ``dampers``, a mapping from place to a damper or a list of them, at a constant input or under a law.
+    """The sites of ``dampers``: one damper, which stands in storey 1, or a mapping from place to a damper or a list of them.
 
-    A place is a storey, or two floors by label or count (see :mod:`dampyr.structures.connection`).
+    A place is a storey, or two floors by label or count (see :mod:`dampyr.structures.building`).
     ``voltage`` [V] or ``current`` [A] is one number or law for all or a mapping from place to these. The static
     force of a damper is left out: a building is at rest in its equilibrium with it.
     """
     if voltage is not None and current is not None:
         raise InputError("both voltage= and current= are given; a damper takes one of the two")
-    if dampers is not None and not isinstance(dampers, Mapping):
-        raise InputError(
-            f"dampers is a {type(dampers).__name__}; write a mapping from storey to damper, such as {{1: damper}}"
-        )
+    dampers = placement(dampers)
     voltage, current = _by_place(building, voltage), _by_place(building, current)
     sites = []
-    for key, entry in (dampers or {}).items():
-        there = normal(building, key)
+    for key, entry in dampers.items():
+        there = building.resolve_place(key)
         for damper in entry if isinstance(entry, list | tuple) else (entry,):
             sites.append(_site(there, damper, voltage, current, allow_extrapolation))
     _check_places(voltage if current is None else current, sites)
     return tuple(sites)
 
 
+def placement(dampers: Any) -> Mapping[Any, Any]:
+    """``dampers`` as a mapping from place to damper: one alone stands in storey 1, None is the bare building."""
+    if dampers is None:
+        return {}
+    if isinstance(dampers, Mapping):
+        return dampers
+    if not _is_damper(dampers):
+        raise InputError(
+            f"dampers is a {type(dampers).__name__}; write a damper, which stands in storey 1, or a mapping from storey "
+            "to damper, such as {1: damper}"
+        )
+    return {1: dampers}
+
+
+def _is_damper(value: Any) -> bool:
+    return all(hasattr(value, needed) for needed in ("values", "composition"))
+
+
 def laws_of(sites: tuple[Site, ...]) -> list[Any]:
     """The control laws of sites that have one."""
     return [site.law for site in sites if site.law is not None]
+
+
+def describe_place(place: int | tuple[int, int]) -> str:
+    """A place inside a sentence: "in storey 1", "between floors 0 and 2"."""
+    return f"in storey {place}" if isinstance(place, int) else f"between floors {place[0]} and {place[1]}"
+
+
+def connections(building: Building, sites: tuple[Site, ...]) -> Array:
+    """What turns floor displacements into the strokes of the sites, a row each (N, n)."""
+    return np.array([building.connection(site.place) for site in sites]).reshape(len(sites), building.n)
+
+
+def drifts(building: Building) -> Array:
+    """What turns floor displacements into the drifts of the storeys, a row each (n, n)."""
+    return np.array([building.connection(storey) for storey in range(1, building.n + 1)])
 
 
 def _by_place(building: Building, value: Any) -> Any:
@@ -92,7 +121,7 @@ def _by_place(building: Building, value: Any) -> Any:
         return value
     inputs_by_place: dict[Any, Any] = {}
     for key, u in value.items():
-        there = normal(building, key)
+        there = building.resolve_place(key)
         if there in inputs_by_place:
             raise InputError(f"two inputs are given for the place {describe_place(there)}; give one")
         inputs_by_place[there] = u
@@ -100,11 +129,10 @@ def _by_place(building: Building, value: Any) -> Any:
 
 
 def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolation: bool) -> Site:
-    for needed in ("values", "composition"):
-        if not hasattr(damper, needed):
-            raise InputError(
-                f"the place {describe_place(there)} holds a {type(damper).__name__}; put a dampyr.models.Damper there"
-            )
+    if not _is_damper(damper):
+        raise InputError(
+            f"the place {describe_place(there)} holds a {type(damper).__name__}; put a dampyr.models.Damper there"
+        )
     u = _input(there, damper, voltage, current)
     law = u if is_control_law(u) else None
     if law is None:
@@ -113,10 +141,10 @@ def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolati
         values = values_at(law, damper, allow_extrapolation)[0]
     where = damper.composition.delay
     delay = 0.0 if where is None else float(values[where])
-    if 0 < delay < SHORTEST_DELAY:
+    if 0 < delay < MIN_DELAY:
         raise InputError(
             f"the damper {describe_place(there)} has a delay of {delay:g} s, below the "
-            f"{SHORTEST_DELAY:g} s that can be resolved; set it to 0"
+            f"{MIN_DELAY:g} s that can be resolved; set it to 0"
         )
     storey, floors = (there, None) if isinstance(there, int) else (0, there)
     return Site(storey, damper, u if law is None else None, np.array(values, dtype=float), delay, floors, law)
@@ -152,10 +180,10 @@ def _check_places(value: Any, sites: list[Site]) -> None:
     taken = {site.place for site in sites}
     if isinstance(value, Mapping) and (stray := [there for there in value if there not in taken]):
         raise InputError(
-            f"an input is given for {_name(stray[0])}, which holds no damper; "
-            f"dampers stand in {', '.join(_name(there) for there in dict.fromkeys(s.place for s in sites))}"
+            f"an input is given for {_place_name(stray[0])}, which holds no damper; "
+            f"dampers stand in {', '.join(_place_name(there) for there in dict.fromkeys(s.place for s in sites))}"
         )
 
 
-def _name(there: Any) -> str:
+def _place_name(there: Any) -> str:
     return f"storey {there}" if isinstance(there, int) else f"floors {there[0]}-{there[1]}"
