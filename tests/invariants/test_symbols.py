@@ -83,7 +83,7 @@ def kernels() -> Iterator[Any]:
         yield bind(coupled, (one, compose("dahl")))
         yield bind(coupled, (one,), "def decide(v): return v")
     yield from map(compile_cached, (*bounded_least_squares.KERNELS, *normal_equations.KERNELS))
-    yield compile_cached(oscillator.march)
+    yield compile_cached(oscillator.fill_peaks)
     site = two_storey().connection(1)[None]
     for name in ("dahl", "dahl + spring", "bouc_wen", "hyperbolic_tangent"):
         for precision in (64, 32):

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import integrals
+from dampyr.ground_motions.oscillator import oscillator_peaks
 from dampyr.representation import as_html, as_text
 from dampyr.units import STANDARD_GRAVITY
 
@@ -130,9 +131,8 @@ class GroundMotion:
 
     def scaled_to_sa(self, value: float, period: float, damping: float = 0.05) -> GroundMotion:
         """The same motion with a pseudo-acceleration of ``value`` [m/s2] at ``period`` [s] and ``damping`` (ratio)."""
-        from dampyr.ground_motions.response_spectrum import spectrum
-
-        current = float(spectrum(self, period, damping).pseudo_acceleration)
+        period_, damping_ = np.array(period, dtype=float), np.array(damping, dtype=float)
+        current = float(oscillator_peaks(self.acceleration, self.dt, period_, damping_)[-1])
         return self.scaled(_factor(value, current, f"{self.name}: Sa({period:g} s) of"))
 
 

@@ -1,4 +1,4 @@
-r"""A linear oscillator on a shaking ground, exactly: the kernel of the response spectrum.
+r"""Peaks of linear oscillators on a shaking ground, exactly: what response spectra are made of.
 
 .. math:: \ddot u + 2\zeta\omega\dot u + \omega^2 u = -a_g(t), \qquad a_g \text{ linear between samples}
 
@@ -23,15 +23,57 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.errors import InputError
+
 Array = NDArray[np.float64]
 
-REACH = 0.4
-TERMS = 15
+STEP_LIMIT = 0.4  # of omega (1 + 2 zeta) h: so short that the terms below suffice
+TERMS = 15  # of the Taylor series: 0.4^15/15! is below the last bit
+MAX_PARTS = 20_000  # of a sample of the motion: a period of an oscillator that takes minutes is a mistake
+MAX_DAMPING = 10.0  # ratio to critical: more is a damping in per cent
+
+
+def oscillator_peaks(
+    acceleration: Array, dt: float, periods: Array, damping: Array, sampled: bool = False
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Peaks of displacement, velocity, absolute acceleration, pseudo-velocity and pseudo-acceleration, each (m, p).
+
+    ``periods`` () or (p,) s, 0 for the rigid oscillator; ``damping`` () or (m,), ratios to critical. ``sampled``: only the
+    samples of the motion are taken. Raises :class:`~dampyr.errors.InputError` for periods and dampings that make no sense.
+    """
+    from dampyr.models.codegen.kernels import compile_cached
+
+    _check(periods, damping, dt)
+    omega, pga = np.zeros_like(periods), float(np.max(np.abs(acceleration)))
+    np.divide(2 * np.pi, periods, out=omega, where=periods > 0)
+    omegas, zetas = np.array(omega, ndmin=1), np.array(damping, ndmin=1)
+    peaks = np.zeros((3, len(zetas), len(omegas)))
+    compile_cached(fill_peaks)(np.array(acceleration), dt, omegas, zetas, bool(sampled), peaks)
+    peaks[:, :, np.atleast_1d(periods) == 0] = np.array([0.0, 0.0, pga])[:, None, None]
+    d, v, a = (each.reshape(damping.shape + periods.shape) for each in peaks)
+    return d, v, a, omega * d, np.where(periods > 0, omega**2 * d, pga)
+
+
+def _check(T: Array, zeta: Array, dt: float) -> None:
+    for name, values, unit in (("periods", T, " s"), ("damping", zeta, "")):
+        if values.ndim > 1 or values.size == 0:
+            raise InputError(f"{name} has shape {values.shape}; give a number or one row of at least 1 number")
+        bad = values[~(np.isfinite(values) & (values >= 0))]
+        if bad.size:
+            raise InputError(f"{name}: {bad.flat[0]:g}{unit} is not allowed; it must be finite and at least 0")
+    if zeta.max() > MAX_DAMPING:
+        raise InputError(f"damping: {zeta.max():g} is not allowed; it is a ratio to critical, 0.05 for 5 %, at most 10")
+    shortest = T[T > 0].min(initial=np.inf)
+    least = 2 * np.pi * (1 + 2 * zeta.max()) * dt / (STEP_LIMIT * MAX_PARTS)
+    if shortest < least:
+        raise InputError(
+            f"periods: {shortest:g} s is too short for samples every {dt:g} s; it must be 0 (rigid) or at least {least:.2g} s"
+        )
 
 
 def substeps(omega: float, zeta: float, h: float) -> int:
     """How many equal parts of a step of ``h`` seconds the series needs."""
-    return max(1, math.ceil(omega * (1 + 2 * zeta) * h / REACH))
+    return max(1, math.ceil(omega * (1 + 2 * zeta) * h / STEP_LIMIT))
 
 
 def solution(u: float, v: float, p: float, slope: float, omega: float, zeta: float, t: float) -> tuple[float, float]:
@@ -49,7 +91,7 @@ def solution(u: float, v: float, p: float, slope: float, omega: float, zeta: flo
     return x, y
 
 
-def turning(
+def turning_size(
     cu: float, cv: float, u: float, v: float, p: float, slope: float, omega: float, zeta: float,
     low: float, high: float, rising: bool,
 ) -> float:  # fmt: skip
@@ -76,7 +118,7 @@ def turning(
     return abs(cu * x + cv * y)
 
 
-def inside(
+def raise_peak_inside(
     cu: float, cv: float, u: float, v: float, u1: float, v1: float, p: float, slope: float,
     omega: float, zeta: float, h: float, peak: float,
 ) -> float:  # fmt: skip
@@ -85,29 +127,29 @@ def inside(
     a, a1 = -p - c * v - k * u, -(p + slope * h) - c * v1 - k * u1
     rate, rate1 = cu * v + cv * a, cu * v1 + cv * a1
     if rate * rate1 < 0:
-        return max(peak, turning(cu, cv, u, v, p, slope, omega, zeta, 0.0, h, rate > 0))
+        return max(peak, turning_size(cu, cv, u, v, p, slope, omega, zeta, 0.0, h, rate > 0))
     bend, bend1 = cu * a + cv * (-slope - c * a - k * v), cu * a1 + cv * (-slope - c * a1 - k * v1)
     if rate * bend < 0 and rate1 * bend1 > 0:
         t = h * bend / (bend - bend1)
         x, y = solution(u, v, p, slope, omega, zeta, t)
         if (cu * y + cv * (-(p + slope * t) - c * y - k * x)) * rate < 0:
-            peak = max(peak, turning(cu, cv, u, v, p, slope, omega, zeta, 0.0, t, rate > 0))
-            peak = max(peak, turning(cu, cv, u, v, p, slope, omega, zeta, t, h, rate < 0))
+            peak = max(peak, turning_size(cu, cv, u, v, p, slope, omega, zeta, 0.0, t, rate > 0))
+            peak = max(peak, turning_size(cu, cv, u, v, p, slope, omega, zeta, t, h, rate < 0))
     return peak
 
 
-def march(a: Array, h: float, omegas: Array, zetas: Array, sampled: bool, peaks: Array) -> None:
+def fill_peaks(a: Array, h: float, omegas: Array, zetas: Array, sampled: bool, peaks: Array) -> None:
     """Fill ``peaks`` (3, m, p): displacement, velocity (relative to the ground) and absolute acceleration of each oscillator.
 
     ``a`` (n,) ground acceleration, ``h`` its step, ``omegas`` (p,) rad/s, ``zetas`` (m,). ``sampled``: only the samples of the
-    motion are looked at.
+    motion are taken.
     """
     for i in range(len(zetas)):
         for j in range(len(omegas)):
-            one(a, h, omegas[j], zetas[i], sampled, peaks[:, i, j])
+            fill_one(a, h, omegas[j], zetas[i], sampled, peaks[:, i, j])
 
 
-def one(a: Array, h: float, omega: float, zeta: float, sampled: bool, peaks: Array) -> None:
+def fill_one(a: Array, h: float, omega: float, zeta: float, sampled: bool, peaks: Array) -> None:
     """One oscillator from rest through the whole motion."""
     parts = substeps(omega, zeta, h)
     s = h / parts
@@ -128,12 +170,12 @@ def one(a: Array, h: float, omega: float, zeta: float, sampled: bool, peaks: Arr
             if not sampled:
                 jerk, jerk1 = -slope - c * b - k * v, -slope - c * b1 - k * v1
                 if abs(u1) + s * (abs(v1) + s * (abs(b) + abs(b1))) > max_u:
-                    max_u = inside(1.0, 0.0, u, v, u1, v1, p, slope, omega, zeta, s, max_u)
+                    max_u = raise_peak_inside(1.0, 0.0, u, v, u1, v1, p, slope, omega, zeta, s, max_u)
                 if abs(v1) + s * (abs(b1) + s * (abs(jerk) + abs(jerk1))) > max_v:
-                    max_v = inside(0.0, 1.0, u, v, u1, v1, p, slope, omega, zeta, s, max_v)
+                    max_v = raise_peak_inside(0.0, 1.0, u, v, u1, v1, p, slope, omega, zeta, s, max_v)
                 bends = abs(k * b + c * jerk) + abs(k * b1 + c * jerk1)
                 if abs(k * u1 + c * v1) + s * (abs(k * v1 + c * b1) + s * bends) > max_a:
-                    max_a = inside(k, c, u, v, u1, v1, p, slope, omega, zeta, s, max_a)
+                    max_a = raise_peak_inside(k, c, u, v, u1, v1, p, slope, omega, zeta, s, max_a)
             u, v, b = u1, v1, b1
             if not sampled or m == parts - 1:
                 max_u, max_v, max_a = max(max_u, abs(u)), max(max_v, abs(v)), max(max_a, abs(k * u + c * v))
