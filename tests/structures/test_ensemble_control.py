@@ -25,7 +25,7 @@ from dampyr.structures import (
     two_storey,
     write_part,
 )
-from dampyr.structures.ensemble_coordinates import Labels
+from dampyr.structures.store import Labels
 
 HIGH = 3.212
 

@@ -11,8 +11,8 @@ from scipy.stats import binom, norm
 
 from dampyr.errors import InputError
 from dampyr.structures import fragility, incremental, summary
-from dampyr.structures.ensemble_coordinates import Labels
 from dampyr.structures.lognormal import by_capacity, fit_binomial
+from dampyr.structures.store import Labels
 
 SCALES = np.linspace(0.2, 4.0, 20)
 

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.structures.ensemble_coordinates import UNITS
 from dampyr.structures.peaks import INTENSITIES, Group, groups
+from dampyr.structures.store import UNITS
 
 Array = NDArray[np.float64]
 LEVELS = 40

@@ -19,9 +19,8 @@ from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.records.self_contained import check_contained
 from dampyr.structures.ensemble import Progress, completed, warn_of
-from dampyr.structures.ensemble_coordinates import Labels
 from dampyr.structures.ensemble_grid import Cases
-from dampyr.structures.store import DIAGNOSTICS, FORMAT, allocate_dataset, attributes, describe, read_ensemble
+from dampyr.structures.store import DIAGNOSTICS, FORMAT, Labels, allocate_dataset, attributes, describe, read_ensemble
 
 Array = NDArray[np.float64]
 NAME = re.compile(r"part-(\d+)-of-(\d+)\.h5")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.structures.ensemble_coordinates import ALONG, BARE
+from dampyr.structures.store import ALONG, BARE
 
 Array = NDArray[np.float64]
 DIMS = ("building", "damper", "input")

@@ -282,6 +282,23 @@ class Response:
         }
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
+    def as_dict(self) -> dict[str, Any]:
+        """The peaks and how they were computed, ready for JSON, as ``dampyr simulate --json`` writes them."""
+        return {
+            "peak_displacement_m": self.peak_displacement.tolist(),
+            "peak_drift_m": self.peak_drift.tolist(),
+            "peak_acceleration_m_s2": self.peak_acceleration.tolist(),
+            "peak_base_shear_N": self.peak_base_shear,
+            "peak_force_N": self.peak_force.tolist(),
+            "sites": list(self.sites),
+            "laws": list(self.laws),
+            "mean_input": self.input.mean(axis=1).tolist(),
+            "scheme": self.scheme,
+            "step_s": self.step,
+            "error_estimate": self.error_estimate,
+            "converged": self.converged,
+        }
+
     def _attributes(self) -> dict[str, Any]:
         attributes = {
             "scheme": self.scheme,
