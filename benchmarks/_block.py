@@ -12,7 +12,7 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper
 from dampyr.structures.batch.engine import Engine, engine
 from dampyr.structures.building import Building
-from dampyr.structures.sites import connections, place
+from dampyr.structures.sites import connections, make_sites
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ def block(
     precision: int = 64,
 ) -> Block:
     """A block with m steps to a sample."""
-    sites = place(building, {1: damper}, voltage, None, False)
+    sites = make_sites(building, {1: damper}, voltage, None, False)
     rows = connections(building, sites)
     made = engine(building, rows, tuple(site.composition for site in sites), motion.dt, m, quantities, precision)
     width = made.text.block_width

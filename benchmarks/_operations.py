@@ -103,15 +103,15 @@ def per_step(engine: Engine) -> Counter[str]:
     names, rows = _names(engine, sheet), _Rows(sheet)
     exec(engine.text.source.replace(f"range({engine.text.block_width})", "range(1)"), names)
     given = {
-        "g": {(k, 0): sheet.given(f"ground {k}", shared=False) for k in range(2)},
-        "who": [0],
+        "ground": {(k, 0): sheet.given(f"ground {k}", shared=False) for k in range(2)},
+        "motion": [0],
         "scale": [1.0],  # the ground is scaled once for all steps between two samples
-        "t": _Numbers(sheet, "step", shared=True),
+        "times": _Numbers(sheet, "step", shared=True),
         "c": _Numbers(sheet, "coefficient", shared=True),
         "b": rows,
     }
-    counts = {"last": 1, "m": 1}  # one step of one history
-    kernel = names["lanes"]
+    counts = {"last": 1, "parts": 1}  # one step of one history
+    kernel = names["integrate_block"]
     kernel(**{name: given.get(name, counts.get(name, 0)) for name in inspect.signature(kernel).parameters})
     return _counted(rows.values.values())
 

@@ -10,8 +10,8 @@ import pytest
 from dampyr import registry
 
 ROOT = Path(__file__).resolve().parents[1]
-SOURCE = """def lanes(first, last, m, ag, t, c, b):
-    scale = c[0]*t[0]
+SOURCE = """def integrate_block(first, last, parts, ground, times, c, b):
+    scale = c[0]*times[0]
     for i in range(first, last):
         for l in range(64):
             x, y = b[0 + l], b[64 + l]

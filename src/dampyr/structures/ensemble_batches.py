@@ -1,12 +1,10 @@
-r"""One shard of an ensemble: its cases sorted into blocks that march together, some blocks handed over at a time.
+r"""Shards of an ensemble: the cases of each sorted into blocks that an engine runs together.
 
-The step is that of the rule: no longer than 5 ms, :math:`\omega_s h \le 1` and :math:`\lambda h \le 2` with
-:math:`\omega_s^2` and :math:`\lambda` the largest slopes of the dampers at rest by stroke and by rate, over the mass that they
-move; 0.4 of it where the accuracy is "strict". How large the error is in fact is measured: the first block of every kind of
-case in a shard is marched again with half the step.
+The step is that of the rule (`dampyr.structures.step_size`) with :math:`\omega_s h \le 1`; 0.4 of it where the accuracy is
+"strict". The error is measured: the first block of every kind of case in a shard is run again with half the step.
 
-Every block of a precision is equally wide (64 or 128 lanes), filled or not, and a lane does not see its neighbours: the numbers
-do not depend on how the work was shared out.
+Every block of a precision is equally wide (64 or 128 histories), filled or not, and a history does not depend on its
+neighbours: the numbers are the same however the work is divided.
 """
 
 from __future__ import annotations
@@ -22,7 +20,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.structures.batch import bouc_wen_branchless
-from dampyr.structures.batch.engine import Engine, engine, takes
+from dampyr.structures.batch.engine import Engine, can_run, engine
 from dampyr.structures.batch.gpu import engine as gpu_engine
 from dampyr.structures.building import Building
 from dampyr.structures.ensemble_grid import STEPS, Cases
@@ -46,10 +44,10 @@ JUDGED = ("displacement", "drift")
 
 @dataclass
 class Shard:
-    """What came of shard ``number``: ``values`` quantity -> (lines, scales, width), NaN where a building has no such storey.
+    """Result of shard ``number``: ``values`` quantity -> (lines, scales, width), NaN where a building has no such storey.
 
     ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases; ``unbounded`` counts
-    cases that grew without bound; ``general`` counts those that no engine takes.
+    cases that grew without bound; ``general`` counts those that no engine can run.
     """
 
     number: int
@@ -86,14 +84,14 @@ class Member:
 
 
 def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
-    """The lines by what one engine can take; the last of a key is None where no engine can."""
+    """The lines by what one engine can run; the last of a key is None where no engine can."""
     groups: dict[tuple[Any, ...], list[Member]] = {}
     cached: dict[tuple[int, int, int], tuple[tuple[Site, ...], float]] = {}
     for row, number in enumerate(lines):
         b, d, u, k = cases.line(number)
         if (b, d, u) not in cached:
-            sites = tuple(map(_without_nothing, cases.sites_of(b, d, u)))
-            share = 1.0 if laws_of(sites) else STEPS[cases.accuracy]  # under laws the step is found, not given
+            sites = tuple(map(_without_zero_delay, cases.sites_of(b, d, u)))
+            share = 1.0 if laws_of(sites) else STEPS[cases.accuracy]  # under laws the step is halved
             rule = longest_step(cases.buildings[b], sites, difference_slopes(sites), LIMIT)
             cached[b, d, u] = sites, share * rule
         sites, step = cached[b, d, u]
@@ -101,16 +99,16 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         m = steps_per_sample(dt, step, sites)
         compositions = tuple(site.composition for site in sites)
         rows = tuple(map(tuple, connections(cases.buildings[b], sites).tolist()))
-        together = cases.device == "cpu" and bouc_wen_branchless.is_vectorisable(
+        branchless = cases.device == "cpu" and bouc_wen_branchless.is_vectorisable(
             (site.composition, site.values) for site in sites
         )
-        key = (b, rows, compositions, dt, together, m if takes(compositions) and not laws_of(sites) else None)
+        key = (b, rows, compositions, dt, branchless, m if can_run(compositions) and not laws_of(sites) else None)
         groups.setdefault(key, []).append(Member(row, b, sites, k, m))
     return groups
 
 
-def _without_nothing(site: Site) -> Site:
-    """The site without a delay of nothing, which no ring of past forces can tell from the present."""
+def _without_zero_delay(site: Site) -> Site:
+    """The site without a delay of 0 s, which a ring of past forces cannot represent."""
     k = site.composition.delay
     if k is None or site.delay > 0:
         return site
@@ -120,19 +118,19 @@ def _without_nothing(site: Site) -> Site:
 def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done: Shard) -> None:
     m, scales = kind[-1], len(cases.scales)
     made = _made(cases, kind, members[0].sites, m)
-    batch = Batch.of(cases, sorted(members, key=lambda member: cases.motions[member.motion].n))
+    inputs = Inputs.of(cases, sorted(members, key=lambda member: cases.motions[member.motion].n))
     for first in range(0, len(members) * scales, made.max_histories):
         who, scale = np.divmod(np.arange(first, min(first + made.max_histories, len(members) * scales)), scales)
-        peaks = batch.march(made, who, cases.scales[scale])
-        _store(batch.rows[who], scale, peaks, done)
+        peaks = inputs.run(made, who, cases.scales[scale])
+        _store(inputs.rows[who], scale, peaks, done)
         if first == 0:
             few, finer = slice(made.text.block_width), _made(cases, kind, members[0].sites, 2 * m)
-            _judge({q: v[few] for q, v in peaks.items()}, batch.march(finer, who[few], cases.scales[scale[few]]), done)
+            _judge({q: v[few] for q, v in peaks.items()}, inputs.run(finer, who[few], cases.scales[scale[few]]), done)
 
 
 @dataclass(frozen=True, eq=False)
-class Batch:
-    """Members of one kind: what an engine asks of each, a row for a member."""
+class Inputs:
+    """Inputs of an engine for members of one kind, a row for a member."""
 
     rows: Integers
     motions: list[Array]
@@ -141,7 +139,7 @@ class Batch:
     delays: Array
 
     @classmethod
-    def of(cls, cases: Cases, members: list[Member]) -> Batch:
+    def of(cls, cases: Cases, members: list[Member]) -> Inputs:
         """Members in their order."""
         count, rest_forces = len(members[0].sites), {id(member.sites): _rest(member.sites) for member in members}
         return cls(
@@ -152,7 +150,7 @@ class Batch:
             np.array([[site.delay for site in member.sites] for member in members]),
         )
 
-    def march(self, made: Engine, who: Integers, scales: Array) -> dict[str, Array]:
+    def run(self, made: Engine, who: Integers, scales: Array) -> dict[str, Array]:
         """The peaks of members ``who``, each under its motion times its scale."""
         motions = [self.motions[k] for k in who]
         return made.run(motions, [v[who] for v in self.values], self.rest[who], self.delays[who], scales)
@@ -163,15 +161,15 @@ MAX_ENGINES, _LOCK = 64, Lock()
 
 
 def _made(cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int) -> Engine:
-    """The engine of a kind of cases with m steps per sample; this process keeps the latest ones."""
-    building, compositions, dt, together = cases.buildings[kind[0]], kind[2], kind[3], kind[4]
+    """The engine of a kind of cases with m steps per sample; this process caches the latest ones."""
+    building, compositions, dt, branchless = cases.buildings[kind[0]], kind[2], kind[3], kind[4]
     matrices = tuple(a.tobytes() for a in (building.M, building.C, building.K, building.influence))
-    key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device, together)
+    key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device, branchless)
     with _LOCK:
         if key not in _ENGINES:
             make = gpu_engine if cases.device == "gpu" else engine
             rows = connections(building, sites)
-            _ENGINES[key] = make(building, rows, compositions, dt, m, cases.quantities, cases.precision, together)
+            _ENGINES[key] = make(building, rows, compositions, dt, m, cases.quantities, cases.precision, branchless)
             while len(_ENGINES) > MAX_ENGINES:
                 _ENGINES.popitem(last=False)
         return _ENGINES[key]
@@ -203,7 +201,7 @@ def _judge(coarse: dict[str, Array], fine: dict[str, Array], done: Shard) -> Non
 
 
 def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
-    """Cases that no engine takes, by the kernel of `respond`."""
+    """Cases that no engine can run, by the kernel of `respond`."""
     for number, member in enumerate(members):
         building, motion = cases.buildings[member.building], cases.motions[member.motion]
         run = runner(building, motion, member.sites)
@@ -225,8 +223,8 @@ def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
 
 
 def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Run:
-    """A case under control laws, its step halved until the peaks stand still: where a decision falls the other way the
-    response is another one, so that no step given beforehand is small enough for all cases."""
+    """A case under control laws, its step halved until the peaks stop changing: where a decision falls the other way the
+    response is another one, so that no step chosen beforehand is small enough for all cases."""
     made = halve_until_converged(once, motion, ACCURACIES[accuracy], m, MAX_STEP_COUNT)
     done.error, done.judged = max(done.error, made.error or 0.0), done.judged + 1
     return made

@@ -1,5 +1,7 @@
-"""Many histories at once: the coupling step written out for one building, a block of histories side by side in a compiled loop.
+"""Batch engine: the time step written out for one building, a block of histories at a time in a compiled loop.
 
-`coordinates` chooses how the building's state is written, `text` writes the step, `arithmetic` has what it computes with,
-`block` runs it over blocks of histories. `dampyr.structures.ensemble` is the way in.
+`modal` chooses the coordinates of the building's state; `assemble` writes the step, with `building_step` and `damper_step` for
+its two parts and `loop_fission` for its loops; `branchless_math` and `bouc_wen_branchless` have the functions that it calls;
+`run_blocks` compiles the text, and `engine` (or `gpu`) runs it. `dampyr.structures.ensemble` is the public call, and
+docs/explanations/generated-kernel.md shows one kernel.
 """

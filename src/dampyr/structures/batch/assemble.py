@@ -1,14 +1,33 @@
-r"""The text of a kernel: one step of a building with its dampers, for a block of histories side by side.
+r"""Source of a kernel: one step of a building with its dampers, for a block of histories at a time.
 
 In a step of h seconds the dampers' forces are the quadratics through their values at 0, h/2 and h (see
-`dampyr.structures.time_stepping`). Their first guess continues the last half step, the dampers' laws along the path of
-that guess give forces and slopes, and a Newton correction, written out, gives the forces that are kept; the states
-follow by their tangents. Nothing branches. At the middle of the step a site is where the cubic through both ends has it.
-What rounding and the correction leaves is measured in every ensemble (see `dampyr.structures.ensemble`).
+`dampyr.structures.time_stepping`). Their first guess continues the last half step, the dampers' laws along the path of that
+guess give forces and slopes, and a Newton correction, written out, gives the forces of the step; the states follow by their
+tangents. Nothing branches. At the middle of the step a site is where the cubic through both ends has it. The error that
+remains is measured in every ensemble (see `dampyr.structures.ensemble`).
 
-Every history is a column of a block; which row holds what, `Rows` says. A small building's sums are written out, without the
+Every history is a column of a block; `Rows` says which row holds what. A small building's sums are written out, without the
 terms whose coefficients are 0; a large one's run in loops over its modes. Either way the text depends on the building's
 pattern and not on its numbers, which come as a vector.
+
+Names in the text, of site d and coordinate i; a row of the same name is a value carried to the next step:
+
+=================== =================================================================================================
+``z0`` ...          state of the building; ``k0`` its part that the unknown forces do not touch, ``n0`` at the end
+``x0``, ``v0``      stroke and rate of a site at the start, where these are no coordinates themselves
+``xb0``, ``vb0``    the same at the end, the part that the unknown forces do not touch
+``xm0``, ``vm0``    at the middle and ...
+``xe0``, ``ve0``    ... at the end under the guessed forces
+``xn0``, ``vn0``    at the end under the corrected forces
+``f0``, ``fm0``     force at the start of the step, and at the middle of the last one
+``g0`` ...          forces of all sites at h/2, then at h: guessed, then corrected
+``s0_1``, ``t0_1``  states of a damper at the start and at the end; ``..._first0``, ``..._second0`` within the half steps
+``p0_1``            parameters of a damper
+``u0``, ``R0``      force of a delayed damper before its delay, and at rest; ``D0`` the delay in steps
+``r0``, ``j0_1``    residuals and Jacobian of Newton's correction
+``E0``, ``En0``     energy that a damper took, at the start and at the end
+``P0`` ...          peaks: ``P0a``, ``P0b``, ``P0c`` the value now, one and two nodes before, ``P0n`` the new peak
+=================== =================================================================================================
 """
 
 from __future__ import annotations
@@ -27,12 +46,16 @@ from dampyr.structures.batch.modal import Step
 
 Array = NDArray[np.float64]
 QUANTITIES = ("displacement", "drift", "acceleration", "force", "stroke", "energy")
-WRITTEN_OUT_UP_TO = 4  # coordinates
+WRITTEN_OUT_UP_TO = 4  # coordinates: two floors, whose sums have few terms
+# Of a kernel: from which sample to which; steps per sample; the motions' accelerations, which of them each history has and
+# its scale; the lengths of `TIMES`; coefficients of the building; the block; the ring of past forces, and its size less 1.
+ARGUMENTS = ("first", "last", "parts", "ground", "motion", "scale", "times", "c", "b", "ring", "mask")
+TIMES = "dt, sixth, share, eighth_step, three_half_rate = times[0], times[1], times[2], times[3], times[4]"
 
 
 @dataclass
 class Rows:
-    """Which row of a block, ``lanes`` wide, holds what: names in the order in which they were asked for."""
+    """Row numbers of a block, ``block_width`` wide, by name, in the order of first use."""
 
     block_width: int
     names: list[str] = field(default_factory=list)
@@ -52,18 +75,18 @@ class Rows:
 
 
 @dataclass
-class Text:
-    """A kernel being written: ``frame`` adds the building to what is here, the dampers' share of a step.
+class KernelText:
+    """A kernel being written: the dampers' part of a step here, the building's by ``frame``.
 
-    The number of ``lanes`` stands in the text, so that the compiler sees that rows do not overlap; ``wide`` is their number in
-    the ring of past forces.
+    The ``block_width`` stands in the text, so that the compiler sees that rows do not overlap; ``ring_width`` is that of the
+    ring of past forces.
     """
 
     step: Step
     compositions: tuple[Composition, ...]
     quantities: tuple[str, ...]
     block_width: int = BLOCK_WIDTH
-    wide: str = ""
+    ring_width: str = ""
     coefficients: list[float] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
     updates: dict[str, str] = field(default_factory=dict)
@@ -74,7 +97,7 @@ class Text:
         from dampyr.structures.batch.building_step import Large, Small
 
         self.rows = Rows(self.block_width, ["low", "high"])  # the ground's acceleration about a step
-        self.wide = self.wide or str(self.block_width)
+        self.ring_width = self.ring_width or str(self.block_width)
         self.size, self.sites = self.step.end.shape[0], len(self.compositions)
         self.unknown = [f"g{r}" for r in range(2 * self.sites)]
         self.frame = (Small if self.size <= WRITTEN_OUT_UP_TO else Large)(self)
@@ -89,11 +112,11 @@ class Text:
         self.lines += lines
 
     def cut(self) -> None:
-        """End a loop over the lanes here: what is needed later goes through memory, and fewer numbers wait in registers."""
+        """End a loop over the histories here: what is needed later goes through memory, and fewer numbers wait in registers."""
         self.cuts.append(len(self.lines))
 
-    def keep(self, name: str, value: str) -> None:
-        """What a history carries to its next step."""
+    def carry(self, name: str, value: str) -> None:
+        """Carry ``value`` to the next step as ``name``."""
         self.updates[name] = value
         self.rows[name]
 
@@ -115,31 +138,31 @@ class Text:
         self.middles = [self._numbers(row) for row in np.vstack([0.5 * x - h / 8.0 * v, 1.5 / h * x - 0.25 * v])]
         self.ends = [self._numbers(row) for row in moved]
         for d in range(N):
-            self.emit(*(self._past(d) if self.late(d) else self._guess(d)))
+            self.emit(*(self._delayed(d) if self.is_delayed(d) else self._guess(d)))
         self.cut()
         done = self._laws()
         self.cut()
         self._correct(done)
         for r in range(2 * N):
-            self.emit(f"n_e{r} = {self._moved(r)}")
-        self._keep(done)
+            self.emit(f"{self.motion('n', r)} = {self._moved(r)}")
+        self._finish(done)
 
-    def late(self, d: int) -> bool:
+    def is_delayed(self, d: int) -> bool:
         """Whether a site's force is that of some time ago."""
         return self.compositions[d].has_delay
 
     def _guess(self, d: int) -> list[str]:
-        return [f"last = f{d} - m{d}", f"g{d} = f{d} + half*last", f"g{self.sites + d} = f{d} + last"]
+        rise = f"force_rise{d}"
+        return [f"{rise} = f{d} - fm{d}", f"g{d} = f{d} + half*{rise}", f"g{self.sites + d} = f{d} + {rise}"]
 
-    def _past(self, d: int) -> list[str]:
-        """The forces that a late damper would have given some steps ago, from the ring of its quadratics; at first, at rest."""
+    def _delayed(self, d: int) -> list[str]:
+        """The forces that a delayed damper would have given some steps ago, by its quadratics in the ring; at rest before."""
         lines = []
         self.rows[f"R{d}"]
         for name, ahead in ((f"g{d}", "half"), (f"g{self.sites + d}", "one")):
-            lines += [f"at = real(steps) + {ahead} - {self._delay(d)}", "whole = floor(at)", "s = at - real(whole)"]
-            lines += [f"y{k} = w[{d}, ((2*whole + {k}) & mask)*{self.wide} + l]" for k in range(3)]
-            lines.append("then = y0*(one - s)*(one - two*s) + four*y1*s*(one - s) + y2*s*(two*s - one)")
-            lines.append(f"{name} = then if at > zero else R{d}")
+            lines += [f"when = real(steps) + {ahead} - {self._delay(d)}", "past = floor(when)"]
+            nodes = ", ".join(f"ring[{d}, ((2*past + {k}) & mask)*{self.ring_width} + l]" for k in range(3))
+            lines.append(f"{name} = quadratic({nodes}, when - real(past)) if when > zero else R{d}")
         return lines
 
     def _delay(self, d: int) -> str:
@@ -149,33 +172,37 @@ class Text:
     def _numbers(self, row: Array) -> list[str]:
         return [self.number(value) for value in row]
 
+    def motion(self, letter: str, r: int) -> str:
+        """The name of a stroke (r < sites) or a rate: at the "m"iddle, at the "e"nd, the "n"ew one, or its "b"ase."""
+        return f"{'x' if r < self.sites else 'v'}{letter}{r % self.sites}"
+
     def _moved(self, r: int) -> str:
         """Stroke or rate of a site at the end under the forces ``g``."""
-        return f"be{r} + " + " + ".join(f"{c}*{g}" for c, g in zip(self.ends[r], self.unknown))
+        return f"{self.motion('b', r)} + " + " + ".join(f"{c}*{g}" for c, g in zip(self.ends[r], self.unknown))
 
     def _middle(self, d: int, x1: str, v1: str) -> list[str]:
         x0, v0 = self.starts[d], self.starts[self.sites + d]
         return [
-            f"h{d} = half*({x0} + {x1}) + eighth_step*({v0} - {v1})",
-            f"h{self.sites + d} = three_half_rate*({x1} - {x0}) - quarter*({v0} + {v1})",
+            f"xm{d} = half*({x0} + {x1}) + eighth_step*({v0} - {v1})",
+            f"vm{d} = three_half_rate*({x1} - {x0}) - quarter*({v0} + {v1})",
         ]
 
     def _laws(self) -> list[tuple[Half, Half]]:
         """The dampers' laws along the path of the guess."""
         N, done = self.sites, []
-        self.emit(*(f"e{r} = {self._moved(r)}" for r in range(2 * N)))
+        self.emit(*(f"{self.motion('e', r)} = {self._moved(r)}" for r in range(2 * N)))
         for d, composition in enumerate(self.compositions):
-            self.emit(*self._middle(d, f"e{d}", f"e{N + d}"))
+            self.emit(*self._middle(d, f"xe{d}", f"ve{d}"))
             values = [self._value(d, k) for k in range(len(composition.parameters))]
             states = [f"s{d}_{k}" for k in range(composition.n_states - composition.in_series)]
-            before = f"u{d}" if self.late(d) else f"f{d}"
+            before = f"u{d}" if self.is_delayed(d) else f"f{d}"
             states += [before] * composition.in_series
-            early = {"x0": self.starts[d], "x1": f"h{d}", "v0": self.starts[N + d], "v1": f"h{N + d}", "dt": "dt"}
-            early |= {"g0": before, "g1": before if self.late(d) else f"g{d}"}
-            late = {"x0": f"h{d}", "x1": f"e{d}", "v0": f"h{N + d}", "v1": f"e{N + d}", "dt": "dt"}
-            first = half_step(composition, f"_h{d}", states, values, early)
-            late |= {"g0": first.force, "g1": first.force if self.late(d) else f"g{N + d}"}
-            second = half_step(composition, f"_e{d}", [*first.ends, *states[len(first.ends) :]], values, late)
+            early = {"x0": self.starts[d], "x1": f"xm{d}", "v0": self.starts[N + d], "v1": f"vm{d}", "dt": "dt"}
+            early |= {"g0": before, "g1": before if self.is_delayed(d) else f"g{d}"}
+            late = {"x0": f"xm{d}", "x1": f"xe{d}", "v0": f"vm{d}", "v1": f"ve{d}", "dt": "dt"}
+            first = half_step(composition, f"_first{d}", states, values, early)
+            late |= {"g0": first.force, "g1": first.force if self.is_delayed(d) else f"g{N + d}"}
+            second = half_step(composition, f"_second{d}", [*first.ends, *states[len(first.ends) :]], values, late)
             self.emit(*first.lines, *second.lines)
             done.append((first, second))
         return done
@@ -190,18 +217,18 @@ class Text:
         for r in range(2 * N):
             d = r % N
             half, slopes = (done[d][0], self.middles) if r < N else (done[d][1], self.ends)
-            self.emit(f"r{r} = zero" if self.late(d) else f"r{r} = {half.force} - g{r}")
+            self.emit(f"r{r} = zero" if self.is_delayed(d) else f"r{r} = {half.force} - g{r}")
             right.append(f"r{r}")
             for c in range(2 * N):
                 one = "one - " if r == c else "-"
-                if self.late(d):
+                if self.is_delayed(d):
                     self.emit(f"j{r}_{c} = {'one' if r == c else 'zero'}")
                     continue
                 self.emit(f"j{r}_{c} = {one}({half.slopes[0]}*{slopes[d][c]} + {half.slopes[1]}*{slopes[N + d][c]})")
             matrix.append([f"j{r}_{c}" for c in range(2 * N)])
         self.emit(*solved(matrix, right), *(f"g{r} = g{r} + r{r}" for r in range(2 * N)))
 
-    def _keep(self, done: list[tuple[Half, Half]]) -> None:
+    def _finish(self, done: list[tuple[Half, Half]]) -> None:
         """States, corrected by their tangents and held to their bounds, forces and energy at the end."""
         N = self.sites
         for d, composition in enumerate(self.compositions):
@@ -209,24 +236,24 @@ class Text:
             for k, (low, high) in enumerate(list(composition.states.values())[: len(second.ends)]):
                 value = second.ends[k]
                 for name, row in ((second.by_x[k], d), (second.by_v[k], N + d)):
-                    value += f" + {name}*(n_e{row} - e{row})" if name else ""
+                    value += f" + {name}*({self.motion('n', row)} - {self.motion('e', row)})" if name else ""
                 if np.isfinite([low, high]).all():
                     value = f"min(max({value}, {self.number(low)}), {self.number(high)})"
                 self.emit(f"t{d}_{k} = {value}")
-                self.keep(f"s{d}_{k}", f"t{d}_{k}")
-            if self.late(d):
-                self.emit(*(f"w[{d}, slot_{k}*{self.wide} + l] = {done[d][k].force}" for k in range(2)))
-                self.keep(f"u{d}", second.force)
+                self.carry(f"s{d}_{k}", f"t{d}_{k}")
+            if self.is_delayed(d):
+                self.emit(*(f"ring[{d}, slot_{k}*{self.ring_width} + l] = {done[d][k].force}" for k in range(2)))
+                self.carry(f"u{d}", second.force)
             if "energy" in self.quantities:
-                self.emit(*self._middle(d, f"n_e{d}", f"n_e{N + d}"))
-                power = f"f{d}*{self.starts[N + d]} + four*g{d}*h{N + d} + g{N + d}*n_e{N + d}"
-                self.emit(f"w{d} = E{d} + sixth*({power})")
-                self.keep(f"E{d}", f"w{d}")
-            self.keep(f"f{d}", f"g{N + d}")
-            self.keep(f"m{d}", f"g{d}")
+                self.emit(*self._middle(d, f"xn{d}", f"vn{d}"))
+                power = f"f{d}*{self.starts[N + d]} + four*g{d}*vm{d} + g{N + d}*vn{d}"
+                self.emit(f"En{d} = E{d} + sixth*({power})")
+                self.carry(f"E{d}", f"En{d}")
+            self.carry(f"f{d}", f"g{N + d}")
+            self.carry(f"fm{d}", f"g{d}")
 
     def outputs(self) -> list[tuple[str, int, Array]]:
-        """What peaks are kept of: (quantity, which, its row over the state and the forces at the end)."""
+        """What peaks are taken of: (quantity, which, its row over the state and the forces at the end)."""
         none = np.zeros((0, self.sites))
         forces = np.eye(self.size + self.sites)[self.size :]
         rows = {
@@ -245,7 +272,7 @@ class Text:
         return peak_rows
 
     def peak(self, name: str, now: str, mid: str, old: str) -> list[str]:
-        """The largest size of a value at three nodes in a row: at the middle one, and where the parabola turns near it."""
+        """Raise a peak by the middle one of three nodes in a row, and by the parabola through them where it turns near it."""
         return [
             f"apart = {now} - {old}",
             f"bend = abs({now} - two*{mid} + {old})",
@@ -254,7 +281,7 @@ class Text:
         ]
 
     def loops(self, places: dict[str, str]) -> list[str]:
-        """The lines as loops over the lanes."""
+        """The lines as loops over the histories."""
         written = Loops(self.lines, [0, *self.cuts, len(self.lines)], self.updates, self.rows, places).written()
         return [line for loop in written for line in loop]
 
@@ -264,18 +291,18 @@ class Text:
         numbers = [f"c{k} = c[{k}]" for k in range(self.frame.named)]
         return "\n    ".join(
             [
-                "def lanes(first, last, m, g, who, scale, t, c, b, w, mask):",
-                "dt, sixth, share, eighth_step, three_half_rate = t[0], t[1], t[2], t[3], t[4]",
+                f"def integrate_block({', '.join(ARGUMENTS)}):",
+                TIMES,
                 *numbers,
                 "for i in range(first, last):",
                 "    part = zero",
                 f"    for l in range({self.block_width}):",
                 *(
-                    f"        {self.rows.at(name)} = g[i + {k}, who[l]]*scale[l]"
+                    f"        {self.rows.at(name)} = ground[i + {k}, motion[l]]*scale[l]"
                     for k, name in enumerate(("low", "high"))
                 ),
-                "    for j in range(m):",
-                "        steps = i*m + j",
+                "    for j in range(parts):",
+                "        steps = i*parts + j",
                 "        slot_0, slot_1 = (2*steps + 1) & mask, (2*steps + 2) & mask",
                 *("        " + line for line in body),
                 "        part = part + share",
@@ -290,12 +317,12 @@ def solved(matrix: list[list[str]], right: list[str]) -> list[str]:
     size = len(right)
     if size == 2:
         (a, b), (c, d) = matrix
-        x = f"first_ = ({d}*{right[0]} - {b}*{right[1]})*over"
+        x = f"solution = ({d}*{right[0]} - {b}*{right[1]})*over"
         return [
             f"over = one/({a}*{d} - {b}*{c})",
             x,
             f"{right[1]} = ({a}*{right[1]} - {c}*{right[0]})*over",
-            f"{right[0]} = first_",
+            f"{right[0]} = solution",
         ]
     lines = []
     for k in range(size):

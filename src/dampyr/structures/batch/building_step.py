@@ -1,4 +1,4 @@
-"""The building's share of a step: written out for a small one, in loops over modes and rows for a large one."""
+"""Building's part of a step: written out for a small one, in loops over modes and rows for a large one."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-GROUND = ["rise = high - low", "a0 = low + rise*part", "a1 = low + rise*(part + share)"]
+GROUND = ["ground_rise = high - low", "a0 = low + ground_rise*part", "a1 = low + ground_rise*(part + share)"]
 
 
-TOGETHER = 8  # products of a row
+PRODUCTS_AT_ONCE = 8  # with a row, which is loaded and stored once for as many
 
 
 class Small:
@@ -42,7 +42,7 @@ class Small:
         for i in range(text.size):
             text.emit(f"k{i} = {text.sum(text.step.end[i, : len(terms)], terms)}")
         for r in range(2 * text.sites):
-            text.emit(f"be{r} = {text.sum(text.step.sites[r], [f'k{i}' for i in range(text.size)])}")
+            text.emit(f"{text.motion('b', r)} = {text.sum(text.step.sites[r], [f'k{i}' for i in range(text.size)])}")
 
     def after(self) -> None:
         """The state at the end and its peaks."""
@@ -50,15 +50,15 @@ class Small:
         for i in range(text.size):
             moved = text.sum(text.step.end[i, width:], text.unknown) if text.sites else "zero"
             text.emit(f"n{i} = k{i} + {moved}")
-            text.keep(f"z{i}", f"n{i}")
+            text.carry(f"z{i}", f"n{i}")
         for r, start in enumerate(self.starts):
             if not start.startswith("z"):
-                text.keep(start, f"n_e{r}")
+                text.carry(start, text.motion("n", r))
         text.cut()
         self._observe()
 
     def _observe(self) -> None:
-        """Peaks of each different row of what is looked at."""
+        """Peaks of each different row of the outputs."""
         text = self.text
         names = [*(f"n{i}" for i in range(text.size)), *(f"g{text.sites + d}" for d in range(text.sites))]
         seen: dict[tuple[float, ...], str] = {}
@@ -68,11 +68,11 @@ class Small:
                 name = seen[key] = f"P{len(seen)}"
                 text.emit(f"{name}a = {text.sum(row, names)}", *text.peak(name, f"{name}a", f"{name}b", f"{name}c"))
                 for row_name, value in ((name, f"{name}n"), (f"{name}b", f"{name}a"), (f"{name}c", f"{name}b")):
-                    text.keep(row_name, value)
+                    text.carry(row_name, value)
             text.peaks[quantity, i] = seen[key]
 
     def latest(self, peak: str) -> str:
-        """The row with the value at the last node of what a peak is kept of."""
+        """The row with the value at the last node of what a peak is taken of."""
         return f"{peak}b"
 
     def body(self) -> list[str]:
@@ -90,28 +90,28 @@ class Large:
         size = text.size
         self.z, self.k = text.rows.run("z", size), text.rows.run("~k", size)
         self.a, self.f = text.rows.run("~a", 2), text.rows.run("f", N) if N else 0
-        self.be = text.rows.run("~be", 2 * N) if N else 0
+        self.base = text.rows.run("~base", 2 * N) if N else 0
         self.g = text.rows.run("~g", 2 * N) if N else 0
         off_block = np.kron(np.eye(size // 2), np.ones((2, 2))) == 0
         self.pairs = not np.any(text.step.end[:, :size][off_block])
 
     def before(self) -> None:
-        """Nothing: it stands in `body`."""
+        """Nothing: it is in `body`."""
 
     def after(self) -> None:
         text = self.text
         for r, start in enumerate(self.starts):
-            text.keep(start, f"n_e{r}")
+            text.carry(start, text.motion("n", r))
         self.named_ = len(text.coefficients)
-        looks = text.outputs()
-        self.values = text.rows.run("~q", len(looks))
-        self.top, self.mid, self.old = (text.rows.run(letter, len(looks)) for letter in ("P", "Pb", "Pc"))
-        for r, (quantity, i, _) in enumerate(looks):
+        outputs = text.outputs()
+        self.values = text.rows.run("~q", len(outputs))
+        self.top, self.mid, self.old = (text.rows.run(letter, len(outputs)) for letter in ("P", "Pb", "Pc"))
+        for r, (quantity, i, _) in enumerate(outputs):
             text.peaks[quantity, i] = f"P{r}"
-        self.outputs = np.array([row for _, _, row in looks]).reshape(len(looks), text.size + text.sites)
+        self.outputs = np.array([row for _, _, row in outputs]).reshape(len(outputs), text.size + text.sites)
 
     def latest(self, peak: str) -> str:
-        """The row with the value at the last node of what a peak is kept of."""
+        """The row with the value at the last node of what a peak is taken of."""
         return f"Pb{peak[1:]}"
 
     @property
@@ -123,7 +123,7 @@ class Large:
         """The lines of a step."""
         text = self.text
         size, N = text.size, text.sites
-        shared = {f"be{r}": f"~be{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
+        shared = {text.motion("b", r): f"~base{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
         dampers = text.loops(shared) if N else []
         width = size + 2 + N
         explicit, unknown = text.step.end[:, :width], text.step.end[:, width:]
@@ -139,14 +139,14 @@ class Large:
         if N:
             for part in (0, N):  # strokes, then rates: each takes half of the modes' coordinates
                 rows = text.step.sites[part : part + N]
-                lines += self._product(rows, range(self.k, self.k + size), self.be + part)
+                lines += self._product(rows, range(self.k, self.k + size), self.base + part)
         lines += dampers
         lines += self._product(unknown, range(self.g, self.g + 2 * N), self.z, start=self.k)
         lines += self._values([*range(self.z, self.z + size), *(self.f + d for d in range(N))])
         return [*lines, *self._peaks(len(self.outputs))]
 
     def _values(self, columns: list[int]) -> list[str]:
-        """What peaks are kept of; drifts are differences of displacements where both are wanted."""
+        """What peaks are taken of; drifts are differences of displacements where both are wanted."""
         wanted, n = self.text.quantities, self.text.size // 2
         if not {"displacement", "drift"} <= set(wanted):
             return self._product(self.outputs, columns, self.values)
@@ -159,7 +159,7 @@ class Large:
         return lines + (self._product(rest, columns, self.values + 2 * n) if len(rest) else [])
 
     def _stored(self, values: Array) -> int:
-        """Put numbers behind the named coefficients; where the first stands."""
+        """Append numbers to the named coefficients; returns the index of the first."""
         first = len(self.text.coefficients)
         self.text.coefficients.extend(float(v) for v in np.ravel(values))
         return first
@@ -186,9 +186,9 @@ class Large:
         filled = np.flatnonzero(np.any(matrix != 0.0, axis=0))
         matrix, columns = matrix[:, filled], [list(columns)[k] for k in filled]
         lines = []
-        for at in range(0, max(len(columns), 1), TOGETHER):
-            some = columns[at : at + TOGETHER]
-            first = self._stored(matrix[:, at : at + TOGETHER])
+        for at in range(0, max(len(columns), 1), PRODUCTS_AT_ONCE):
+            some = columns[at : at + PRODUCTS_AT_ONCE]
+            first = self._stored(matrix[:, at : at + PRODUCTS_AT_ONCE])
             rows = {"x": self._row(target)} if at or start is None else {"x": self._row(target), "y": self._row(start)}
             terms = [f"q{k}*b[{row * self.text.block_width} + l]" for k, row in enumerate(some)]
             terms += ["x[l]"] if at else ["y[l]"] if start is not None else []
@@ -213,7 +213,7 @@ class Large:
         return f"b[r*{apart * wide} + {first * wide} : r*{apart * wide} + {(first + 1) * wide}]"
 
     def _loop(self, count: int, rows: dict[str, str], given: list[str], lines: list[str]) -> list[str]:
-        """A loop over rows with one over the lanes inside."""
+        """A loop over rows with one over the histories inside."""
         return [
             f"for r in range({count}):",
             *(f"    {name} = {row}" for name, row in rows.items()),

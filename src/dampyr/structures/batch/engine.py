@@ -1,16 +1,19 @@
-"""A building with dampers, ready to take blocks of histories; one engine serves every damper of the same parts."""
+"""Batch engine: a building with dampers, compiled to run blocks of histories.
+
+One engine serves every damper of the same parts.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.models.codegen.composition import Composition
-from dampyr.structures.batch.assemble import Text
+from dampyr.structures.batch.assemble import KernelText
 from dampyr.structures.batch.branchless_math import BLOCK_WIDTH
 from dampyr.structures.batch.modal import basis_of, step
 from dampyr.structures.batch.run_blocks import compiled
@@ -19,18 +22,37 @@ from dampyr.structures.building import Building
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 MAX_SITES = 3  # Newton's matrix is written out
+MAX_HISTORIES = 16 * BLOCK_WIDTH  # in a call: 16 blocks, whose rows take about half a megabyte
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Histories for a launch: ``motions`` and ``scales`` a history each, ``ends`` their numbers of samples, ``block`` what they
+    begin with (rows, histories), ``delays`` in steps (histories, sites); the kernel's ``times`` and ``coefficients``."""
+
+    motions: Sequence[Array]
+    scales: Array
+    ends: Integers
+    times: Array
+    coefficients: Array
+    block: Array
+    delays: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Engine:
-    """One building, sites and length of step, compiled; ``most`` histories at a time."""
+    """One building, sites and length of step; ``launch`` runs up to ``max_histories`` at a time on one kind of device.
 
-    text: Text
+    ``launch(engine, batch)`` gives the block as each history left it at its end (rows, histories).
+    """
+
+    text: KernelText
     compositions: tuple[Composition, ...]
     precision: int
     m: int
-    together: bool = False
-    max_histories: ClassVar[int] = 16 * BLOCK_WIDTH
+    launch: Callable[[Any, Batch], Array]
+    max_histories: int = MAX_HISTORIES
+    branchless: bool = False
 
     def run(
         self,
@@ -40,76 +62,44 @@ class Engine:
         delays: Array | None = None,
         scales: Array | None = None,
     ) -> dict[str, Array]:
-        """The peaks and energies of up to ``most`` histories: quantity -> (lanes, rows).
+        """The peaks and energies of up to ``max_histories`` histories: quantity -> (histories, rows).
 
-        ``motions`` are the ground's accelerations, a history each, times ``scales`` (lanes,); ``values`` the parameters
-        (lanes, P) of each site; ``rest`` and ``delays`` (lanes, sites) the forces at rest [N] and the delays [s] of the sites.
+        ``motions`` are the ground's accelerations, a history each, times ``scales`` (histories,); ``values`` the parameters
+        (histories, P) of each site; ``rest`` and ``delays`` (histories, sites) the forces at rest [N] and the delays [s].
         """
         kind = np.float64 if self.precision == 64 else np.float32
-        steps = np.zeros_like(rest) if delays is None else delays / self.text.step.h
         h = self.text.step.h
-        block, ends = self._block(values, rest, steps, kind), np.array([len(motion) for motion in motions])
-        t: Array = np.array([h / 2, h / 6, 1 / self.m, h / 8, 1.5 / h], kind)
-        c: Array = np.array(self.text.coefficients, kind)
-        return self._read(
-            self._launch(motions, np.ones(len(motions)) if scales is None else scales, ends, t, c, block, steps)
+        steps = np.zeros_like(rest) if delays is None else delays / h
+        batch = Batch(
+            motions,
+            np.ones(len(motions)) if scales is None else scales,
+            np.array([len(motion) for motion in motions]),
+            np.array([h / 2, h / 6, 1 / self.m, h / 8, 1.5 / h], kind),
+            np.array(self.text.coefficients, kind),
+            self._block(values, rest, steps, kind),
+            steps,
         )
-
-    def _launch(
-        self, motions: Sequence[Array], scales: Array, ends: Integers, t: Array, c: Array, block: Array, steps: Array
-    ) -> Array:
-        """The block as each history left it at its end (rows, count), as many histories at a time as there are lanes."""
-        wide, kind = self.text.block_width, block.dtype.type
-        final_block, here = np.empty((block.shape[0], len(ends))), _aligned(block.shape[0] * wide, kind)
-        batch = here.reshape(-1, wide)
-        late, ring = any(map(self.text.late, range(self.text.sites))), np.empty((0, 0))
-        for k, ground in enumerate(grounds(motions, scales, wide, kind)):
-            some = slice(k * wide, (k + 1) * wide)
-            count = len(ends[some])
-            batch[:, :count], batch[:, count:] = block[:, some], block[:, :1]
-            if late or k == 0:
-                ring = self._ring(batch, steps)
-            self._march(ends[some], ground, t, c, batch, ring, final_block[:, some])
-        return final_block
-
-    def _march(
-        self,
-        ends: Integers,
-        ground: tuple[Array, Integers, Array],
-        t: Array,
-        c: Array,
-        batch: Array,
-        ring: Array,
-        final_block: Array,
-    ) -> None:
-        """The histories of one block, each to its end."""
-        kernel = compiled(self.text.source, self.compositions, self.precision, self.together)
-        first, mask, lasts = 0, ring.shape[1] // self.text.block_width - 1, sorted(set(ends.tolist()))
-        for last in lasts:
-            kernel(first, last - 1, self.m, *ground, t, c, batch.reshape(-1), ring, mask)
-            ended = slice(len(ends)) if len(lasts) == 1 else np.flatnonzero(ends == last)
-            final_block[:, ended] = batch[:, ended]
-            first = last - 1
+        return self._read(self.launch(self, batch))
 
     def _block(self, values: Sequence[Array], rest: Array, steps: Array, kind: type) -> Array:
-        """What the histories begin with, a column each."""
+        """The block at the start, a history in each column."""
         rows = self.text.rows
         block: Array = np.zeros((len(rows.names), len(rest)), kind)
         for d, parameters in enumerate(values):
             for k in range(parameters.shape[1]):
                 block[rows[f"p{d}_{k}"]] = parameters[:, k]
-            for name in (f"f{d}", f"m{d}", *((f"u{d}", f"R{d}") if self.text.late(d) else ())):
+            for name in (f"f{d}", f"fm{d}", *((f"u{d}", f"R{d}") if self.text.is_delayed(d) else ())):
                 block[rows[name]] = rest[:, d]
-            if self.text.late(d):
+            if self.text.is_delayed(d):
                 block[rows[f"D{d}"]] = steps[:, d]
         return block
 
-    def _ring(self, block: Array, steps: Array) -> Array:
-        """The forces of late dampers at the latest nodes (sites, nodes * lanes): a power of two of them."""
+    def ring(self, block: Array, steps: Array) -> Array:
+        """The forces of delayed dampers at the latest nodes (sites, nodes * width): a power of two of them, all at rest."""
         nodes, wide = 2 * int(np.ceil(steps.max(initial=0.0))) + 6, block.shape[1]
         ring = np.zeros((max(self.text.sites, 1), wide << (nodes - 1).bit_length()), block.dtype)
         for d in range(self.text.sites):
-            if self.text.late(d):
+            if self.text.is_delayed(d):
                 ring[d, :wide] = block[self.text.rows[f"R{d}"]]
         return ring
 
@@ -124,33 +114,58 @@ class Engine:
         return {quantity: np.stack(rows, axis=1) for quantity, rows in read.items() if rows}
 
 
-LINE = 64  # bytes of a line of a core's cache, which eight numbers of a row should not straddle
+def launch_blocks(engine: Engine, batch: Batch) -> Array:
+    """The histories on the processor, a block at a time."""
+    width, kind, text = engine.text.block_width, batch.block.dtype.type, engine.text
+    final_block, buffer = (
+        np.empty((batch.block.shape[0], len(batch.ends))),
+        _aligned(batch.block.shape[0] * width, kind),
+    )
+    block = buffer.reshape(-1, width)
+    delayed, ring = any(map(text.is_delayed, range(text.sites))), np.empty((0, 0))
+    kernel = compiled(text.source, engine.compositions, engine.precision, engine.branchless)
+    for k, ground in enumerate(grounds(batch.motions, batch.scales, width, kind)):
+        some = slice(k * width, (k + 1) * width)
+        ends = batch.ends[some]
+        block[:, : len(ends)], block[:, len(ends) :] = batch.block[:, some], batch.block[:, :1]
+        if delayed or k == 0:
+            ring = engine.ring(block, batch.delays)
+        first, mask, lasts = 0, ring.shape[1] // width - 1, sorted(set(ends.tolist()))
+        for last in lasts:  # histories of different lengths: each is read where it ends
+            kernel(first, last - 1, engine.m, *ground, batch.times, batch.coefficients, block.reshape(-1), ring, mask)
+            ended = np.flatnonzero(ends == last)
+            final_block[:, some][:, ended] = block[:, ended]
+            first = last - 1
+    return final_block
+
+
+CACHE_LINE = 64  # bytes; eight numbers of a row should not straddle two lines
 
 
 def _aligned(size: int, kind: type) -> Array:
     """An uninitialised array that begins on a line of the cache."""
     width = np.dtype(kind).itemsize
-    buffer: Array = np.empty(size + LINE // width, kind)
-    first = -buffer.ctypes.data % LINE // width
+    buffer: Array = np.empty(size + CACHE_LINE // width, kind)
+    first = -buffer.ctypes.data % CACHE_LINE // width
     aligned: Array = buffer[first : first + size]
     return aligned
 
 
-def grounds(motions: Sequence[Array], scales: Array, wide: int, kind: type) -> Iterator[tuple[Array, Integers, Array]]:
-    """For each ``wide`` histories: their different motions as columns (samples, motions), which of them each lane has, and
-    its scale, 0 where no history is."""
+def grounds(motions: Sequence[Array], scales: Array, width: int, kind: type) -> Iterator[tuple[Array, Integers, Array]]:
+    """For each ``width`` histories: their different motions as columns (samples, motions), which of them each history has, and
+    its scale, 0 where there is no history."""
     number = {id(motion): k for k, motion in enumerate(motions)}
     which = np.array([number[id(motion)] for motion in motions])
     columns, previous = np.empty((0, 0)), which[:0]
-    for first in range(0, len(motions), wide):
-        different, here = np.unique(which[first : first + wide], return_inverse=True)
+    for first in range(0, len(motions), width):
+        different, here = np.unique(which[first : first + width], return_inverse=True)
         if not np.array_equal(different, previous):
             previous, columns = different, np.zeros((max(len(motions[k]) for k in different), len(different)), kind)
             for column, k in zip(columns.T, different, strict=True):
                 column[: len(motions[k])] = motions[k]
-        who = np.zeros(wide, np.int64)
-        scale: Array = np.zeros(wide, kind)
-        who[: len(here)], scale[: len(here)] = here, scales[first : first + wide]
+        who = np.zeros(width, np.int64)
+        scale: Array = np.zeros(width, kind)
+        who[: len(here)], scale[: len(here)] = here, scales[first : first + width]
         yield columns, who, scale
 
 
@@ -162,24 +177,24 @@ def engine(
     m: int,
     quantities: tuple[str, ...],
     precision: int = 64,
-    together: bool = False,
+    branchless: bool = False,
 ) -> Engine:
     """The engine of ``building`` with sites at ``connections`` (N, n), m steps to a sample of ``dt`` seconds.
 
-    ``together`` is for dampers whose Bouc-Wen states the lanes can walk together
-    (`dampyr.structures.batch.bouc_wen_branchless.holds`).
+    ``branchless`` is for dampers whose Bouc-Wen states can be integrated without branches
+    (`dampyr.structures.batch.bouc_wen_branchless.is_vectorisable`).
     """
     one = step(building, connections, dt / m, basis_of(building))
-    text = Text(one, compositions, quantities, BLOCK_WIDTH * 64 // precision)
-    made = Engine(text, compositions, precision, m, together)
-    compiled(text.source, compositions, precision, together)  # by one thread, before several ask for it
+    text = KernelText(one, compositions, quantities, BLOCK_WIDTH * 64 // precision)
+    made = Engine(text, compositions, precision, m, launch_blocks, branchless=branchless)
+    compiled(text.source, compositions, precision, branchless)  # by one thread, before several ask for it
     return made
 
 
-def takes(compositions: Sequence[Composition]) -> bool:
-    """Whether the lanes can march these dampers: few, without a mass of their own."""
-    return len(compositions) <= MAX_SITES and not any(map(_asks_for_acceleration, compositions))
+def can_run(compositions: Sequence[Composition]) -> bool:
+    """Whether an engine can run these dampers: few, without a mass of their own."""
+    return len(compositions) <= MAX_SITES and not any(map(_uses_acceleration, compositions))
 
 
-def _asks_for_acceleration(composition: Composition) -> bool:
+def _uses_acceleration(composition: Composition) -> bool:
     return any("a" in p.force.arguments for p in composition.parts if p.force)

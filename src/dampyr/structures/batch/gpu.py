@@ -1,4 +1,4 @@
-"""The same step on a graphics card: a thread per history, its numbers in registers from the first sample to the last.
+"""Batch engine on a graphics card: a thread per history, its numbers in registers from the first sample to the last.
 
 Needs the extra ``gpu`` and a card of NVIDIA; with ``NUMBA_ENABLE_CUDASIM=1`` in the environment numba runs it on the processor,
 slowly, which is how it is tested where there is no card.
@@ -8,26 +8,25 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from types import FunctionType
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.models.codegen.composition import Composition, namespace_of
-from dampyr.structures.batch.assemble import WRITTEN_OUT_UP_TO, Text
+from dampyr.models.codegen.composition import Composition
+from dampyr.structures.batch.assemble import ARGUMENTS, TIMES, WRITTEN_OUT_UP_TO, KernelText
 from dampyr.structures.batch.branchless_math import constants
 from dampyr.structures.batch.building_step import Small
-from dampyr.structures.batch.engine import Engine, Integers, grounds
+from dampyr.structures.batch.engine import Batch, Engine, grounds
 from dampyr.structures.batch.modal import step
-from dampyr.structures.batch.run_blocks import CONSTANTS, MATH, Numbers
+from dampyr.structures.batch.run_blocks import CONSTANTS, MATH, Numbers, functions_of
 from dampyr.structures.building import Building
 
 Array = NDArray[np.float64]
-THREADS = 128  # in a block of the card
+THREADS = 128  # in a block of the card: four warps
 MAX_HISTORIES = 16384  # histories in a launch: what bounds the memory on the card
 
 
@@ -40,24 +39,20 @@ def missing() -> str:
     return "" if cuda.is_available() else "no graphics card with CUDA answers; run on the processor, device='cpu'"
 
 
-class GpuEngine(Engine):
-    """An engine that takes as many histories at a time as the card holds."""
+def launch_on_card(engine: Engine, batch: Batch) -> Array:
+    """The histories on the card, a thread each."""
+    from numba import cuda
 
-    max_histories: ClassVar[int] = MAX_HISTORIES
-
-    def _launch(
-        self, motions: Sequence[Array], scales: Array, ends: Integers, t: Array, c: Array, block: Array, steps: Array
-    ) -> Array:
-        from numba import cuda
-
-        kernel = _compiled(_source(self.text), self.compositions, self.precision)
-        [ground], ring = grounds(motions, scales, len(ends), block.dtype.type), self._ring(block, steps)
-        mask = ring.shape[1] // block.shape[1] - 1
-        on_card = cuda.to_device(block)
-        ends_, *ground_, t_, c_, ring_ = (cuda.to_device(a) for a in (ends, *ground, t, c, ring))
-        blocks = -(-block.shape[1] // THREADS)
-        kernel[blocks, THREADS](ends_, self.m, *ground_, t_, c_, on_card, ring_, mask)
-        return np.asarray(on_card.copy_to_host())
+    kernel = _compiled(_source(engine.text), engine.compositions, engine.precision)
+    [ground] = grounds(batch.motions, batch.scales, len(batch.ends), batch.block.dtype.type)
+    ring = engine.ring(batch.block, batch.delays)
+    mask = ring.shape[1] // batch.block.shape[1] - 1
+    block = cuda.to_device(batch.block)
+    arrays = (batch.ends, *ground, batch.times, batch.coefficients, ring)
+    ends, *ground_, times, coefficients, ring_ = (cuda.to_device(array) for array in arrays)
+    blocks = -(-batch.block.shape[1] // THREADS)
+    kernel[blocks, THREADS](ends, engine.m, *ground_, times, coefficients, block, ring_, mask)
+    return np.asarray(block.copy_to_host())
 
 
 def engine(
@@ -68,18 +63,18 @@ def engine(
     m: int,
     quantities: tuple[str, ...],
     precision: int = 64,
-    together: bool = False,
-) -> GpuEngine:
+    branchless: bool = False,
+) -> Engine:
     """As `dampyr.structures.batch.engine.engine`, for the card, whose threads take the exact Bouc-Wen state."""
     if 2 * building.n > WRITTEN_OUT_UP_TO:
         raise InputError(
             f"{building.name} has {building.n} floors; a graphics card takes up to {WRITTEN_OUT_UP_TO // 2}: use device='cpu'"
         )
-    text = Text(step(building, connections, dt / m), compositions, quantities, wide="wide")
-    return GpuEngine(text, compositions, precision, m)
+    text = KernelText(step(building, connections, dt / m), compositions, quantities, ring_width="width")
+    return Engine(text, compositions, precision, m, launch_on_card, MAX_HISTORIES)
 
 
-def _source(text: Text) -> str:
+def _source(text: KernelText) -> str:
     """The text of the kernel: all rows in names, the steps in a loop of the thread."""
     assert isinstance(text.frame, Small)
     rows = text.rows.names
@@ -89,15 +84,15 @@ def _source(text: Text) -> str:
     stored = [f"b[{rows.index(name)}, l] = {name}" for name in text.updates]
     inner = [*text.lines, f"{names} = {values}", "part = part + share"]
     lines = [
-        "def history(ends, m, g, who, scale, t, c, b, w, mask):",
-        "    l, wide = cuda.grid(1), b.shape[1]",
-        "    if l < wide:",
-        "        dt, sixth, share, eighth_step, three_half_rate = t[0], t[1], t[2], t[3], t[4]",
+        f"def integrate_history(ends, {', '.join(ARGUMENTS[2:])}):",
+        "    l, width = cuda.grid(1), b.shape[1]",
+        "    if l < width:",
+        f"        {TIMES}",
         *("        " + line for line in [*numbers, *given]),
         "        for i in range(ends[l] - 1):",
-        "            low, high, part = g[i, who[l]]*scale[l], g[i + 1, who[l]]*scale[l], zero",
-        "            for j in range(m):",
-        "                steps = i*m + j",
+        "            low, high, part = ground[i, motion[l]]*scale[l], ground[i + 1, motion[l]]*scale[l], zero",
+        "            for j in range(parts):",
+        "                steps = i*parts + j",
         "                slot_0, slot_1 = (2*steps + 1) & mask, (2*steps + 2) & mask",
         *("                " + line for line in inner),
         *("        " + line for line in stored),
@@ -110,7 +105,7 @@ def _compiled(source: str, compositions: tuple[Composition, ...], precision: int
     from numba import cuda
 
     kind = np.float64 if precision == 64 else np.float32
-    text = namespace_of(compositions)[0] if compositions else ""
+    text = functions_of(compositions)
     tree, numbers = ast.parse(text), Numbers()
     numbers.visit(tree)
     plain = (*MATH, "exp", "tanh", "copysign", "floor")
@@ -123,7 +118,7 @@ def _compiled(source: str, compositions: tuple[Composition, ...], precision: int
         if isinstance(value, FunctionType):
             names[name] = cuda.jit(device=True, inline=True)(value)
     exec(compile(source, "<history>", "exec"), names)
-    return cuda.jit(fastmath=False)(names["history"])
+    return cuda.jit(fastmath=False)(names["integrate_history"])
 
 
 EIGHTH = "def eighth_over(t):\n    return eighth/t\n"

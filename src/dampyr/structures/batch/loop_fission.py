@@ -1,4 +1,4 @@
-"""Lines of a step shared out among several loops over the lanes: what one loop leaves for another goes through rows."""
+"""Loop fission: the lines of a step in several loops over the histories, which pass values on through rows."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 @dataclass
 class Loops:
-    """``lines`` cut into loops at ``cuts``; ``kept`` names what each row is to hold after the step.
+    """``lines`` cut into loops at ``cuts``; ``updates`` names what each row is to hold after the step.
 
     ``places`` names the rows of what the lines take from elsewhere or leave for others.
     """
@@ -59,7 +59,7 @@ class Loops:
         return name if name in self.updates or not any(name in w for w in self.writes) else f"~{name}"
 
     def _stored_in(self, row: str, value: str) -> int:
-        """The first loop after which nothing asks for the old value."""
+        """The first loop after which nothing reads the old value."""
         made = max((k for k, names in enumerate(self.writes) if value in names), default=0)
         readers = [k for k, names in enumerate(self.reads) if row in names]
         return max([made, *readers])

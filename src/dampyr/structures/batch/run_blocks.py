@@ -1,4 +1,4 @@
-"""Kernels made of their text, and blocks of histories taken through them."""
+"""Compilation of a kernel's text, with the functions and numbers that it uses."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from dampyr.models.codegen.composition import Composition, namespace_of
+from dampyr.models.codegen.formula import read
 from dampyr.models.codegen.kernels import jit, named
 from dampyr.structures.batch import bouc_wen_branchless, branchless_math
+from dampyr.structures.kernel_math import quadratic
 
 FAST = {"contract", "nsz", "arcp", "nnan", "ninf"}
 MATH = ("sqrt", "log", "log1p", "expm1", "sin", "cos", "tan", "atan")
@@ -21,14 +23,21 @@ CONSTANTS = {"zero": 0.0, "one": 1.0, "two": 2.0, "four": 4.0, "half": 0.5, "qua
 
 
 @lru_cache(maxsize=64)
-def compiled(source: str, compositions: tuple[Composition, ...], precision: int, together: bool = False) -> Any:
-    """The kernel of a text, kept on disk; ``together`` takes the branch-free Bouc-Wen state."""
-    text = namespace_of(compositions)[0] if compositions else ""
-    text += "\n\n" + bouc_wen_branchless.source() if together else ""
+def compiled(source: str, compositions: tuple[Composition, ...], precision: int, branchless: bool = False) -> Any:
+    """The kernel of a text, cached on disk; ``branchless`` takes the branch-free Bouc-Wen state."""
+    text = functions_of(compositions)
+    text += "\n\n" + bouc_wen_branchless.source() if branchless else ""
     names = _parts(text, precision)
-    exec(compile(source, "<lanes>", "exec"), names)
+    exec(compile(source, "<block>", "exec"), names)
     key = hashlib.sha256(f"{source}{text}{precision}".encode()).hexdigest()[:16]
-    return jit(named(names["lanes"], __name__, key), keep=True, flags=FAST)
+    return jit(named(names["integrate_block"], __name__, key), keep=True, flags=FAST)
+
+
+def functions_of(compositions: tuple[Composition, ...]) -> str:
+    """The text of the functions that a kernel of these dampers calls."""
+    text = namespace_of(compositions)[0] if compositions else ""
+    delayed = any(composition.has_delay for composition in compositions)
+    return f"{text}\n\n{read(quadratic, 'quadratic').source}" if delayed else text
 
 
 def _parts(text: str, precision: int) -> dict[str, Any]:
@@ -58,7 +67,7 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
 
 
 def _straight(tree: ast.Module, name: str) -> bool:
-    """Whether a formula runs straight through, so that writing it into the kernel lets eight lanes run at a time."""
+    """Whether a formula runs straight through, so that inlining it lets the compiler take eight histories at a time."""
     function = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == name)
     return not any(isinstance(node, ast.For | ast.While) for node in ast.walk(function)) and len(function.body) < 12
 
