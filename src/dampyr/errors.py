@@ -47,7 +47,7 @@ class MissingData(DampyrError, FileNotFoundError):
 
 
 class RigFault(DampyrError):
-    """The rig does not answer, or it stopped by itself; ``ring`` is the ring of safety that acted, if one did."""
+    """The rig does not answer, or it stopped by itself; ``ring`` is the safety layer that acted, if one did."""
 
     def __init__(self, message: str, ring: str = "") -> None:
         super().__init__(message)

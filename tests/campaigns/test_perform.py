@@ -224,7 +224,7 @@ CROWDED = textwrap.dedent("""
     if reserved == "no":  # as where a file system takes a write anew that was reserved before, or others use up the room
         taking.check_room = lambda *_: None
         os.posix_fallocate = lambda *_: None
-    simulated(in_process=True).board.simulator.alone(0.01)  # compiled once, for every host that is forked
+    simulated(in_process=True).board.simulator.run_unattended(0.01)  # compiled once, for every host that is forked
     print("ready", flush=True)
     for line in sys.stdin:
         host = os.fork()
@@ -420,7 +420,7 @@ FORKING = textwrap.dedent("""
         return rows
 
     Recording.append = told
-    simulated(in_process=True).board.simulator.alone(0.01)  # compiled once, for every host that is forked
+    simulated(in_process=True).board.simulator.run_unattended(0.01)  # compiled once, for every host that is forked
     print("ready", flush=True)
     for line in sys.stdin:
         campaign, folder, after = line.rstrip().split("|")

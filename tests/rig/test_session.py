@@ -65,7 +65,7 @@ def played(rig: Rig, drive: Drive, then: Callable[[int, Table, Samples], None] |
 
 def check_safe(simulator: Simulator, since: float) -> None:
     """0 V at the coil and the table at rest within `SOON`; the current follows with the coil's time constant."""
-    simulator.alone(SOON)
+    simulator.run_unattended(SOON)
     truth = simulator.truth
     after = truth.time > since + SOON
     assert np.all(truth.voltage[truth.time > since + 0.005] == 0.0)
@@ -190,7 +190,7 @@ def test_ring_one_alone_a_silent_host() -> None:
         nonlocal since
         if k > 40 and abs(block.status.speed) > 8000:
             since = simulator.time
-            simulator.alone(0.5)
+            simulator.run_unattended(0.5)
 
     with pytest.raises(RigFault, match="the host was silent for too long"):
         played(rig, sine(0.012, 0.9, 6.0), fall_silent)
@@ -428,7 +428,7 @@ def test_a_rig_is_armed_again_after_a_fault_in_mid_stroke(kind: str, words: str)
 
     with pytest.raises(RigFault, match=words):
         played(rig, sine(0.012, 0.9, 8.0), break_down)
-    simulator.alone(1.0)
+    simulator.run_unattended(1.0)
     assert simulator.truth.position[-1] > 0.004
     moved(rig, simulator, 0.002)
 
@@ -464,7 +464,7 @@ def test_a_rig_that_is_armed_while_its_table_still_moves_is_aligned_at_rest() ->
     _, simulator = standing_at(0.0)
     rig = left_armed(simulator, 0.005)
     rig.uno.jog(-1500, 500)
-    simulator.alone(0.1)
+    simulator.run_unattended(0.1)
     rig.uno.abort()
     rig.uno.clear()
     assert rig.uno.heartbeat().speed != 0
@@ -552,7 +552,7 @@ def in_a_random_order(seed: int, steps: int) -> None:
                 broken_off(rig, table, what, to)
             if what not in ("abort", "fault", "leave", "host"):
                 check_aligned(table, simulator, middle)
-        simulator.alone(1.0 if what == "fault" else 0.0)
+        simulator.run_unattended(1.0 if what == "fault" else 0.0)
 
 
 def test_arming_in_a_random_order() -> None:

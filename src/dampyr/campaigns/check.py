@@ -1,6 +1,6 @@
 """Whether the rig can do a step, before anything moves; where it cannot, what is in the way and what it could do.
 
-This is the outermost of the three rings of safety: firmware and interlock do not rely on it. At every set point the
+This is the outermost of the three safety layers: firmware and interlock do not rely on it. At every set point the
 actuator's free speed less its droop under the expected force and the table's friction must exceed the path's speed, and also
 the speed that the motor's lag makes of it, :math:`|v + \\tau a|`.
 """

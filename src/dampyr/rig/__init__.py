@@ -1,8 +1,8 @@
-"""The machine: what it is made of, how it is driven and read, what keeps it safe, and its simulated twin.
+"""The machine: settings, drivers, acquisition, safety layers, and its simulated twin.
 
 ::
 
-    with dp.rig.simulated() as rig, rig.armed() as table:     # or dp.rig.load("rig.toml")
+    with dp.rig.simulated() as rig, rig.armed() as table:     # or dp.rig.connect("rig.toml")
         table.home()
         table.go(0.005)
 """

@@ -1,4 +1,4 @@
-"""The loop that reads, judges and feeds: one block of samples at a time, whatever anyone else is doing.
+"""Acquisition loop: it reads, checks and feeds one block of samples at a time, independently of its readers.
 
 On a real rig, and on a simulated one in real time, it has a thread of its own, so that no slow disk or page delays the
 interlock. A simulated rig in lockstep has no clock but its reads, and is read when its blocks are asked for.
@@ -28,9 +28,9 @@ from dampyr.rig.settings import RigSettings
 from dampyr.rig.thermal_model import Warmth
 
 Array = NDArray[np.float64]
-AHEAD = 2  # blocks by which the command runs ahead of the reading
-AHEAD_OF_CLOCK = 5  # the same where a clock runs that does not wait for a host that was busy
-HELD = 10.0  # s of blocks that may wait for whoever stores them
+AHEAD = 2  # blocks by which the command runs ahead of the reading: one is output while the next is computed
+AHEAD_OF_CLOCK = 5  # the same where the clock does not wait for a busy host: 0.2 s of reserve
+HELD = 10.0  # s of blocks that may wait to be stored: longer than a slow disk's pauses
 
 WORDS = {
     Fault.HEARTBEAT: "the host was silent for too long",
@@ -47,12 +47,12 @@ WORDS = {
 
 
 def fault_in_words(faults: Fault) -> str:
-    """Why the Uno stopped."""
+    """The reasons why the Uno stopped, as words."""
     return " and ".join(words for fault, words in WORDS.items() if fault in faults) or "no reason given"
 
 
 class Acquisition:
-    """Blocks of samples from an armed rig; :class:`RigFault` is raised where a ring of safety has acted."""
+    """Blocks of samples from an armed rig; :class:`RigFault` is raised where a safety layer has acted."""
 
     def __init__(
         self,
@@ -99,7 +99,7 @@ class Acquisition:
         return self.next + len(self._command)
 
     def blocks(self) -> Iterator[Samples]:
-        """Blocks as they come, for ever."""
+        """Blocks as they arrive, without end."""
         while True:
             if self.stopped:
                 raise self.stopped
@@ -127,7 +127,7 @@ class Acquisition:
                 return
 
     def cycle(self, n: int | None = None) -> Samples:
-        """Read a block, judge it, and feed what comes next."""
+        """Read a block, check it, and queue the next command."""
         n = self.rig.block_samples if n is None else n
         try:
             volts, counts = self.board.read(n)

@@ -1,4 +1,4 @@
-"""From volts and counts to newtons and metres, and how the load cell's scale is found.
+"""Calibration: from volts and counts to newtons and metres, and the measurement of the load cell's scale.
 
 Two points: the volts without load and under a known force. Shunt: a resistor across one arm of the bridge unbalances it as a
 known force would, without a weight.
@@ -22,7 +22,7 @@ from dampyr.rig.settings import LoadCell, RigSettings
 from dampyr.units import Quantity
 
 Array = NDArray[np.float64]
-SPREAD = 0.02  # by which a measured scale may differ from the one before without a word
+SPREAD = 0.02  # by which a measured scale may differ from the one before without a warning
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def load_calibration(folder: str | Path) -> Calibration | None:
 
 
 def calibration_of(rig: RigSettings) -> Calibration:
-    """What the settings say."""
+    """The calibration of the settings."""
     return Calibration(rig.load_cell.scale, rig.load_cell.zero, rig.encoder.count)
 
 
@@ -96,7 +96,7 @@ def two_point(zero: float, loaded: float, force: float) -> float:
 
 
 def shunt_force(cell: LoadCell, resistor: float) -> float:
-    r"""The force [N] that a shunt ``resistor`` [ohm] across one arm of the full bridge pretends.
+    r"""The force [N] that a shunt ``resistor`` [ohm] across one arm of the full bridge simulates.
 
     .. math:: \frac{\Delta U}{U} = \frac{R_b}{4 R_s + 2 R_b}, \qquad F = \frac{\Delta U/U}{S} F_n
 
@@ -117,4 +117,4 @@ def doubt(scale: float, before: float) -> str:
     off = scale / before - 1.0
     if abs(off) <= SPREAD:
         return ""
-    return f"the scale {scale:.4g} N/V differs from {before:.4g} N/V by {off:+.1%}; look at the cell before you keep it"
+    return f"the scale {scale:.4g} N/V differs from {before:.4g} N/V by {off:+.1%}; check the cell before you save it"

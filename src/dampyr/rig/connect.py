@@ -1,4 +1,4 @@
-"""Connecting to a rig: the real one that a ``rig.toml`` names, or a simulated one."""
+"""Connections to a rig: the real one that a ``rig.toml`` names, or a simulated one."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ def simulated(
     seed
         Of noise and lost bytes: in lockstep the same calls give the same bits.
     faults
-        What goes wrong and when, such as "stuck-encoder@12.5s for 3s" (`dampyr.rig.simulation.faults`).
+        The faults and their times, such as "stuck-encoder@12.5s for 3s" (`dampyr.rig.simulation.faults`).
     real_time
-        The wall's clock moves the rig; without it its host does, and thirty seconds take one.
+        The rig follows the wall clock; without it the host advances it, and thirty seconds take one.
     black_box
         A file for a line of JSON per event, as it happens; only of a process.
 

@@ -1,4 +1,4 @@
-"""What of a rig is connected, what answers, what is calibrated, and what to do about what is not."""
+"""Diagnosis of a rig: which parts are connected, answer and are calibrated, and the repair of the others."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LIBRARIES = {"pyserial": "the Uno", "nidaqmx": "the NI board", "grpcio": "the wi
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at: what was found, and what would repair it (None: nothing to repair)."""
+    """One check: its result, and the repair (None: nothing to repair)."""
 
     what: str
     observed: str
@@ -31,7 +31,7 @@ class Finding:
 
 
 def diagnose(settings: str | Path | None = None, in_process: bool = False) -> list[Finding]:
-    """Look at everything, in the order of the wires; nothing is armed, nothing moves, the coil stays at 0 V."""
+    """Check everything, in the order of the wires; nothing is armed, nothing moves, the coil stays at 0 V."""
     try:
         rig = RigSettings() if settings is None else load_settings(settings)
     except DampyrError as problem:

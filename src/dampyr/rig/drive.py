@@ -1,4 +1,4 @@
-"""A drive: what the table and the coil do in one test."""
+"""Drive of one test: set points of the table and of the coil."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Reversals:
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """Set points at a constant ``period`` [s]: where the table shall be, and the voltage at the coil.
+    """Set points at a constant ``period`` [s]: the table's position, and the voltage at the coil.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Drive:
 
     @property
     def n(self) -> int:
-        """How many set points there are."""
+        """The number of set points."""
         return int(self.displacement.size)
 
     @property

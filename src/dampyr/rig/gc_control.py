@@ -1,4 +1,4 @@
-"""Python's collector of cyclic garbage, kept short while a rig is connected.
+"""Control of Python's garbage collector, whose pauses are kept short while a rig is connected.
 
 A full collection stops every thread while it walks through all objects: 0.3 s in a process that serves the console, longer than
 the watchdog or an abort may wait. What exists is set aside before energy is let in, so that later collections see only what
@@ -12,7 +12,7 @@ from collections.abc import Callable
 from threading import Lock
 
 _lock = Lock()
-_holders: list[bool] = []  # of each rig: whether others had set things aside before the first
+_holders: list[bool] = []  # of each rig: whether objects were frozen already before the first
 
 
 def freeze_objects() -> None:
@@ -23,7 +23,7 @@ def freeze_objects() -> None:
 
 
 def disable_gc() -> Callable[[], None]:
-    """Set aside what exists, for all threads; what is given back undoes it, once, unless others hold it or began it."""
+    """Freeze all objects, for all threads; the function returned undoes it, once, unless another rig needs it or froze them."""
     with _lock:
         _holders.append(_holders[0] if _holders else gc.get_freeze_count() > 0)
         freeze_objects()

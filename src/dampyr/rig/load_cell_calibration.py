@@ -1,4 +1,4 @@
-"""Calibrating the load cell step by step: zero, then a known load or a shunt; for the command line and the console alike."""
+"""Calibration of the load cell step by step: zero, then a known load or a shunt; for the command line and the console alike."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Calibrating:
         return doubt(self.calibration.scale, self.rig.settings.load_cell.scale)
 
     def save(self, folder: str | Path, metadata: Mapping[str, str] | None = None) -> Path:
-        """Keep it beside the rig's settings, and use it from now on."""
+        """Save it next to the rig's settings, and use it from now on."""
         self.rig.calibration = self.calibration
         return save_calibration(self.calibration, folder, metadata)
 
@@ -74,5 +74,5 @@ def force_of(load: str) -> float:
     except InputError:
         force = parse(load, "kg") * STANDARD_GRAVITY
     if force == 0.0:
-        raise InputError(f"load = {load!r} is no load; give a force or a mass that is not 0")
+        raise InputError(f"load = {load!r} is not a load; give a force or a mass that is not 0")
     return force

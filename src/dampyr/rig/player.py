@@ -1,4 +1,4 @@
-"""Playing a drive: set points to the Uno ahead of their time, the coil's voltage to the board on its clock."""
+"""Player of a drive: set points to the Uno ahead of their time, the coil's voltage to the board on its clock."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.settings import RigSettings
 
 Array = NDArray[np.float64]
-AHEAD = 40  # set points to keep in the Uno's queue
+AHEAD = 40  # set points in the Uno's queue of 64: 0.4 s at 10 ms
 
 
 @dataclass
@@ -48,7 +48,7 @@ class Player:
         return self.drive.voltage[at]
 
     def feed(self, now: int, status: Status) -> None:
-        """Begin when it is time, keep the queue filled, see the end; ``now`` is the next sample to be read."""
+        """Start at its time, keep the queue filled, detect the end; ``now`` is the next sample to be read."""
         if not self.running and now >= self.start:
             self._begin()
         elif self.running and not self.finished:

@@ -1,4 +1,4 @@
-"""How long samples lay on the board before they were read, by the host's clock."""
+"""Read latency: the age of samples on the board when they are read, by the host's clock."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ DRIFT = 2e-4  # s/s by which the clocks of host and board may differ
 
 @dataclass
 class Lateness:
-    """The age of the latest sample when it is read: what it is more than the least that was ever seen.
+    """The age of the latest sample when it is read: its excess over the least that was ever seen.
 
     The board's clock starts at a moment that the host does not know, so the promptest reading so far counts as prompt. Clocks
     that differ by up to `DRIFT` make nothing late.

@@ -1,4 +1,4 @@
-"""One door for energy: `Rig.armed`. However its block ends, the coil is at 0 V and the table at rest afterwards."""
+"""Session with a rig: it is energised only through `Rig.armed`, after which the coil is at 0 V and the table at rest."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from dampyr.rig.settings import RigSettings
 from dampyr.rig.thermal_model import Warmth
 
 Array = NDArray[np.float64]
-GENTLE = 0.010  # m/s, the speed of a table on its way to where a test begins
-SETTLED = 0.3  # s in which a table that was told to stop is at rest
-QUICK = 0.2  # s of work that a rig does not notice
-HOMING = 120.0  # s that looking for the index may take
+GENTLE = 0.010  # m/s, the mean speed on the way to the start of a test
+SETTLED = 0.3  # s in which a table that decelerates is at rest
+QUICK = 0.2  # s of work during which the board's buffer is enough
+HOMING = 120.0  # s that the search for the index may take
 
 
 @dataclass
@@ -60,7 +60,7 @@ class Rig:
 
     @contextmanager
     def armed(self) -> Iterator[Table]:
-        """Let energy in; a `Table` that can be moved. On leaving: stop, coil to 0 V, rest, disarm, in this order."""
+        """Arm the rig: a `Table` that can be moved. On leaving: stop, coil to 0 V, rest, disarm, in this order."""
         if self.threaded:
             freeze_objects()
         self.uno.hello()
@@ -94,7 +94,7 @@ class Rig:
         return f"{self.board.identity()}, Uno firmware {self.uno.hello().firmware}"
 
     def close(self) -> None:
-        """Let go of the instruments."""
+        """Close the instruments."""
         for close in (self.uno.close, self.board.close, *self.on_close):
             close()
 
@@ -132,7 +132,7 @@ class Table:
         self._align()
 
     def disarm(self, problem: BaseException | None) -> None:
-        """Stop, coil to 0 V, rest, disarm; each is tried, and what fails is told with ``problem`` or raised."""
+        """Stop, coil to 0 V, rest, disarm; each is tried; failures are noted on ``problem`` or raised."""
         failed: list[Exception] = []
         loop, uno = self.loop, self.rig.uno
         loop.player = None
@@ -149,7 +149,7 @@ class Table:
                 problem.add_note(str(each))
 
     def _stop(self) -> None:
-        """Slow down, or brake where that fails."""
+        """Decelerate, or brake where that fails."""
         try:
             self.rig.uno.stop()
         except RigFault:
@@ -157,7 +157,7 @@ class Table:
             raise
 
     def _settle(self) -> None:
-        """Read on until the table is at rest."""
+        """Keep reading until the table is at rest."""
         n = max(1, self.rig.settings.block_samples // 4)
         for _ in range(math.ceil(SETTLED * self.rig.settings.board.rate / n)):
             if self.loop.stopped or self.loop.cycle(n).status.speed == 0:
@@ -165,12 +165,12 @@ class Table:
 
     @property
     def position(self) -> float:
-        """Where the table is, as the Uno says [m]."""
+        """The table's position as the Uno reports it [m]."""
         return self.loop.status.position * self.rig.settings.encoder.count
 
     @property
     def homed(self) -> bool:
-        """Whether the Uno knows where the middle is."""
+        """Whether the Uno's position is homed."""
         return self.loop.status.homed
 
     @property
@@ -179,7 +179,7 @@ class Table:
         return self.rig.warmth.temperature
 
     def home(self, here: bool = False) -> None:
-        """Find the middle of the stroke by the index mark; ``here``: the table stands in it."""
+        """Find the middle of the stroke by the index mark; ``here``: the table is in it."""
         index = round(self.rig.settings.encoder.index / self.rig.settings.encoder.count)
         with self.loop.lock:
             if here:
@@ -198,14 +198,14 @@ class Table:
         raise RigFault("no index mark was found; look at the encoder, or home by hand in the middle")
 
     def _align(self) -> None:
-        """Make the board's counts mean what the Uno's mean, at rest: in a block that the table moves in, they are asked for
-        one after the other."""
+        """Align the board's counts with the Uno's, at rest: in a block in which the table moves, they are read at
+        different times."""
         with self.loop.lock:
             self.loop.aligned = False
         self.rest(self.rig.settings.board.block)
 
     def zero_force(self, seconds: float = 1.0) -> float:
-        """Take the mean signal at rest for no force; the volts."""
+        """Zero the force at the mean signal at rest; the volts."""
         volts = self.signal(seconds)
         self.calibrate(self.loop.calibration.zeroed(volts))
         return volts
@@ -215,17 +215,17 @@ class Table:
         return float(np.mean(np.concatenate([samples.volts[0] for samples in self._for(seconds)])))
 
     def calibrate(self, calibration: Calibration) -> None:
-        """Read by ``calibration`` from here on."""
+        """Use ``calibration`` from the next block on."""
         with self.loop.lock:
             self.loop.calibration = self.rig.calibration = calibration
 
     def rest(self, seconds: float) -> None:
-        """Let time pass."""
+        """Keep reading for ``seconds``."""
         for _ in self._for(seconds):
             pass
 
     def meanwhile(self, work: Callable[[], object]) -> None:
-        """Do slow work, such as finishing a long record, and read on: a rig whose host is silent stops."""
+        """Do slow work, such as finishing a long record, and keep reading: a rig whose host is silent stops."""
         with ThreadPoolExecutor(1, "meanwhile") as pool:
             done = pool.submit(work)
             wait([done], timeout=QUICK)
@@ -244,7 +244,7 @@ class Table:
                 return
 
     def go(self, displacement: float) -> None:
-        """Move gently to ``displacement`` and rest there."""
+        """Move slowly to ``displacement`` and stop there."""
         path = displacement - self.position
         seconds = max(1.875 * abs(path) / GENTLE, 0.1)  # a minimum-jerk path's peak speed is 15/8 of its mean
         n = math.ceil(seconds / 0.01) + 1
@@ -254,9 +254,9 @@ class Table:
             pass
 
     def play(self, drive: Drive) -> Iterator[tuple[Samples, slice]]:
-        """Play a drive: each block, and which of its samples are to be kept; the table must stand where the drive begins.
+        """Play a drive: each block, and which of its samples belong to the record; the table must be where the drive begins.
 
-        Raises :class:`InputError` where it does not, before anything moves, and :class:`RigFault` where a ring of safety acts.
+        Raises :class:`InputError` where it does not, before anything moves, and :class:`RigFault` where a safety layer acts.
         """
         if drive.reversals is None and abs(drive.displacement[0] - self.position) > 5e-4:
             raise InputError(
@@ -283,14 +283,14 @@ class Table:
                 return
 
     def _early(self, drive: Drive, samples: Samples) -> bool:
-        """Whether the drive has reached what it was for."""
+        """Whether the drive has reached its temperature."""
         if drive.until_temperature is None:
             return False
         warm = self.temperature if samples.temperature is None else float(samples.temperature[-1])
         return warm >= drive.until_temperature
 
     def stop(self) -> None:
-        """Slow down to rest, and stay armed."""
+        """Decelerate to rest, and stay armed."""
         with self.loop.lock:
             self.loop.player = None
             self.rig.uno.stop()
@@ -299,7 +299,7 @@ class Table:
                 return
 
     def soft_stop(self) -> None:
-        """Slow down and cut the coil, whatever fails; the way out follows."""
+        """Decelerate and cut the coil, whatever fails; `disarm` follows."""
         with self.loop.lock:
             self.loop.player = None
             for step in (self.rig.uno.stop, self.loop.cut):
@@ -311,7 +311,7 @@ class Table:
         self.loop.halt(RigFault(f"aborted: {why}", "operator"))
 
     def _for(self, seconds: float) -> Iterator[Samples]:
-        """Blocks that are read from here on: those that wait already tell of a time before."""
+        """Blocks read from now on; those that wait already are older."""
         begin = self.loop.next
         last = begin + round(seconds * self.rig.settings.board.rate)
         for samples in self.loop.blocks():
@@ -324,4 +324,4 @@ class Table:
 
 
 def no_check() -> None:
-    """No reason to stop."""
+    """A check that never stops."""

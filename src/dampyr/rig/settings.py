@@ -1,4 +1,4 @@
-"""What a rig is made of, from its ``rig.toml``: the defaults are the parts of the original rig.
+"""Settings of a rig, from its ``rig.toml``: the defaults are the parts of the original rig.
 
 Each default says where it comes from: a table of the dissertation's Appendix A, what its measured records show (FACTS), or
 "assumed" where nothing is known; what only the simulated rig needs says "simulated". SI throughout.
@@ -108,7 +108,7 @@ class Supply:
 class Specimen:
     """The damper on the table; all but its card is for the simulated rig only."""
 
-    card: Annotated[str, "a card of dampyr, beside this file; empty: the fit of FACTS section 6"] = ""
+    card: Annotated[str, "a card of dampyr, beside this file; empty: the fit to the original rig's damper"] = ""
     data_sheet: Annotated[str, "whose promises a fit is held against: RD-8041-1 (Table A.1), or empty"] = "RD-8041-1"
     free_play: Annotated[float, Metre, "simulated: the play of the pins"] = 0.0
     heat_capacity: Annotated[float, Quantity("J/K", low=0.0, open_low=True), "assumed: 0.9 kg of steel and fluid"] = (
@@ -134,7 +134,7 @@ class Board:
 
 @dataclass(frozen=True)
 class Limits:
-    """What no test may leave: the interlocks of all three rings."""
+    """The limits of every test: the limits of all three safety layers."""
 
     stroke: Annotated[float, Length, "Table A.1: peak to peak, about the middle"] = 0.074
     force: Annotated[float, Force, "Table A.2: the least of actuator, load cell and damper"] = 4500.0
@@ -189,15 +189,17 @@ def check(rig: RigSettings) -> None:
     limits, maximum = rig.limits, rig.load_cell.capacity * rig.load_cell.safe
     if limits.force > min(maximum, rig.actuator.max_load):
         least = min(maximum, rig.actuator.max_load)
-        raise InputError(f"limits.force = {limits.force:g} N is more than the parts bear; give at most {least:g} N")
+        raise InputError(
+            f"limits.force = {limits.force:g} N is more than the parts are rated for; give at most {least:g} N"
+        )
     if limits.stroke > min(rig.encoder.range, rig.actuator.stroke):
         least = min(rig.encoder.range, rig.actuator.stroke)
         raise InputError(
-            f"limits.stroke = {limits.stroke * 1e3:g} mm is more than the parts reach; give at most {least * 1e3:g} mm"
+            f"limits.stroke = {limits.stroke * 1e3:g} mm is longer than the parts allow; give at most {least * 1e3:g} mm"
         )
     if limits.speed > rig.encoder.max_speed:
         raise InputError(
-            f"limits.speed = {limits.speed:g} m/s is more than the encoder follows; give at most {rig.encoder.max_speed:g} m/s"
+            f"limits.speed = {limits.speed:g} m/s exceeds the encoder's speed; give at most {rig.encoder.max_speed:g} m/s"
         )
     if limits.voltage > rig.supply.max_voltage:
         raise InputError(

@@ -1,4 +1,4 @@
-"""A ``rig.toml`` that explains itself: every value with its unit and where it comes from."""
+"""Commented ``rig.toml``: every value with its unit and its origin."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How warm the damper is where nothing measures it: the heat it made, less what it gave to the room."""
+"""Thermal model of the damper, where nothing measures its temperature: heat generated less heat lost to the room."""
 
 from __future__ import annotations
 
@@ -42,15 +42,15 @@ class Warmth:
         return self.temperature
 
     def shift(self, jump: float) -> None:
-        """The displacement is counted from elsewhere: it grew by ``jump`` [m] and the table did not move."""
+        """Account for a new origin of the displacement: it grew by ``jump`` [m] and the table did not move."""
         self._last += jump
 
     def restart(self) -> None:
-        """The next block does not go on from the last."""
+        """Start anew: the next block does not continue the last."""
         self._last = math.nan
 
     def cool(self, seconds: float) -> None:
-        """Give heat to the room."""
+        """Cool for a time."""
         body = self.rig.specimen
         self.temperature = body.room + (self.temperature - body.room) * math.exp(
             -body.cooling / body.heat_capacity * seconds

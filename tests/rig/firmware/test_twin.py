@@ -470,5 +470,5 @@ def test_no_sequence_of_requests_harms_it(
         if before == State.FAULT and kind != Request.CLEAR:
             assert bench.twin.state == State.FAULT
         safe(bench.twin)
-        bench.run(ms, beat and bench.twin.greeted)
+        bench.run(ms, beat and bench.twin.handshake_done)
         safe(bench.twin)

@@ -143,9 +143,9 @@ def test_the_board_gives_its_errors(fault: str, code: int) -> None:
 def test_samples_that_nobody_reads_overrun_the_buffer() -> None:
     made, _ = rig()
     made.start(1000.0)
-    made.alone(9.0)
+    made.run_unattended(9.0)
     assert made.read(1000)[1].size == 1000
-    made.alone(5.0)
+    made.run_unattended(5.0)
     with pytest.raises(BoardError, match="-200279"):
         made.read(40)
 
@@ -164,16 +164,16 @@ def test_an_unplugged_serial_wire_says_nothing_and_the_watchdog_acts() -> None:
     made, host = rig(None, "unplugged-serial@1s")
     host.arm()
     host.done(Request.JOG, 400, 500)
-    made.alone(1.0 - made.time)
+    made.run_unattended(1.0 - made.time)
     assert made.serial(b"\1\2\3\0") == b""
-    made.alone(0.3)
+    made.run_unattended(0.3)
     assert made.twin.faults == Fault.HEARTBEAT
 
 
 def test_lost_bytes_lose_about_so_many_replies() -> None:
     made, host = rig(None, "lost-bytes=0.02@0.5s")
     host.arm()
-    made.alone(0.6)
+    made.run_unattended(0.6)
     replies = []
     for k in range(400):
         replies.append(bool(host.reader.feed(made.serial(encode(Frame(Request.STOP, k % 256, ()))))))
@@ -218,7 +218,7 @@ def test_a_killed_host_leaves_a_dead_coil_and_a_table_at_rest_within_300_ms() ->
         made.read(40)
         host.feed(points)
     killed = made.time
-    made.alone(1.0)
+    made.run_unattended(1.0)
     assert made.twin.faults == Fault.HEARTBEAT
     assert made.at_rest_since - killed < 0.3
     assert made.coil_dead_since - killed < 0.3

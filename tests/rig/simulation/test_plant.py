@@ -28,7 +28,7 @@ def driven(made: Simulator, seconds: float, duty: int) -> None:
     """Constant duty without firmware: what `control` would do, held by hand."""
     made.twin.registers[:] = 0
     made._kernel = held_at(made._kernel, duty)
-    made.alone(seconds)
+    made.run_unattended(seconds)
 
 
 def held_at(kernel, duty):
@@ -81,7 +81,7 @@ def test_a_load_beyond_the_motor_stalls_it_and_the_screw_holds() -> None:
     driven(made, 1.0, 255)
     assert made.truth.force[-1] == pytest.approx(0.078 / 2e-5, rel=2e-3)
     made._kernel = held_at(rig(specimen=Damper("spring", {"spring.k0": 4e5}))[0]._kernel, 0)
-    made.alone(0.5)
+    made.run_unattended(0.5)
     assert np.ptp(made.truth.position[-400:]) == 0.0
 
 
@@ -99,7 +99,7 @@ def test_the_shorted_motor_stops_within_40_ms_from_full_speed() -> None:
     driven(made, 0.3, 255)
     made._kernel = plain
     made.twin.registers[:] = 0
-    made.alone(0.1)
+    made.run_unattended(0.1)
     assert 0.02 < made.at_rest_since - 0.3 < 0.04
 
 
@@ -142,7 +142,7 @@ def test_the_enable_line_cuts_the_coil_and_without_it_a_dead_host_leaves_it_live
         host.arm()
         made.write(2.0)
         host.wait()
-        made.alone(1.0)
+        made.run_unattended(1.0)
         assert made.twin.state == State.FAULT
         assert np.isnan(made.coil_dead_since) == (not line)
 
@@ -176,7 +176,7 @@ def test_work_is_heat_or_stored_or_cooled_away() -> None:
 
 def test_it_cools_to_the_room_with_its_time_constant() -> None:
     made, _ = rig(settings(specimen={"heat_capacity": 10.0, "cooling": 2.0}), "hot-specimen=40@0s")
-    made.alone(5.0)
+    made.run_unattended(5.0)
     assert made.truth.temperature[-1] == pytest.approx(20.0 + 40.0 * np.exp(-1.0), rel=1e-3)
 
 

@@ -339,5 +339,5 @@ def test_the_rigs_card_lies_beside_its_settings(tmp_path: Path) -> None:
 
     Damper("dahl", {"dahl.kx": 1e3, "dahl.kw": 100.0, "dahl.rho": 1e3}).save(tmp_path / "mine.toml")
     (tmp_path / "rig.toml").write_text('[specimen]\ncard = "mine.toml"\n')
-    keeper = server.built(server.options(["--rig", str(tmp_path / "rig.toml")]))
-    assert keeper.rig.specimen.composition.names == ("dahl",)
+    clock = server.build_clock(server.parse_options(["--rig", str(tmp_path / "rig.toml")]))
+    assert clock.rig.specimen.composition.names == ("dahl",)

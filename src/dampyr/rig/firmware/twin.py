@@ -1,4 +1,4 @@
-"""A model of the firmware: requests in, replies out, and the registers that `dampyr.rig.firmware.control_core` works on."""
+"""Twin of the firmware: requests in, replies out, and the registers that `dampyr.rig.firmware.control_core` works on."""
 
 from __future__ import annotations
 
@@ -42,26 +42,26 @@ WITHOUT_HELLO = (Request.HELLO, Request.STOP, Request.ABORT, Request.DISARM)
 class Twin:
     """The Uno: `receive` takes the host's bytes, `dampyr.rig.firmware.control_core.tick` is to be run every millisecond.
 
-    ``beaten`` is called when a HEARTBEAT has been carried out and before its status is made.
+    ``on_heartbeat`` is called when a HEARTBEAT has been carried out, before its status is made.
     """
 
-    def __init__(self, beaten: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, on_heartbeat: Callable[[], None] = lambda: None) -> None:
         self.registers: NDArray[np.int64] = np.zeros(c.REGISTERS, dtype=np.int64)
-        self.beaten = beaten
+        self.on_heartbeat = on_heartbeat
         self.restart()
 
     def restart(self) -> None:
-        """As after power or the watchdog: FAULT with RESTARTED, and nothing known; the encoder's lines stay where they are."""
+        """As after power-on or the watchdog: FAULT with RESTARTED, all else cleared; the encoder's lines stay where they are."""
         counts = self.registers[c.R_COUNTS]
         self.registers[:] = 0
         self.registers[[c.R_COUNTS, c.R_POSITION]] = counts
         self.registers[c.R_STATE], self.registers[c.R_FAULTS] = State.FAULT, Fault.RESTARTED
         self.registers[c.R_SINCE] = 1000000
-        self.reader, self.greeted, self.before, self.said = Reader(), False, (-1, -1), b""
+        self.reader, self.handshake_done, self.last_request, self.last_reply = Reader(), False, (-1, -1), b""
 
     @property
     def state(self) -> State:
-        """What the Uno is doing."""
+        """The Uno's state."""
         return State(int(self.registers[c.R_STATE]))
 
     @property
@@ -88,10 +88,10 @@ class Twin:
         if not isinstance(frame.kind, Request):
             self.reader.bad += 1
             return b""
-        if (frame.kind, frame.number) != self.before:
-            self.said = encode(self._reply(frame))
-            self.before = (frame.kind, frame.number)
-        return self.said
+        if (frame.kind, frame.number) != self.last_request:
+            self.last_reply = encode(self._reply(frame))
+            self.last_request = (frame.kind, frame.number)
+        return self.last_reply
 
     def _reply(self, frame: Frame) -> Frame:
         kind = Request(frame.kind)
@@ -107,7 +107,7 @@ class Twin:
 
     def _refused(self, kind: Request, values: tuple[int, ...]) -> Reason | None:
         """Why a request cannot be carried out; the first reason of the order in the document."""
-        if not self.greeted and kind not in WITHOUT_HELLO:
+        if not self.handshake_done and kind not in WITHOUT_HELLO:
             return Reason.VERSION
         allowed = ALLOWED.get(kind, RESTING)
         if kind == Request.HOME:
@@ -164,7 +164,7 @@ class Twin:
         return None if self.registers[c.R_HOMED] else Reason.NOT_HOMED
 
     def _hello(self, version: int) -> None:
-        self.greeted = version == VERSION
+        self.handshake_done = version == VERSION
 
     def _limits(self, *values: int) -> None:
         self.registers[c.R_LOW : c.R_STALL + 1] = values
@@ -172,7 +172,7 @@ class Twin:
 
     def _heartbeat(self) -> None:
         self.registers[c.R_SINCE] = 0
-        self.beaten()
+        self.on_heartbeat()
 
     def _arm(self) -> None:
         c.empty(self.registers)

@@ -1,1 +1,1 @@
-"""The instruments: one file each, the driver for the real one beside its end of the simulated rig."""
+"""Drivers of the instruments: NI board, Arduino Uno, and the wire to it."""

@@ -14,8 +14,8 @@ from dampyr.rig.settings import RigSettings
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 T = TypeVar("T")
-BUFFER = 10.0  # s of samples that the board holds for a host that is late
-PATIENCE = 2.0  # s beyond a block's own time
+BUFFER = 10.0  # s of samples that the board holds for a late host
+PATIENCE = 2.0  # s beyond a block's own duration until a read fails
 
 
 class Board(Protocol):
@@ -37,7 +37,7 @@ class Board(Protocol):
         """Stop sampling; the command stays as it is."""
 
     def close(self) -> None:
-        """Let go of the board."""
+        """Close the board."""
 
     def identity(self) -> str:
         """Product and serial number."""
@@ -133,7 +133,7 @@ class NiBoard:
             self._channel.close()
 
     def identity(self) -> str:
-        """Product and serial number, as the driver tells them."""
+        """Product and serial number, as the driver gives them."""
         from nidaqmx.system import Device
 
         device = Device(self.rig.wires.board, grpc_options=self._options())
@@ -161,7 +161,7 @@ class NiBoard:
             return call(*args, **named)
         except self._nidaqmx.errors.Error as problem:
             message = " ".join(str(problem).split())
-            raise RigFault(f"the board {self.rig.wires.board} says: {message}") from problem
+            raise RigFault(f"the board {self.rig.wires.board} gives an error: {message}") from problem
 
 
 def _imported() -> Any:

@@ -28,10 +28,10 @@ REASONS = {
     Reason.STATE: "it is in another state",
     Reason.RANGE: "a value is out of range",
     Reason.NOT_HOMED: "its encoder is not homed",
-    Reason.NO_LIMITS: "it was given no limits",
+    Reason.NO_LIMITS: "no limits are set",
     Reason.QUEUE_FULL: "its queue is full",
     Reason.GAP: "set points are missing",
-    Reason.VERSION: "it speaks another version of the protocol",
+    Reason.VERSION: "its version of the protocol is another one",
     Reason.NO_HEARTBEAT: "it has seen no heartbeat",
 }
 INDEX, HERE = 1, 0  # how to home
@@ -39,7 +39,7 @@ INDEX, HERE = 1, 0  # how to home
 
 @dataclass(frozen=True)
 class Hello:
-    """What the Uno says it is."""
+    """The identity that the Uno reports."""
 
     version: int
     firmware: str
@@ -66,7 +66,7 @@ class Uno:
         version, firmware, rate, queue = self._ask(Request.HELLO, VERSION).values
         if version != VERSION:
             raise RigFault(
-                f"the Uno's firmware speaks version {version} of the protocol and this dampyr {VERSION}; flash it anew"
+                f"the Uno's firmware has version {version} of the protocol and this dampyr {VERSION}; flash it again"
             )
         return Hello(version, f"{firmware >> 8}.{firmware & 255}", rate, queue)
 
@@ -78,11 +78,11 @@ class Uno:
         self._ask(Request.LIMITS, -half, half, int(limits.speed / count), heartbeat, 255, 300)
 
     def heartbeat(self) -> Status:
-        """Tell that the host lives, and learn how the Uno is."""
+        """Send a heartbeat; the Uno's status."""
         return status_of(self._ask(Request.HEARTBEAT))
 
     def arm(self) -> None:
-        """Let energy in: enable line high."""
+        """Arm: enable line high."""
         self._ask(Request.ARM)
 
     def disarm(self) -> None:
@@ -112,7 +112,7 @@ class Uno:
         self._ask(Request.REVERSE, duty, half_ms, pause_ms, n)
 
     def stop(self) -> None:
-        """Slow down to rest."""
+        """Decelerate to rest."""
         self._ask(Request.STOP)
 
     def abort(self) -> None:
@@ -124,7 +124,7 @@ class Uno:
         self._ask(Request.CLEAR)
 
     def close(self) -> None:
-        """Let go of the wire."""
+        """Close the wire."""
         self._wire.close()
 
     def _ask(self, kind: Request, *values: int) -> Frame:

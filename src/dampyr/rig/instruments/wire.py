@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from dampyr.errors import RigFault
 
-PATIENCE = 0.02  # s, for a reply
+PATIENCE = 0.02  # s of waiting for a reply: the Uno answers within a few ms
 
 
 class Wire(Protocol):
@@ -40,7 +40,7 @@ class InProcess:
         return data
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Nothing to close."""
 
 
 class Tcp:

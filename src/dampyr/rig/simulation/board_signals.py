@@ -1,4 +1,4 @@
-"""The ends of the NI board: load cell and thermocouple in volts, the converter, and the errors that the board gives."""
+"""Signals of the NI board: load cell and thermocouple in volts, the converter, and the errors that the board gives."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dampyr.rig.settings import RigSettings
 Array = NDArray[np.float64]
 DEGREES_PER_VOLT = 100.0  # the thermocouple's amplifier gives 10 mV/degC
 TIMEOUT, OVERRUN, RANGE, UNDERFLOW = -200284, -200279, -200077, -200290
-WORDS = {
+BOARD_MESSAGES = {
     UNDERFLOW: "the generation has stopped to prevent the regeneration of old samples: the host wrote too late",
     TIMEOUT: "some or all of the samples requested have not yet been acquired",
     OVERRUN: "the application is not able to keep up with the hardware acquisition",
@@ -23,17 +23,17 @@ class BoardError(DampyrError):
     """An error of the NI board, with the number that NI-DAQmx gives it."""
 
     def __init__(self, code: int) -> None:
-        super().__init__(f"the board gives error {code}: {WORDS[code]}")
+        super().__init__(f"the board gives error {code}: {BOARD_MESSAGES[code]}")
         self.code = code
 
 
 def volts_of_force(settings: RigSettings, force: Array) -> Array:
-    """What the load cell's amplifier gives for a force in N, V, before the converter."""
+    """The load cell amplifier's output in V for a force in N, before the converter."""
     return np.asarray(settings.load_cell.zero + force / settings.load_cell.scale)
 
 
 def converted(settings: RigSettings, volts: Array) -> Array:
-    """Volts as the converter gives them: whole steps, and its ends beyond its range."""
+    """Volts as converted: rounded to whole steps, clipped to the range."""
     step = 2.0 * settings.board.range / 2**settings.board.bits
     codes = np.clip(np.round(volts / step), -(2 ** (settings.board.bits - 1)), 2 ** (settings.board.bits - 1) - 1)
     return np.asarray(codes * step)

@@ -1,7 +1,7 @@
-"""Who moves the clock of a simulated rig at the end of its wires: the host in lockstep, the rig alone, or the wall's clock.
+"""Clock of a simulated rig in a process of its own: advanced by the host in lockstep, by itself, or by the wall clock.
 
-In lockstep the host's reads and heartbeats move it. When the host's connection closes, or after three seconds of silence
-while the rig is armed or moves, it runs on alone: the firmware's watchdog has to act. In real time the wall's clock moves it.
+In lockstep the host's reads and heartbeats advance it. When the host's connection closes, or after three seconds of silence
+while the rig is armed or moves, it runs unattended: the firmware's watchdog has to act. In real time it follows the wall clock.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from dampyr.rig.simulation.board_signals import TIMEOUT, BoardError
 from dampyr.rig.simulation.simulator import Simulator
 
-SILENCE = 3.0  # s of the wall's clock: longer than a slow disk keeps a host that lives
-STRIDE = 0.01  # s simulated at once when alone
-PATIENCE = 60.0  # s of the wall's clock until a client must have come
+SILENCE = 3.0  # s of the wall clock: longer than a slow disk delays a live host
+STRIDE = 0.01  # s simulated at once when unattended: short against the watchdog's 0.15 s
+PATIENCE = 60.0  # s of the wall clock until a client must have connected: a server that is never used ends
 
 
 class EventLog:
-    """A line of JSON for each thing that happened, on disk as it happens."""
+    """A file with a line of JSON per event, written as it happens."""
 
     def __init__(self, path: str | Path | None) -> None:
         self.path = None if path is None else Path(path)
@@ -36,115 +36,115 @@ class EventLog:
                 file.write(json.dumps({"time": round(when, 6), "event": event}) + "\n")
 
 
-class Keeper:
-    """A simulator shared by the wires' threads.
+class Clock:
+    """A simulator shared by the threads that serve its wires.
 
-    ``real_time``: the wall's clock moves it. ``once``: `finished` is set when the last client has left and the table has
-    rested for a second, simulated.
+    ``real_time``: it follows the wall clock. ``once``: `finished` is set when the last client has disconnected and the table
+    has been at rest for a second, simulated.
     """
 
-    def __init__(self, rig: Simulator, box: EventLog, real_time: bool = False, once: bool = False) -> None:
-        self.rig, self.box, self.real_time, self.once = rig, box, real_time, once
-        rig.wait = self._owe
+    def __init__(self, rig: Simulator, event_log: EventLog, real_time: bool = False, once: bool = False) -> None:
+        self.rig, self.event_log, self.real_time, self.once = rig, event_log, real_time, once
+        rig.delay_read = self._defer_delay
         if real_time:
-            rig.beat = 0.0
+            rig.heartbeat_interval = 0.0
         self.lock = RLock()
-        self.moved = Condition(self.lock)
+        self.advanced = Condition(self.lock)
         self.finished = Event()
-        self.born = self.heard = time.monotonic()
-        self.begun = rig.time
-        self.clients, self.came, self.alone = 0, False, False
-        self._debts = local()
-        self.thread = Thread(target=self._watch, name="clock", daemon=True)
+        self.started_at = self.last_heard = time.monotonic()
+        self.time_at_start = rig.time
+        self.clients, self.client_seen, self.unattended = 0, False, False
+        self._deferred = local()
+        self.thread = Thread(target=self._run, name="clock", daemon=True)
 
-    def begin(self) -> None:
-        """Begin to keep the clock."""
-        self.born = self.heard = time.monotonic()
-        self.begun = self.rig.time
+    def start(self) -> None:
+        """Start the thread that advances the clock."""
+        self.started_at = self.last_heard = time.monotonic()
+        self.time_at_start = self.rig.time
         self.thread.start()
 
-    def tell(self, words: str) -> None:
-        """A line in the black box."""
-        self.box(self.rig.time, words)
+    def log(self, words: str) -> None:
+        """Write a line to the event log."""
+        self.event_log(self.rig.time, words)
 
     @contextmanager
-    def holding(self) -> Iterator[Simulator]:
-        """Hold the rig for what a client asks."""
+    def locked(self) -> Iterator[Simulator]:
+        """Lock the rig for a client's request."""
         with self.lock:
-            self.heard = time.monotonic()
+            self.last_heard = time.monotonic()
             yield self.rig
-            self.heard = time.monotonic()
+            self.last_heard = time.monotonic()
 
-    def joined(self) -> None:
-        """A client has come."""
+    def client_connected(self) -> None:
+        """Register a client."""
         with self.lock:
-            self.clients, self.came, self.alone = self.clients + 1, True, False
-            self.heard = time.monotonic()
-            self.tell("serial connected")
+            self.clients, self.client_seen, self.unattended = self.clients + 1, True, False
+            self.last_heard = time.monotonic()
+            self.log("serial connected")
 
-    def left(self) -> None:
-        """A client has gone: the rig runs on alone from here."""
+    def client_disconnected(self) -> None:
+        """Unregister a client; without one the rig runs unattended."""
         with self.lock:
             self.clients -= 1
-            self.alone = self.clients == 0
-            self.tell("serial closed")
+            self.unattended = self.clients == 0
+            self.log("serial closed")
 
     def read(self, n: int, timeout: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Samples of the board; in real time, when they exist. The rig is held by the caller."""
+        """Samples of the board; in real time, when they exist. The caller holds the lock."""
         deadline = time.monotonic() + (timeout if timeout >= 0.0 else 1e9)
         while self.real_time and self.rig.waiting < n:
-            if not self.moved.wait(max(0.0, deadline - time.monotonic())) and time.monotonic() >= deadline:
+            if not self.advanced.wait(max(0.0, deadline - time.monotonic())) and time.monotonic() >= deadline:
                 raise BoardError(TIMEOUT)
         return self.rig.read(n)
 
-    def _owe(self, seconds: float) -> None:
-        self._debts.late = seconds
+    def _defer_delay(self, seconds: float) -> None:
+        self._deferred.delay = seconds
 
-    def pay(self) -> None:
-        """Be late where a fault of the board says so; the rig is not held meanwhile."""
-        late = getattr(self._debts, "late", 0.0)
-        self._debts.late = 0.0
+    def sleep_deferred(self) -> None:
+        """Sleep for the delay that a fault of the board demands; called without the lock."""
+        late = getattr(self._deferred, "delay", 0.0)
+        self._deferred.delay = 0.0
         if late:
             time.sleep(late)
 
     @property
-    def dangerous(self) -> bool:
-        """Armed or moving."""
+    def hazardous(self) -> bool:
+        """Whether the rig is armed or moving."""
         return self.rig.twin.enabled or bool(np.isnan(self.rig.at_rest_since))
 
     @property
-    def settled(self) -> bool:
-        """At rest for a second, and not armed."""
-        return not self.dangerous and self.rig.time - self.rig.at_rest_since >= 1.0
+    def rested(self) -> bool:
+        """Whether the table has been at rest for a second, and is not armed."""
+        return not self.hazardous and self.rig.time - self.rig.at_rest_since >= 1.0
 
-    def _watch(self) -> None:
-        """Move the clock where no host does."""
+    def _run(self) -> None:
+        """Advance the clock where no host does."""
         while not self.finished.wait(0.002 if self.real_time else 0.02):
             with self.lock:
                 self._step()
-                self._end()
+                self._finish()
 
     def _step(self) -> None:
         if self.real_time:
-            self.rig.advance_to(self.begun + time.monotonic() - self.born)
-            self.moved.notify_all()
-        elif self.alone and not self.settled:
-            self._run_on()
-        elif not self.alone and self.dangerous and time.monotonic() - self.heard > SILENCE:
-            self.tell("silence: runs on alone")
-            self._run_on()
-            self.heard = time.monotonic()
+            self.rig.advance_to(self.time_at_start + time.monotonic() - self.started_at)
+            self.advanced.notify_all()
+        elif self.unattended and not self.rested:
+            self._run_until_rest()
+        elif not self.unattended and self.hazardous and time.monotonic() - self.last_heard > SILENCE:
+            self.log("silence: runs on alone")
+            self._run_until_rest()
+            self.last_heard = time.monotonic()
 
-    def _run_on(self) -> None:
-        """Alone until the table has rested for a second, unarmed; the watchdog sees to that."""
+    def _run_until_rest(self) -> None:
+        """Advance until the table has been at rest for a second, unarmed; the watchdog stops it."""
         for _ in range(round(5.0 / STRIDE)):
-            if self.settled:
+            if self.rested:
                 return
-            self.rig.alone(STRIDE)
+            self.rig.run_unattended(STRIDE)
 
-    def _end(self) -> None:
-        late = not self.came and time.monotonic() - self.born > PATIENCE
-        gone = self.came and self.clients == 0 and self.settled
+    def _finish(self) -> None:
+        late = not self.client_seen and time.monotonic() - self.started_at > PATIENCE
+        gone = self.client_seen and self.clients == 0 and self.rested
         if self.once and (late or gone):
-            self.tell("ends")
+            self.log("ends")
             self.finished.set()

@@ -1,4 +1,4 @@
-"""The constants of the plant's kernel, from the settings and the specimen."""
+"""Constants of the plant's kernel, from the settings and the specimen."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.plant import Constants
-from dampyr.rig.simulation.specimen import delay_place, input_lag
+from dampyr.rig.simulation.specimen import delay_index, input_lag
 
-DELAYED = 4096  # steps that the plant remembers for a specimen that delays
+DELAYED = 4096  # steps of force history for a specimen with a delay: 0.4 s at the default step
 
 
 def constants_of(settings: RigSettings, specimen: Damper, dt: float) -> Constants:
-    """What does not change while the plant runs with steps of ``dt`` s."""
+    """The constants of a plant that is integrated with steps of ``dt`` s."""
     per_tick = round(1e-3 / dt)
     if per_tick < 1 or abs(per_tick * dt - 1e-3) > 1e-12:
         raise InputError(f"step = {dt:g} s is not allowed; a millisecond must be a whole number of steps")
@@ -38,7 +38,7 @@ def constants_of(settings: RigSettings, specimen: Damper, dt: float) -> Constant
         low=float(low),
         high=float(high),
         input_lag=input_lag(specimen),
-        delay=delay_place(specimen, dt, DELAYED),
+        delay=delay_index(specimen, dt, DELAYED),
         heat_capacity=body.heat_capacity,
         cooling=body.cooling,
         softening=body.softening,

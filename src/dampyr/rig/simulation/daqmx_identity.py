@@ -1,4 +1,4 @@
-"""What the simulated board says of itself and of its tasks, and how its errors travel."""
+"""Identity of the simulated board: the attributes of device and tasks, and its errors as gRPC statuses."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from nidaqmx._stubs import nidaqmx_pb2 as pb
 from nidaqmx._stubs import nidaqmx_pb2_grpc as service
 from numpy.typing import NDArray
 
-from dampyr.rig.simulation.board_signals import WORDS, BoardError
-from dampyr.rig.simulation.clock import Keeper
+from dampyr.rig.simulation.board_signals import BOARD_MESSAGES, BoardError
+from dampyr.rig.simulation.clock import Clock
 
 PRODUCT, SERIAL = "PCI-6221", 0x01A2B3C4
 NO_CHANNEL, NO_TASK, NO_DEVICE = -200170, -200088, -200220
-CHANNEL_SAYS = {
+CHANNEL_ATTRIBUTES = {
     pb.CHANNEL_ATTRIBUTE_CHAN_TYPE: {"ai": 10100, "ao": 10102, "ci": 10131},
     pb.CHANNEL_ATTRIBUTE_AI_MEAS_TYPE: {"ai": 10322},
     pb.CHANNEL_ATTRIBUTE_CI_MEAS_TYPE: {"ci": 10361},
     pb.CHANNEL_ATTRIBUTE_AO_OUTPUT_TYPE: {"ao": 10322},
 }  # NI-DAQmx's numbers for analogue input and output, counter input, voltage and linear encoder
-MORE_WORDS = WORDS | {
+MESSAGES = BOARD_MESSAGES | {
     NO_CHANNEL: "physical channel specified does not exist on this device",
     NO_TASK: "task specified is invalid or does not exist",
     NO_DEVICE: "device identifier is invalid",
@@ -32,8 +32,8 @@ MORE_WORDS = WORDS | {
 
 
 @dataclass
-class TaskHere:
-    """A task: its kind ("ai", "ci" or "ao"), its channels, its clock, and what it was asked for."""
+class DaqTask:
+    """A task: its kind ("ai", "ci" or "ao"), its channels, its clock, and the settings of its channels."""
 
     kind: str = ""
     channels: list[str] = field(default_factory=list)
@@ -45,36 +45,36 @@ class TaskHere:
     rows: list[NDArray[Any]] = field(default_factory=list)
 
     def take(self, n: int) -> NDArray[Any]:
-        """The next ``n`` samples (channels, n) of those that are here."""
+        """The next ``n`` buffered samples (channels, n)."""
         whole = np.concatenate(self.rows, axis=1)
         self.rows = [whole[:, n:]]
         return whole[:, :n]
 
     @property
     def waiting(self) -> int:
-        """How many samples are here."""
+        """The number of buffered samples."""
         return sum(rows.shape[1] for rows in self.rows)
 
 
 class Identity(service.NiDAQmxServicer):
-    """The part of the service that moves nothing."""
+    """The calls of the service that neither sample nor write."""
 
-    def __init__(self, keeper: Keeper) -> None:
-        self.keeper, self.settings = keeper, keeper.rig.settings
-        self.tasks: dict[str, TaskHere] = {}
-        self.made = 0
+    def __init__(self, clock: Clock) -> None:
+        self.clock, self.settings = clock, clock.rig.settings
+        self.tasks: dict[str, DaqTask] = {}
+        self.task_count = 0
 
     @contextmanager
-    def reporting_errors(
+    def grpc_errors(
         self, context: grpc.ServicerContext, name: str = "", counted: Sequence[tuple[str, str]] = ()
-    ) -> Iterator[TaskHere]:
-        """Hold the rig for one call; an error of the board becomes the status that the client knows."""
+    ) -> Iterator[DaqTask]:
+        """Lock the rig for one call; an error of the board becomes the gRPC status that the client expects."""
         code, words = 0, ""
         try:
-            with self.keeper.holding():
+            with self.clock.locked():
                 if name and name not in self.tasks:
                     raise KeyError(NO_TASK)
-                yield self.tasks.get(name, TaskHere())
+                yield self.tasks.get(name, DaqTask())
         except BoardError as problem:
             code = problem.code
         except KeyError as problem:
@@ -82,34 +82,34 @@ class Identity(service.NiDAQmxServicer):
         except NotImplementedError as problem:
             words = str(problem)
         if words:
-            self.keeper.tell(f"refused: {words}")
+            self.clock.log(f"refused: {words}")
             context.abort(grpc.StatusCode.UNIMPLEMENTED, words)
         if code:
-            self.keeper.tell(f"board error {code}")
+            self.clock.log(f"board error {code}")
             context.set_trailing_metadata((("ni-error", str(code)), *counted))
-            context.abort(grpc.StatusCode.UNKNOWN, MORE_WORDS[code])
+            context.abort(grpc.StatusCode.UNKNOWN, MESSAGES[code])
 
     # what it is
 
     def GetDeviceAttributeString(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context):
+        with self.grpc_errors(context):
             self._check_device(request.device_name)
             if request.attribute_raw != pb.DEVICE_ATTRIBUTE_PRODUCT_TYPE:
-                raise NotImplementedError("the simulated board says its product type and serial number only")
+                raise NotImplementedError("the simulated board gives its product type and serial number only")
         return pb.GetDeviceAttributeStringResponse(value=PRODUCT)
 
     def GetDeviceAttributeUInt32(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context):
+        with self.grpc_errors(context):
             self._check_device(request.device_name)
             if request.attribute_raw != pb.DEVICE_ATTRIBUTE_SERIAL_NUM:
-                raise NotImplementedError("the simulated board says its product type and serial number only")
+                raise NotImplementedError("the simulated board gives its product type and serial number only")
         return pb.GetDeviceAttributeUInt32Response(value=SERIAL)
 
     def GetDeviceAttributeBool(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context):
+        with self.grpc_errors(context):
             self._check_device(request.device_name)
             if request.attribute_raw != pb.DEVICE_ATTRIBUTE_IS_SIMULATED:
-                raise NotImplementedError("the simulated board says only that it is simulated")
+                raise NotImplementedError("of the flags, the simulated board gives only that it is simulated")
         return pb.GetDeviceAttributeBoolResponse(value=True)
 
     def _check_device(self, name: str) -> None:
@@ -117,7 +117,7 @@ class Identity(service.NiDAQmxServicer):
             raise KeyError(NO_DEVICE)
 
     def GetSystemInfoAttributeString(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context):
+        with self.grpc_errors(context):
             if request.attribute_raw != pb.SYSTEM_ATTRIBUTE_DEV_NAMES:
                 raise NotImplementedError("the simulated system says its devices' names and its version only")
         return pb.GetSystemInfoAttributeStringResponse(value=self.settings.wires.board)
@@ -128,13 +128,13 @@ class Identity(service.NiDAQmxServicer):
             pb.SYSTEM_ATTRIBUTE_NIDAQ_MINOR_VERSION: 0,
             pb.SYSTEM_ATTRIBUTE_NIDAQ_UPDATE_VERSION: 0,
         }
-        with self.reporting_errors(context):
+        with self.grpc_errors(context):
             if request.attribute_raw not in versions:
                 raise NotImplementedError("the simulated system says its devices' names and its version only")
         return pb.GetSystemInfoAttributeUInt32Response(value=versions[request.attribute_raw])
 
     def GetTaskAttributeString(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             said = {
                 pb.TASK_ATTRIBUTE_NAME: request.task.name,
                 pb.TASK_ATTRIBUTE_CHANNELS: ", ".join(task.channels),
@@ -145,36 +145,36 @@ class Identity(service.NiDAQmxServicer):
         return pb.GetTaskAttributeStringResponse(value=said[request.attribute_raw])
 
     def GetTaskAttributeUInt32(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             if request.attribute_raw != pb.TASK_ATTRIBUTE_NUM_CHANS:
                 raise NotImplementedError("the simulated board says the number of its tasks' channels only")
         return pb.GetTaskAttributeUInt32Response(value=len(task.channels))
 
     def GetChanAttributeInt32(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
-            if request.attribute_raw not in CHANNEL_SAYS:
+        with self.grpc_errors(context, request.task.name) as task:
+            if request.attribute_raw not in CHANNEL_ATTRIBUTES:
                 raise NotImplementedError("the simulated board says only what kind of channel one is")
-            value = CHANNEL_SAYS[request.attribute_raw][task.kind]
+            value = CHANNEL_ATTRIBUTES[request.attribute_raw][task.kind]
         return pb.GetChanAttributeInt32Response(value_raw=value)
 
     def GetReadAttributeString(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             if request.attribute_raw != pb.READ_ATTRIBUTE_CHANNELS_TO_READ:
                 raise NotImplementedError("of a read the simulated board says its channels and their number only")
         return pb.GetReadAttributeStringResponse(value=", ".join(task.channels))
 
     def GetReadAttributeUInt32(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             said = {
                 pb.READ_ATTRIBUTE_NUM_CHANS: len(task.channels),
-                pb.READ_ATTRIBUTE_AVAIL_SAMP_PER_CHAN: task.waiting + self.keeper.rig.waiting,
+                pb.READ_ATTRIBUTE_AVAIL_SAMP_PER_CHAN: task.waiting + self.clock.rig.waiting,
             }
             if request.attribute_raw not in said:
                 raise NotImplementedError("of a read the simulated board says its channels and their number only")
         return pb.GetReadAttributeUInt32Response(value=said[request.attribute_raw])
 
     def GetErrorString(self, request: Any, context: Any) -> Any:
-        return pb.GetErrorStringResponse(error_string=MORE_WORDS.get(request.error_code, ""))
+        return pb.GetErrorStringResponse(error_string=MESSAGES.get(request.error_code, ""))
 
     def GetExtendedErrorInfo(self, request: Any, context: Any) -> Any:
         return pb.GetExtendedErrorInfoResponse(error_string="")

@@ -1,4 +1,4 @@
-"""The NI-DAQmx gRPC service of the simulated board: the calls that the drivers make, and a clear refusal of all others.
+"""NI-DAQmx gRPC service of the simulated board: the calls that the drivers make, and a clear refusal of all others.
 
 The tasks of one board: analogue inputs and a linear encoder on one sample clock, and an analogue output written point by
 point. The messages are those of `nidaqmx[grpc]`; errors travel as its client expects them, with NI-DAQmx's own numbers.
@@ -16,26 +16,26 @@ from nidaqmx._stubs import nidaqmx_pb2_grpc as service
 from numpy.typing import NDArray
 
 from dampyr.rig.simulation.board_signals import TIMEOUT, BoardError
-from dampyr.rig.simulation.clock import Keeper
-from dampyr.rig.simulation.daqmx_identity import NO_CHANNEL, Identity, TaskHere
+from dampyr.rig.simulation.clock import Clock
+from dampyr.rig.simulation.daqmx_identity import NO_CHANNEL, DaqTask, Identity
 from dampyr.rig.simulation.timed_command import TimedCommand
 
 DO_NOT_REGENERATE = 10158
 X4, METERS, TICKS = 10092, 10219, 10304
-ALL = -1  # samples: all that there are
+ALL = -1  # samples: all that are buffered
 UNSUPPORTED = -200077
 
 
 class Board(Identity):
-    """The simulated PCI-6221 of a :class:`~dampyr.rig.simulation.clock.Keeper`."""
+    """The simulated PCI-6221 of a :class:`~dampyr.rig.simulation.clock.Clock`."""
 
     # tasks
 
     def CreateTask(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context):
-            self.made += 1
-            name = request.session_name or f"_unnamedTask<{self.made}>"
-            self.tasks[name] = TaskHere()
+        with self.grpc_errors(context):
+            self.task_count += 1
+            name = request.session_name or f"_unnamedTask<{self.task_count}>"
+            self.tasks[name] = DaqTask()
         return pb.CreateTaskResponse(task=_session(name), new_session_initialized=True)
 
     def CreateAIVoltageChan(self, request: Any, context: Any) -> Any:
@@ -50,7 +50,7 @@ class Board(Identity):
 
     def CreateCILinEncoderChan(self, request: Any, context: Any) -> Any:
         self._add(request.task, "ci", request.counter, [self.settings.wires.position], context)
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             if request.decoding_type_raw != X4 or request.units_raw not in (METERS, TICKS) or request.zidx_enable:
                 raise NotImplementedError(
                     "the simulated counter decodes X4, in metres or ticks, without the index; ask for these"
@@ -60,7 +60,7 @@ class Board(Identity):
         return pb.CreateCILinEncoderChanResponse()
 
     def _add(self, session: Any, kind: str, channel: str, allowed: list[str], context: Any) -> None:
-        with self.reporting_errors(context, session.name) as task:
+        with self.grpc_errors(context, session.name) as task:
             board = self.settings.wires.board
             for name in channel.replace(" ", "").split(","):
                 if name.lower() not in [f"{board}/{each}".lower() for each in allowed if each]:
@@ -71,52 +71,52 @@ class Board(Identity):
                 task.channels.append(name)
 
     def CfgSampClkTiming(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             task.rate = request.rate
         return pb.CfgSampClkTimingResponse()
 
     def StartTask(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             self._start(task)
         return pb.StartTaskResponse()
 
-    def _start(self, task: TaskHere) -> None:
+    def _start(self, task: DaqTask) -> None:
         task.running = True
-        if task.kind == "ai" and not self.keeper.rig.sampling:
-            self.keeper.rig.start(task.rate or self.settings.board.rate)
-            self.keeper.tell("sampling")
+        if task.kind == "ai" and not self.clock.rig.sampling:
+            self.clock.rig.start(task.rate or self.settings.board.rate)
+            self.clock.log("sampling")
         if task.kind == "ao" and task.rate:
-            self.keeper.rig.timed = TimedCommand(self.keeper.rig.time, task.rate, np.concatenate([[], *task.rows]))
+            self.clock.rig.timed = TimedCommand(self.clock.rig.time, task.rate, np.concatenate([[], *task.rows]))
 
     def StopTask(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             self._stop(task)
         return pb.StopTaskResponse()
 
-    def _stop(self, task: TaskHere) -> None:
+    def _stop(self, task: DaqTask) -> None:
         task.running = False
         task.rows.clear()
-        if task.kind == "ai" and self.keeper.rig.sampling:
-            self.keeper.rig.stop()
-            self.keeper.tell("sampling ended")
+        if task.kind == "ai" and self.clock.rig.sampling:
+            self.clock.rig.stop()
+            self.clock.log("sampling ended")
         if task.kind == "ao" and task.rate:
-            self.keeper.rig.timed = None
+            self.clock.rig.timed = None
 
     def ClearTask(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             if task.running:
                 self._stop(task)
             del self.tasks[request.task.name]
         return pb.ClearTaskResponse()
 
     def TaskControl(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             if request.action_raw == pb.TASK_CONTROL_ACTION_TASK_ABORT and task.running:
                 self._stop(task)
         return pb.TaskControlResponse()
 
     def IsTaskDone(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name) as task:
+        with self.grpc_errors(context, request.task.name) as task:
             done = not task.running
         return pb.IsTaskDoneResponse(is_task_done=done)
 
@@ -153,45 +153,49 @@ class Board(Identity):
 
     def _read(self, request: Any, context: Any, kind: str) -> NDArray[Any]:
         samples = np.empty((0, 0))
-        with self.reporting_errors(context, request.task.name, [("ni-samps-per-chan-read", "0")]) as task:
+        with self.grpc_errors(context, request.task.name, [("ni-samps-per-chan-read", "0")]) as task:
             if task.kind != kind:
-                raise NotImplementedError(f"a task of {task.kind or 'no'} channels is not read so")
-            samples = self._clocked(task, request) if task.rate else self._looked(task, request.num_samps_per_chan)
+                raise NotImplementedError(f"a task of {task.kind or 'no'} channels cannot be read by this call")
+            samples = (
+                self._read_clocked(task, request)
+                if task.rate
+                else self._read_unclocked(task, request.num_samps_per_chan)
+            )
             if kind == "ci":
                 samples = task.initial + task.pulse * samples
-        self.keeper.pay()
+        self.clock.sleep_deferred()
         return samples
 
-    def _clocked(self, task: TaskHere, request: Any) -> NDArray[Any]:
-        """Samples of the clock."""
+    def _read_clocked(self, task: DaqTask, request: Any) -> NDArray[Any]:
+        """Samples on the sample clock."""
         if not task.running and task.kind == "ai":
             self._start(task)
-        if not (task.running and self.keeper.rig.sampling):
+        if not (task.running and self.clock.rig.sampling):
             raise BoardError(TIMEOUT)
         wanted = request.num_samps_per_chan
-        missing = self.keeper.rig.waiting if wanted == ALL else wanted - task.waiting
+        missing = self.clock.rig.waiting if wanted == ALL else wanted - task.waiting
         if missing > 0:
-            self._gather(self.keeper.read(missing, request.timeout))
+            self._distribute(self.clock.read(missing, request.timeout))
         return task.take(task.waiting if wanted == ALL else wanted) if task.rows else np.empty((1, 0))
 
-    def _looked(self, task: TaskHere, wanted: int) -> NDArray[Any]:
-        """Samples on demand, of a task without a clock: all of now."""
-        looks = [self.keeper.rig.look() for _ in range(max(1, wanted))]
+    def _read_unclocked(self, task: DaqTask, wanted: int) -> NDArray[Any]:
+        """Samples on demand, of a task without a clock."""
+        readings = [self.clock.rig.read_now() for _ in range(max(1, wanted))]
         if task.kind == "ci":
-            return np.array([[counts for _, counts in looks]])
-        return np.stack([volts[self._places(task)] for volts, _ in looks], axis=1)
+            return np.array([[counts for _, counts in readings]])
+        return np.stack([volts[self._channel_rows(task)] for volts, _ in readings], axis=1)
 
-    def _places(self, task: TaskHere) -> list[int]:
-        """Which of the rig's analogue inputs are a task's channels."""
+    def _channel_rows(self, task: DaqTask) -> list[int]:
+        """The rows of the rig's analogue inputs that are a task's channels."""
         inputs = [each for each in (self.settings.wires.force, self.settings.wires.temperature) if each]
         return [inputs.index(channel.rpartition("/")[2]) for channel in task.channels]
 
-    def _gather(self, samples: tuple[NDArray[np.float64], NDArray[np.int64]]) -> None:
-        """Give samples to every task that runs: inputs and counter are on one clock."""
+    def _distribute(self, samples: tuple[NDArray[np.float64], NDArray[np.int64]]) -> None:
+        """Append samples to every running task: inputs and counter share one clock."""
         volts, counts = samples
         for task in self.tasks.values():
             if task.running and task.kind == "ai":
-                task.rows.append(volts[self._places(task)])
+                task.rows.append(volts[self._channel_rows(task)])
             if task.running and task.kind == "ci":
                 task.rows.append(counts[None])
 
@@ -205,24 +209,26 @@ class Board(Identity):
         return pb.WriteAnalogF64Response(samps_per_chan_written=request.num_samps_per_chan)
 
     def SetWriteAttributeInt32(self, request: Any, context: Any) -> Any:
-        with self.reporting_errors(context, request.task.name):
+        with self.grpc_errors(context, request.task.name):
             requested = (request.attribute_raw, request.value_raw)
             if requested != (pb.WRITE_ATTRIBUTE_REGEN_MODE, DO_NOT_REGENERATE):
-                raise NotImplementedError("the simulated output does not regenerate its samples; ask for that")
+                raise NotImplementedError(
+                    "the simulated output does not regenerate its samples; set DO_NOT_ALLOW_REGENERATION"
+                )
         return pb.SetWriteAttributeInt32Response()
 
     def _queue(self, request: Any, context: Any) -> None:
-        """Samples for a clocked output: kept until it starts, then appended to what it puts out."""
-        with self.reporting_errors(context, request.task.name) as task:
-            volts = self._checked(task, request.write_array)
-            self.keeper.rig.queue(volts) if task.running else task.rows.append(volts)
+        """Samples for a clocked output: stored until it starts, then appended to its buffer."""
+        with self.grpc_errors(context, request.task.name) as task:
+            volts = self._check_volts(task, request.write_array)
+            self.clock.rig.queue(volts) if task.running else task.rows.append(volts)
 
     def _write(self, request: Any, context: Any, values: Any = None) -> None:
-        with self.reporting_errors(context, request.task.name) as task:
-            self.keeper.rig.write(float(self._checked(task, request.write_array if values is None else values)[-1]))
+        with self.grpc_errors(context, request.task.name) as task:
+            self.clock.rig.write(float(self._check_volts(task, request.write_array if values is None else values)[-1]))
 
     @staticmethod
-    def _checked(task: TaskHere, values: Any) -> NDArray[np.float64]:
+    def _check_volts(task: DaqTask, values: Any) -> NDArray[np.float64]:
         if task.kind != "ao":
             raise NotImplementedError(f"a task of {task.kind or 'no'} channels is not written")
         volts = np.array(list(values), float)
@@ -245,11 +251,11 @@ class _Single(NamedTuple):
     num_samps_per_chan: int = 1
 
 
-class Refusing(grpc.ServerInterceptor):
+class RefuseUnsupported(grpc.ServerInterceptor):
     """Refuse the calls that `Board` does not answer with a sentence."""
 
-    def __init__(self, keeper: Keeper) -> None:
-        self.keeper = keeper
+    def __init__(self, clock: Clock) -> None:
+        self.clock = clock
 
     def intercept_service(self, continuation: Callable[..., Any], details: Any) -> Any:
         name = details.method.rpartition("/")[2]
@@ -257,18 +263,18 @@ class Refusing(grpc.ServerInterceptor):
             return continuation(details)
 
         def refuse(request: Any, context: grpc.ServicerContext) -> None:
-            self.keeper.tell(f"refused {name}")
+            self.clock.log(f"refused {name}")
             context.abort(grpc.StatusCode.UNIMPLEMENTED, f"the simulated board does not answer {name}")
 
         return grpc.unary_unary_rpc_method_handler(refuse)
 
 
-def serve(keeper: Keeper) -> tuple[grpc.Server, int]:
+def serve(clock: Clock) -> tuple[grpc.Server, int]:
     """Serve the board on the loopback: the running server and its port."""
     from concurrent.futures import ThreadPoolExecutor
 
-    server = grpc.server(ThreadPoolExecutor(2), interceptors=(Refusing(keeper),))
-    service.add_NiDAQmxServicer_to_server(Board(keeper), server)
+    server = grpc.server(ThreadPoolExecutor(2), interceptors=(RefuseUnsupported(clock),))
+    service.add_NiDAQmxServicer_to_server(Board(clock), server)
     port = server.add_insecure_port("127.0.0.1:0")
     server.start()
     return server, port

@@ -1,4 +1,4 @@
-"""What may go wrong in the simulated rig, and when: ``stuck-encoder@12.5s for 3s``, ``lost-bytes=0.1@2s for 5s``."""
+"""Faults of the simulated rig and their times: ``stuck-encoder@12.5s for 3s``, ``lost-bytes=0.1@2s for 5s``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dampyr.units import parse
 
 @dataclass(frozen=True)
 class Kind:
-    """One kind of fault: what happens, and what its number means."""
+    """One kind of fault: its description, and the meaning of its number."""
 
     words: str
     amount: float | None = None
@@ -24,18 +24,18 @@ class Kind:
 KINDS: dict[str, Kind] = {
     "lost-bytes": Kind("each byte of the serial wire, both ways, is lost with this probability", 0.1, "", 1.0),
     "unplugged-serial": Kind("nothing passes the serial wire"),
-    "restarted-uno": Kind("the Uno starts anew (power, watchdog)"),
+    "restarted-uno": Kind("the Uno restarts (power, watchdog)"),
     "stuck-encoder": Kind("neither the Uno nor the board sees the encoder's pulses"),
     "stuck-encoder-uno": Kind("the Uno sees none of the encoder's pulses"),
     "stuck-encoder-board": Kind("the board sees none of the encoder's pulses"),
     "glitching-encoder": Kind("both lines of the encoder change at once, as the Uno sees them"),
     "broken-cell": Kind("the load cell's wire is broken: its input floats to this voltage", 10.0, "V", 10.0),
-    "drifting-cell": Kind("the load cell's zero moves by so much each second", 50.0, "N/s"),
+    "drifting-cell": Kind("the load cell's zero drifts at this rate", 50.0, "N/s"),
     "stalled-motor": Kind("the motor does not turn"),
-    "hot-specimen": Kind("the specimen, with its coil, is suddenly warmer by so much", 60.0, "K"),
+    "hot-specimen": Kind("the specimen, with its coil, is suddenly warmer by this difference", 60.0, "K"),
     "board-timeout": Kind("the board's samples do not arrive: DAQmx error -200284"),
     "board-overrun": Kind("the board's buffer overflows: DAQmx error -200279"),
-    "late-samples": Kind("each read of the board takes so much longer on the wall clock", 0.5, "s", 60.0),
+    "late-samples": Kind("each read of the board is delayed by this time on the wall clock", 0.5, "s", 60.0),
 }  # fmt: skip
 EXAMPLE = "write such as 'stuck-encoder@12.5s for 3s' or 'lost-bytes=0.1@2s'"
 _FORM = re.compile(r"\s*(?P<kind>[\w-]+)\s*(=\s*(?P<amount>[^@]+?))?\s*@\s*(?P<at>.+?)(\s+for\s+(?P<time>.+?))?\s*")
@@ -58,7 +58,7 @@ class FaultSpec:
             raise InputError(f"fault {self.kind}: begins at {self.at:g} s; give a time of 0 s or later")
         if not self.duration > 0.0:
             raise InputError(
-                f"fault {self.kind}: lasts {self.duration:g} s; give more than 0 s, or leave it out for ever"
+                f"fault {self.kind}: lasts {self.duration:g} s; give more than 0 s, or leave it out for a permanent fault"
             )
         if self.amount is None:
             object.__setattr__(self, "amount", fault_kind.amount)
@@ -66,14 +66,14 @@ class FaultSpec:
             raise InputError(f"fault {self.kind} takes no number, but {self.amount:g} was given; leave it out")
         elif not abs(self.amount) <= fault_kind.high:
             raise InputError(
-                f"fault {self.kind} = {self.amount:g} {fault_kind.unit} is too much; at most {fault_kind.high:g}"
+                f"fault {self.kind} = {self.amount:g} {fault_kind.unit} is not allowed; give at most {fault_kind.high:g}"
             )
         if self.kind in ("lost-bytes", "late-samples") and self.size < 0.0:
             raise InputError(f"fault {self.kind} = {self.size:g} must be 0 or more")
 
     @property
     def until(self) -> float:
-        """When it is over, s."""
+        """Its end, s."""
         return self.at + self.duration
 
     @property

@@ -1,25 +1,22 @@
-"""What really happened in the simulated rig, once a millisecond, and in words."""
+"""Ground truth of the simulated rig: its true quantities once a millisecond, and its events as sentences."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.rig.firmware.protocol import Fault, State
+from dampyr.rig.firmware.twin import Twin
 from dampyr.rig.simulation import plant
-
-if TYPE_CHECKING:
-    from dampyr.rig.simulation.simulator import Simulator
 
 Array = NDArray[np.float64]
 MAX_ROWS = 1_800_000  # rows: half an hour
-RESTING = 1e-4  # m/s below which the table stands
-LASTING = 0.05  # s before rest is told: a turning point is none
-DEAD = 0.01  # A below which the coil is dead, with no voltage at it
+RESTING = 1e-4  # m/s below which the table stands: one encoder count in 50 ms
+LASTING = 0.05  # s before rest is reported: a turning point of the motion is shorter
+DEAD = 0.01  # A below which the coil is dead, with no voltage at it: 2 % of the coil's 0.5 A at 2.2 V
 T, X, V, F, U, AMPERE, HEAT, ENABLE, STATE, FAULTS, DUTY, HELD = range(len(plant.TRUTH))
 
 
@@ -29,7 +26,7 @@ class Truth:
 
     ``position`` m and ``speed`` m/s of the table, ``force`` N of the specimen, ``voltage`` V and ``current`` A of the coil,
     ``temperature`` degC of the specimen, ``enable`` the Uno's line, its ``state``, ``faults`` and ``duty``, and ``held``: the
-    input was outside the specimen's calibrated range, and its laws kept the value at the range's end.
+    input was outside the specimen's calibrated range, and its laws held the value at the range's end.
     """
 
     time: Array
@@ -49,23 +46,23 @@ class Truth:
 
 
 class TruthLog:
-    """Gathers the rows of the truth; ``told`` hears what they say."""
+    """Collects the rows of the ground truth; ``on_event`` is called with the time and a sentence for each event in them."""
 
     def __init__(self, on_event: Callable[[float, str], None] | None = None) -> None:
         self.on_event = on_event
         self.chunks: list[Array] = []
         self.count = 0
         self.at_rest_since = self.coil_dead_since = 0.0
-        self._says = {"rest": True, "dead": True}
-        self.before = (0, int(State.FAULT), int(Fault.RESTARTED), 0)
+        self._reported = {"rest": True, "dead": True}
+        self.previous = (0, int(State.FAULT), int(Fault.RESTARTED), 0)
 
-    def tell(self, time: float, words: str) -> None:
-        """Something happened."""
+    def report(self, time: float, words: str) -> None:
+        """Report an event."""
         if self.on_event is not None:
             self.on_event(time, words)
 
     def add(self, rows: Array) -> None:
-        """Keep rows, oldest first, and tell what changed in them."""
+        """Append rows, oldest first, and report the changes in them."""
         if not rows.size:
             return
         self.chunks.append(rows)
@@ -77,48 +74,49 @@ class TruthLog:
         self.coil_dead_since = _since(rows, ~alive, self.coil_dead_since)
         if self.on_event is not None:
             self._changes(rows)
-            self._says["rest"] = self._ended("rest", ("at rest", "moving"), self.at_rest_since, float(rows[-1, T]))
-            self._says["dead"] = self._ended(
+            self._reported["rest"] = self._report_lasting(
+                "rest", ("at rest", "moving"), self.at_rest_since, float(rows[-1, T])
+            )
+            self._reported["dead"] = self._report_lasting(
                 "dead", ("coil dead", "coil live"), self.coil_dead_since, float(rows[-1, T])
             )
 
-    def see(self, rig: Simulator) -> None:
-        """What a request changed at once."""
-        twin = rig.twin
-        self._note(rig.time, int(twin.enabled), int(twin.state), int(twin.faults), self.before[3])
+    def record_state(self, time: float, twin: Twin) -> None:
+        """Report what a request changed immediately, between two rows."""
+        self._note(time, int(twin.enabled), int(twin.state), int(twin.faults), self.previous[3])
 
     def _changes(self, rows: Array) -> None:
         columns = rows[:, [ENABLE, STATE, FAULTS, HELD]].astype(int)
-        changed = np.any(np.diff(columns, axis=0, prepend=[self.before]) != 0, axis=1)
+        changed = np.any(np.diff(columns, axis=0, prepend=[self.previous]) != 0, axis=1)
         for k in np.flatnonzero(changed):
             self._note(float(rows[k, T]), *map(int, columns[k]))
 
     def _note(self, time: float, enable: int, state: int, faults: int, held: int) -> None:
-        was = self.before
-        self.before = (enable, state, faults, held)
+        was = self.previous
+        self.previous = (enable, state, faults, held)
         if faults & ~was[2]:
-            self.tell(time, f"firmware fault {Fault(faults & ~was[2]).name}")
+            self.report(time, f"firmware fault {Fault(faults & ~was[2]).name}")
         if state != was[1]:
-            self.tell(time, f"state {State(state).name}")
+            self.report(time, f"state {State(state).name}")
         if enable != was[0]:
-            self.tell(time, "enable high" if enable else "enable low")
+            self.report(time, "enable high" if enable else "enable low")
         if held and not was[3]:
-            self.tell(time, "input outside the specimen's calibrated range; its laws hold the value at the end")
+            self.report(time, "input outside the specimen's calibrated range; its laws hold the value at the end")
 
-    def _ended(self, name: str, words: tuple[str, str], since: float, now: float) -> bool:
-        """Tell when something holds for `LASTING`, and when it has ended."""
-        said = self._says[name]
+    def _report_lasting(self, name: str, words: tuple[str, str], since: float, now: float) -> bool:
+        """Report when a condition has held for `LASTING`, and when it has ended."""
+        reported = self._reported[name]
         if np.isnan(since) or now - since < LASTING:
-            if said and np.isnan(since):
-                self.tell(now, words[1])
+            if reported and np.isnan(since):
+                self.report(now, words[1])
                 return False
-            return said
-        if not said:
-            self.tell(since, words[0])
+            return reported
+        if not reported:
+            self.report(since, words[0])
         return True
 
     def truth(self) -> Truth:
-        """The rows that are kept, as arrays."""
+        """The stored rows, as arrays."""
         rows = np.concatenate([*self.chunks, np.empty((0, len(plant.TRUTH)))])
         time, x, v, f, u, i, heat, enable, state, faults, duty, held = rows.T.copy()
         flags = (enable.astype(bool), state.astype(np.int64), faults.astype(np.int64), duty, held.astype(bool))
@@ -126,7 +124,7 @@ class TruthLog:
 
 
 def _since(rows: Array, holds: NDArray[np.bool_], old: float) -> float:
-    """Since when something has held without a break, NaN where it does not; ``old`` is the answer before these rows."""
+    """The time since which a condition has held without a break, NaN where it does not; ``old`` before these rows."""
     if not holds[-1]:
         return np.nan
     breaks = np.flatnonzero(~holds)

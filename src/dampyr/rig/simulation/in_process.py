@@ -1,4 +1,4 @@
-"""A simulated rig without wires: the board's end in this process, for demos and tests."""
+"""Board of a simulated rig without wires, in this process: for the demo and tests."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class InProcessBoard:
         self.stop()
 
     def identity(self) -> str:
-        """What it is."""
+        """Its product."""
         return "simulated PCI-6221"
 
 
@@ -60,4 +60,4 @@ def _call(call: Callable[[], T]) -> T:
     try:
         return call()
     except BoardError as problem:
-        raise RigFault(f"the simulated board says: {problem}") from problem
+        raise RigFault(f"the simulated board gives an error: {problem}") from problem

@@ -1,4 +1,4 @@
-r"""What moves, flows and warms: a fixed small step, compiled with the specimen's own formulas.
+r"""Mechanics, coil current and temperature of the plant: a fixed small step, compiled with the specimen's own formulas.
 
 The bridge drives the motor and its screw as a source of velocity that lags and gives way under load,
 
@@ -7,9 +7,9 @@ The bridge drives the motor and its screw as a source of velocity that lags and 
 with :math:`v_0` the free speed, r the droop, d the duty beyond the dead band and F the load. A load against the motion slows
 it to standstill at most, and one along it does not hasten it: the screw locks itself. Without duty the motor is shorted and
 stops, :math:`T_b \dot v_m = -v_m - (v_f + r |F|) \,\mathrm{sgn}\, v_m`, with :math:`v_f` the speed that the dead band's duty
-would give. The table follows the screw with its backlash (a play operator), rubs on its guides, and moves the specimen. The
-coil is :math:`L \dot i = u - R(T) i`; the specimen's input is the current, or the voltage R i that would drive it when cool.
-The specimen takes up the work done on it and :math:`i^2 R`, and cools to the room.
+would give. The table follows the screw with its backlash (a play operator), has friction in its guides, and moves the specimen.
+The coil is :math:`L \dot i = u - R(T) i`; the specimen's input is the current, or the voltage R i that would
+drive it when cool. The specimen takes up the work done on it and :math:`i^2 R`, and cools to the room.
 
 The play operator as in Krasnosel'skii and Pokrovskii (1989), Systems with Hysteresis; the numbers in `dampyr.rig.settings`.
 """
@@ -24,7 +24,7 @@ from dampyr.rig.firmware import control_core
 R_DUTY, R_STATE, R_FAULTS = control_core.R_DUTY, control_core.R_STATE, control_core.R_FAULTS
 BRAKING = 0.4  # lag of the shorted motor over that of the driven one: no supply and leads in its circuit
 STATIC_SHARE = 0.3  # of the static force that slows the motor: in the records the two directions differ by so little
-COPPER = 0.0039  # 1/K
+COPPER = 0.0039  # 1/K, temperature coefficient of copper's resistance
 COPPER_AT = 20.0  # degC at which the coil has its resistance
 
 # the state of the plant
@@ -33,10 +33,10 @@ COPPER_AT = 20.0  # degC at which the coil has its resistance
     Y_REST, Y_WORK, Y_RUBBED, Y_TAKEN, Y_HEATED, Y_COOLED,
 ) = range(17)  # fmt: skip
 PLANT = 17
-# whole numbers: steps made; what the Uno and the board count less what the encoder shows; the last count; the index; samples
+# counters: steps made; counts of the Uno and of the board less those of the encoder; the last count; the index; samples
 N_STEP, N_UNO, N_NI, N_SHOWN, N_PASSED, N_TAKEN, N_HELD = range(7)
 NUMBERS = 7
-# faults that hold now
+# active faults
 Z_STALLED, Z_UNO, Z_NI, Z_GLITCH = range(4)
 TRUTH = (
     "time", "position", "speed", "force", "voltage", "current", "temperature", "enable", "state", "faults", "duty", "held",
@@ -44,7 +44,7 @@ TRUTH = (
 
 
 class Constants(NamedTuple):
-    """What does not change while the plant runs, SI."""
+    """Constants of the plant, SI."""
 
     dt: float
     per_tick: int
@@ -85,31 +85,31 @@ BOUND_WITH = (control_core.__name__,)  # the firmware's control is compiled with
 def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, counts, truth):
     """Step the plant until step number ``until``, and return how many rows of ``truth`` were written.
 
-    ``m`` the `Constants`, ``y`` the plant's state, ``n`` its whole numbers, ``z`` the faults that hold, ``s`` the specimen's
-    states, ``p`` room for its parameters, ``table`` (K, P) these over its input, ``static`` (P,) 1 where a static force,
+    ``m`` the `Constants`, ``y`` the plant's state, ``n`` its counters, ``z`` the active faults, ``s`` the specimen's
+    states, ``p`` its parameters, overwritten, ``table`` (K, P) these over its input, ``static`` (P,) 1 where a static force,
     ``past`` the forces of the last steps for a specimen that delays, ``r`` the firmware's registers. While samples are wanted,
     ``forces`` [N, filtered] and ``counts`` take those at ``start`` + (k + 1)*``period`` s.
     """
     rows = 0
     while n[N_STEP] < until:
         before = y[Y_MOTOR]
-        drive(m, y, z, r)
-        coil(m, y, r)
+        drive_motor(m, y, z, r)
+        update_coil(m, y, r)
         cell = y[Y_CELL]
-        x = move(m, y, n, s, p, table, static, past, before)
+        x = move_table(m, y, n, s, p, table, static, past, before)
         n[N_STEP] += 1
-        encode(m, y, n, z, x)
-        sample(m, y, n, x, cell, start, period, forces, counts)
+        update_counts(m, y, n, z, x)
+        take_samples(m, y, n, x, cell, start, period, forces, counts)
         if n[N_STEP] % m.per_tick == 0:
             tick(r, n[N_SHOWN] + n[N_UNO], n[N_PASSED] != 0, m.mark + n[N_UNO], z[Z_GLITCH] != 0)
             n[N_PASSED] = 0
-            note(m, y, n, r, truth[rows])
+            write_truth(m, y, n, r, truth[rows])
             rows += 1
     return rows
 
 
-def drive(m, y, z, r):
-    """The motor's speed after a step, and the screw's place."""
+def drive_motor(m, y, z, r):
+    """The motor's speed after a step."""
     duty, v, load = r[R_DUTY] / 255.0, y[Y_MOTOR], y[Y_FORCE] - (1.0 - STATIC_SHARE) * y[Y_REST]
     if y[Y_V] != 0.0:
         load += m.friction if y[Y_V] > 0.0 else -m.friction
@@ -127,7 +127,7 @@ def drive(m, y, z, r):
     y[Y_MOTOR] = v
 
 
-def coil(m, y, r):
+def update_coil(m, y, r):
     """The coil's current after a step at its voltage, and the heat in it."""
     enabled = control_enabled(r[R_STATE]) or not m.cut
     y[Y_COIL] = m.gain * y[Y_COMMAND] if enabled else 0.0
@@ -146,7 +146,7 @@ def control_enabled(state):
     return 1 <= state <= 6
 
 
-def move(m, y, n, s, p, table, static, past, before):
+def move_table(m, y, n, s, p, table, static, past, before):
     """Screw, table and specimen over a step, the motor's speed ``before`` it given; return where the table was."""
     x0, v0, f0 = y[Y_X], y[Y_V], y[Y_FORCE]
     y[Y_SCREW] += 0.5 * (before + y[Y_MOTOR]) * m.dt
@@ -156,17 +156,17 @@ def move(m, y, n, s, p, table, static, past, before):
     x1 = min(max(x0, y[Y_SCREW] - m.play), y[Y_SCREW] + m.play)
     v1 = y[Y_MOTOR] if x1 != x0 else 0.0
     n[N_HELD] = 1 if y[Y_INPUT] < m.low - 1e-9 or y[Y_INPUT] > m.high + 1e-9 else 0
-    rest = look_up(min(max(y[Y_INPUT], m.low), m.high), m.low, m.high, p, table, static)
+    rest = look_up_parameters(min(max(y[Y_INPUT], m.low), m.high), m.low, m.high, p, table, static)
     advance(0, s, x0, x1, v0, v1, m.dt, p)
     f1 = force(0, s, x1, v1, (v1 - v0) / m.dt, p)
     f1 = rest + (f1 - rest) * max(0.0, 1.0 - m.softening * (y[Y_TEMPERATURE] - m.ambient_temperature))
-    y[Y_X], y[Y_V], y[Y_FORCE] = x1, v1, held_back(m, n, p, past, f1)
+    y[Y_X], y[Y_V], y[Y_FORCE] = x1, v1, delay_force(m, n, p, past, f1)
     y[Y_REST] = rest
-    settle(m, y, x1 - x0, f0, rest)
+    update_energy(m, y, x1 - x0, f0, rest)
     return x0
 
 
-def look_up(u, low, high, p, table, static):
+def look_up_parameters(u, low, high, p, table, static):
     """Fill ``p`` with the parameters at the input ``u``, and return the static force."""
     place = (u - low) / (high - low) * (table.shape[0] - 1) if high > low else 0.0
     k = min(int(place), table.shape[0] - 2)
@@ -177,8 +177,8 @@ def look_up(u, low, high, p, table, static):
     return rest
 
 
-def held_back(m, n, p, past, f):
-    """The force as it was a delay earlier, where the specimen delays."""
+def delay_force(m, n, p, past, f):
+    """The force one delay earlier, where the specimen has a delay."""
     if m.delay < 0:
         return f
     here = n[N_STEP] + past.size
@@ -189,8 +189,8 @@ def held_back(m, n, p, past, f):
     return late + (early - late) * (back - whole)
 
 
-def settle(m, y, dx, f0, rest):
-    """Works, warmth, and the load cell's filter after a step."""
+def update_energy(m, y, dx, f0, rest):
+    """Work, temperature, and the load cell's filter after a step."""
     work = 0.5 * (f0 + y[Y_FORCE]) * dx
     cooled = m.cooling * (y[Y_TEMPERATURE] - m.ambient_temperature) * m.dt
     y[Y_RUBBED] += m.friction * abs(dx)
@@ -202,8 +202,8 @@ def settle(m, y, dx, f0, rest):
     y[Y_CELL] = mean + (y[Y_CELL] - mean) * exp(-m.bandwidth * m.dt)
 
 
-def encode(m, y, n, z, x0):
-    """The encoder's count after a step, for both who count; a stuck one counts nothing and is behind afterwards."""
+def update_counts(m, y, n, z, x0):
+    """The encoder's count after a step, for both counters; a stuck one misses the counts of its time."""
     shown = floor(y[Y_X] / m.pulse)
     change = shown - n[N_SHOWN]
     if z[Z_UNO] != 0.0:
@@ -215,7 +215,7 @@ def encode(m, y, n, z, x0):
     n[N_SHOWN] = shown
 
 
-def sample(m, y, n, x0, cell0, start, period, forces, counts):
+def take_samples(m, y, n, x0, cell0, start, period, forces, counts):
     """The samples that fall into the step just made."""
     now = n[N_STEP] * m.dt
     while n[N_TAKEN] < forces.size:
@@ -228,8 +228,8 @@ def sample(m, y, n, x0, cell0, start, period, forces, counts):
         n[N_TAKEN] += 1
 
 
-def note(m, y, n, r, row):
-    """A row of the truth."""
+def write_truth(m, y, n, r, row):
+    """Write a row of the ground truth."""
     row[0], row[1], row[2], row[3] = n[N_STEP] * m.dt, y[Y_X], y[Y_V], y[Y_FORCE]
     row[4], row[5], row[6] = y[Y_COIL], y[Y_CURRENT], y[Y_TEMPERATURE]
     row[7], row[8], row[9] = 1.0 if control_enabled(r[R_STATE]) else 0.0, float(r[R_STATE]), float(r[R_FAULTS])

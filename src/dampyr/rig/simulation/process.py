@@ -1,4 +1,4 @@
-"""Starting the simulated rig as a process, and seeing it off."""
+"""Process of the simulated rig: start, wires, end."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from dampyr.models import Damper
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.faults import FaultSpec
 
-PATIENCE = 5.0  # s for a rig without a host to come to rest
+PATIENCE = 5.0  # s for a rig without a host to come to rest: the watchdog stops it within 0.2 s, then a second of rest
 
 
 class Process:
-    """A running ``python -m dampyr.rig.simulation.server``; it outlives a host that is killed, until the table rests."""
+    """A running ``python -m dampyr.rig.simulation.server``; it outlives a killed host until the table is at rest."""
 
     def __init__(
         self,
@@ -45,17 +45,17 @@ class Process:
                 command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
             )
             assert self._process.stdout is not None
-            said = self._process.stdout.readline()
-        if not said:
+            line = self._process.stdout.readline()
+        if not line:
             assert self._process.stderr is not None
             output = self._process.stderr.read().strip().splitlines()
-            raise RigFault(f"the simulated rig did not start: {output[-1] if output else 'it said nothing'}")
-        wires = json.loads(said)
+            raise RigFault(f"the simulated rig did not start: {output[-1] if output else 'it printed nothing'}")
+        wires = json.loads(line)
         self.serial, self.grpc = str(wires["serial"]), str(wires["grpc"])
 
     @property
     def pid(self) -> int:
-        """Of the process."""
+        """The process's number."""
         return self._process.pid
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""The simulated rig as a process of its own: ``python -m dampyr.rig.simulation.server --rig rig.toml --seed 0``.
+"""Server of the simulated rig, a process of its own: ``python -m dampyr.rig.simulation.server --rig rig.toml --seed 0``.
 
 It prints one line of JSON when it is ready, ``{"serial": "socket://127.0.0.1:PORT", "grpc": "127.0.0.1:PORT"}``: the Uno's
 serial wire for pyserial, and NI-DAQmx's gRPC device server for nidaqmx. Both listen on the loopback only. Needs the extra
@@ -19,17 +19,17 @@ from dampyr.errors import DampyrError
 from dampyr.models import Damper
 from dampyr.rig.gc_control import freeze_objects
 from dampyr.rig.settings import RigSettings, load_settings
-from dampyr.rig.simulation.clock import EventLog, Keeper
+from dampyr.rig.simulation.clock import Clock, EventLog
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.simulation.specimen import specimen_of
 
 
 class Serial:
-    """The Uno's serial wire as a TCP port for one client at a time; others are turned away."""
+    """The Uno's serial wire as a TCP port for one client at a time; others are refused."""
 
-    def __init__(self, keeper: Keeper) -> None:
-        self.keeper, self.busy = keeper, False
+    def __init__(self, clock: Clock) -> None:
+        self.clock, self.busy = clock, False
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.port: int = self.listener.getsockname()[1]
         Thread(target=self._accept, name="serial", daemon=True).start()
@@ -41,51 +41,53 @@ class Serial:
                 client.close()
                 continue
             self.busy = True
-            self.keeper.joined()
+            self.clock.client_connected()
             Thread(target=self._serve, args=(client,), name="client", daemon=True).start()
 
     def _serve(self, client: socket.socket) -> None:
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         try:
             while data := client.recv(4096):
-                with self.keeper.holding() as rig:
-                    said = rig.serial(data)
-                client.sendall(said)
+                with self.clock.locked() as rig:
+                    reply = rig.serial(data)
+                client.sendall(reply)
         except OSError:
-            pass  # a killed client resets the connection: it has left, as below
+            pass  # a killed client resets the connection: it has disconnected, as below
         finally:
             self.busy = False
-            self.keeper.left()
+            self.clock.client_disconnected()
             client.close()
 
 
-def options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
+def parse_options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(
         prog="python -m dampyr.rig.simulation.server", description=(__doc__ or "").split("\n")[0]
     )
     parser.add_argument("--rig", metavar="FILE", help="the rig's settings; without it, the original rig's")
     parser.add_argument("--seed", type=int, default=0, help="of noise and lost bytes")
-    parser.add_argument("--real-time", action="store_true", help="the wall's clock moves the rig, not its host")
+    parser.add_argument("--real-time", action="store_true", help="the rig follows the wall clock, not its host")
     parser.add_argument("--fault", action="append", default=[], metavar="KIND@TIME [for TIME]", help="may be repeated")
-    parser.add_argument("--black-box", metavar="FILE", help="a line of JSON for each thing that happens")
-    parser.add_argument("--once", action="store_true", help="end when the last client has left and the table rests")
+    parser.add_argument("--black-event_log", metavar="FILE", help="a line of JSON per event")
+    parser.add_argument(
+        "--once", action="store_true", help="end when the last client has disconnected and the table is at rest"
+    )
     return parser.parse_args(arguments)
 
 
-def built(parsed: argparse.Namespace) -> Keeper:
-    """The rig that the command line asks for."""
+def build_clock(parsed: argparse.Namespace) -> Clock:
+    """The rig of the command line."""
     settings = load_settings(parsed.rig) if parsed.rig else RigSettings()
     faults = [FaultSpec.parse(text) for text in parsed.fault]
     specimen = specimen_of(settings, Path(parsed.rig).parent if parsed.rig else None)
-    box = EventLog(parsed.black_box)
+    event_log = EventLog(parsed.black_box)
     _warm_up(settings, specimen)
-    rig = Simulator(settings, parsed.seed, faults, specimen, on_event=box)
-    return Keeper(rig, box, parsed.real_time, parsed.once)
+    rig = Simulator(settings, parsed.seed, faults, specimen, on_event=event_log)
+    return Clock(rig, event_log, parsed.real_time, parsed.once)
 
 
 def _warm_up(settings: RigSettings, specimen: Damper) -> None:
-    """Compile and import what the first samples need, before a host waits that gives up after 80 ms."""
+    """Compile and import what the first samples need: a waiting host gives up after 80 ms."""
     other = Simulator(settings, 0, (), specimen)
     other.start(settings.board.rate)
     other.advance_to(0.05)
@@ -93,23 +95,23 @@ def _warm_up(settings: RigSettings, specimen: Damper) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Serve until interrupted, or as ``--once`` says; 2 with a sentence where the command line is wrong."""
-    parsed = options(arguments)
+    parsed = parse_options(arguments)
     try:
-        keeper = built(parsed)
+        clock = build_clock(parsed)
     except DampyrError as problem:
         print(problem, file=sys.stderr)
         return 2
     from dampyr.rig.simulation.daqmx_service import serve
 
-    server, port = serve(keeper)
-    serial = Serial(keeper)
+    server, port = serve(clock)
+    serial = Serial(clock)
     freeze_objects()
-    keeper.begin()
+    clock.start()
     print(json.dumps({"serial": f"socket://127.0.0.1:{serial.port}", "grpc": f"127.0.0.1:{port}"}), flush=True)
     try:
-        keeper.finished.wait()
+        clock.finished.wait()
     except KeyboardInterrupt:
-        keeper.tell("interrupted")
+        clock.log("interrupted")
     server.stop(0.2).wait()
     return 0
 

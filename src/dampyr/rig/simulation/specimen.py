@@ -1,4 +1,4 @@
-"""The damper on the simulated table: the default one, and what the plant needs of any."""
+"""Specimen of the simulated rig: what the plant needs of a damper."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dampyr.rig.settings import RigSettings
 
 Array = NDArray[np.float64]
 CARD = Path(__file__).with_name("default_specimen.toml")
-ROWS = 513  # of the table of parameters: a law between two rows is straight
+ROWS = 513  # of the parameter table, linear between rows: 6 mV apart over 3.2 V
 CLOSING = 10.0  # N that close 71 % of the free play
 
 
@@ -33,7 +33,7 @@ def specimen_of(settings: RigSettings, folder: Path | None = None) -> Damper:
     return Damper.load((folder or Path()) / card) if card else default_specimen()
 
 
-def with_play(damper: Damper, free_play: float) -> Damper:
+def add_free_play(damper: Damper, free_play: float) -> Damper:
     """The damper in series with the play of its pins, ``free_play`` m from one side to the other."""
     if free_play == 0.0:
         return damper
@@ -53,15 +53,16 @@ def table_of(damper: Damper) -> Array:
     return np.ascontiguousarray(damper.values(np.linspace(*damper.range, ROWS)))
 
 
-def delay_place(damper: Damper, dt: float, capacity: int) -> int:
-    """Where the delay stands among the parameters, -1 without one; InputError where it is longer than the plant remembers."""
+def delay_index(damper: Damper, dt: float, capacity: int) -> int:
+    """The index of the delay among the parameters, -1 without one; InputError where it is longer than the force history."""
     k = damper.composition.delay
     if k is None:
         return -1
     max_delay = list(damper.all_laws.values())[k].extremes()[1]
     if max_delay / dt > capacity - 2:
         raise InputError(
-            f"delay.tau = {max_delay:g} s is longer than the simulated rig remembers; at most {(capacity - 2) * dt:g} s"
+            f"delay.tau = {max_delay:g} s is longer than the simulated rig's force history; "
+            f"give at most {(capacity - 2) * dt:g} s"
         )
     return k
 

@@ -1,4 +1,4 @@
-"""The command voltage on the sample clock: one value a sample, put out when its sample is taken."""
+"""Command voltage on the sample clock: one value a sample, output when its sample is taken."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ Array = NDArray[np.float64]
 
 
 class TimedCommand:
-    """A buffer of volts; value k is put out at ``start`` + (k + 1)*``period`` [s] and held."""
+    """A buffer of volts; value k is output at ``start`` + (k + 1)*``period`` [s] and held."""
 
     def __init__(self, start: float, rate: float, ahead: Array) -> None:
         self.start, self.period = start, 1.0 / rate
         self.values: Array = np.array(ahead, float)
-        self.gone = 0  # values that were put out and dropped
+        self.gone = 0  # values that were output and dropped
 
     def queue(self, volts: Array) -> None:
         """Append."""
         self.values = np.concatenate([self.values, volts])
 
     def _count(self, time: float) -> int:
-        """How many values of the buffer are out by ``time``."""
+        """The number of values of the buffer that are output by ``time``."""
         return max(0, math.floor((time - self.start) / self.period + 1e-6) - self.gone)
 
     def empty(self, time: float) -> bool:
-        """Whether the generation ran out of values."""
+        """Whether the generation has run out of values."""
         return self._count(time) > self.values.size
 
     def due(self, time: float) -> float | None:
-        """The value that is put out at ``time``; None before the first."""
+        """The value that is output at ``time``; None before the first."""
         count = min(self._count(time), self.values.size)
         if count == 0:
             return None
@@ -40,7 +40,7 @@ class TimedCommand:
         return value
 
     def next_change(self, time: float, held: float) -> float:
-        """When the next value that differs from ``held`` is put out; infinity where there is none."""
+        """The time at which the next value that differs from ``held`` is output; infinity where there is none."""
         count = self._count(time)
         differing = np.flatnonzero(self.values[count:] != held)
         return self.start + (self.gone + count + int(differing[0]) + 1) * self.period if differing.size else math.inf

@@ -1,4 +1,4 @@
-"""Whether the simulated rig behaves as the original one: its open-loop drive, and what a record of it shows.
+"""Validation of the simulated rig against the original one: its open-loop drive, and the characteristics of its records.
 
 The original rig followed no position. Its duty rose and fell evenly, one way and the other: in its records the period is twice
 the top of the duty times 2.2 or 4.2 ms, plus 0.1 s, and the peak speed goes with the top. So amplitude and shape of the motion
@@ -22,15 +22,15 @@ from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.simulator import Simulator
 
 Array = NDArray[np.float64]
-HARMONICS = 7
+HARMONICS = 7  # the second to the seventh are compared
 MOVED = 1e-4  # m from where the table rested
-SETTLING = 1.0  # s after the motion starts
-BLOCK = 0.04  # s
+SETTLING = 1.0  # s after the motion starts: about the first cycle, left out
+BLOCK = 0.04  # s between heartbeats: the default block of a rig
 
 
 @dataclass(frozen=True)
 class Characteristics:
-    """What a record of the open-loop drive shows, SI; harmonics are of the displacement, over its fundamental.
+    """Characteristics of a record of the open-loop drive, SI; harmonics are of the displacement, over its fundamental.
 
     ``period`` s, ``stroke`` m from turn to turn (of the fundamental), ``peak_speed`` m/s a cycle's mean of them, ``third`` and
     ``others`` (2nd and 4th to 7th, the largest), ``mean_force`` N over whole cycles, ``force_span`` N from the 2nd to the 98th
@@ -50,7 +50,7 @@ class Characteristics:
 
 
 def characteristics(record: Record) -> Characteristics:
-    """The `Character` of a record, measured or simulated; InputError where it has fewer than three whole cycles."""
+    """The `Characteristics` of a record, measured or simulated; InputError where it has fewer than three whole cycles."""
     t, x, force = record.time, record.displacement, record.force
     start = int(np.argmax(np.abs(x - x[0]) > MOVED))
     settled = t >= t[start] + SETTLING
@@ -77,14 +77,14 @@ def characteristics(record: Record) -> Characteristics:
 
 
 def _rises(t: Array, x: Array) -> Array:
-    """When the displacement rises through its mean line."""
+    """The times at which the displacement rises through its mean line."""
     level = x - np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyfit(t, x, 1))
     k = np.flatnonzero((level[:-1] < 0) & (level[1:] >= 0))
     return np.asarray(t[k] - level[k] * (t[k + 1] - t[k]) / (level[k + 1] - level[k]))
 
 
 def _drift(t: Array, x: Array, rises: Array) -> float:
-    """How the mean of a cycle moves on, m/s; a line through the samples themselves would lean with the sine."""
+    """The drift of a cycle's mean, m/s; a line through the samples themselves would be biased by the sine's phase."""
     ends = list(pairwise(rises))
     means = [x[(t >= a) & (t < b)].mean() for a, b in ends]
     return float(np.polynomial.polynomial.polyfit([0.5 * (a + b) for a, b in ends], means, 1)[1])
@@ -115,21 +115,21 @@ def open_loop(
 ) -> Record:
     """A record of the simulated rig as the original took them: at rest for a second, then reversals, ``rate`` samples a second.
 
-    ``voltage`` at the coil. The table begins where its strokes lie about the middle; a first run tells where that is. The
+    ``voltage`` at the coil. The table starts where its strokes are centred; a first run determines that position. The
     force is volts times the load cell's scale: its zero is not taken out.
     """
-    first = _taken(settings, drive, voltage, -0.008, min(seconds, 4.0), rate, seed).displacement
+    first = _record_from(settings, drive, voltage, -0.008, min(seconds, 4.0), rate, seed).displacement
     half = first[first.size // 2 :]
     start = -0.008 - 0.5 * float(half.min() + half.max())
-    return _taken(settings, drive, voltage, start, seconds, rate, seed)
+    return _record_from(settings, drive, voltage, start, seconds, rate, seed)
 
 
-def _taken(
+def _record_from(
     settings: RigSettings, drive: Reversals, voltage: float, start: float, seconds: float, rate: float, seed: int
 ) -> Record:
     """A record that begins ``start`` m from the middle."""
     rig = Simulator(settings, seed, position=start)
-    ask, here = _asking(rig), int(np.floor(start / settings.encoder.count))
+    ask, here = _request_sender(rig), int(np.floor(start / settings.encoder.count))
     _arm(settings, ask, here)
     rig.write(voltage / settings.supply.gain)
     rig.start(rate)
@@ -158,8 +158,8 @@ def _arm(settings: RigSettings, ask: Callable[..., None], here: int) -> None:
     ask(Request.ARM)
 
 
-def _asking(rig: Simulator) -> Callable[..., None]:
-    """A host that asks and does not take no for an answer."""
+def _request_sender(rig: Simulator) -> Callable[..., None]:
+    """A function that sends a request; InputError where the rig refuses it."""
     reader, numbers = Reader(), count()
 
     def ask(kind: Request, *values: int) -> None:
