@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from dampyr import identification, records
 from dampyr.campaigns import read_journal
 from dampyr.cli import cli
-from dampyr.rig.simulation.specimen import default_specimen
+from dampyr.rig.specimen import original_specimen
 
 ROOT = Path(__file__).parents[2]
 MODEL = "hyperbolic_tangent + spring + offset"
@@ -51,7 +51,7 @@ def test_the_forty_tests_faster_than_real_time_and_their_parameters(tmp_path: Pa
     assert took < recorded  # floor of the issue; the measured ratio is in the docs
     fit = identification.fit(MODEL, campaign)
     assert fit.converged
-    laws, outside, intervals = default_specimen().all_laws, [], fit.intervals()
+    laws, outside, intervals = original_specimen().all_laws, [], fit.intervals()
     for label, value in fit.parameters.items():
         name, _, volts = label.removesuffix(" V").partition(" @ ")
         truth = float(laws[name](float(volts)))

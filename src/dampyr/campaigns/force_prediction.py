@@ -1,45 +1,42 @@
-r"""The force that a test is expected to meet, before it moves.
+r"""Prediction of the force that a test meets, before it moves.
 
-With the damper's card it is the damper's force along the planned path. Without one the force is not known, and a conservative
-envelope stands for it: 1.2 times the greatest force of the fit to the original rig's damper,
+With the damper's card it is the damper's force along the planned path. Without one the force is unknown, and a conservative
+envelope takes its place: 1.2 times the greatest force of the fit to the original rig's damper,
 
 .. math:: |F| \le 1.2\, (F_0 + k |x| + c |v| + F_y)
 
-with the coefficients of the table below, straight between its voltages and beyond them, always against the motion.
+with the coefficients of `dampyr.rig.specimen.original_specimen` at the voltages of its fits, linear between and beyond them,
+always against the motion.
 """
 
 from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning
-from dampyr.models import Damper
+from dampyr.models import Damper, Interpolation
 from dampyr.rig import Drive, RigSettings
-from dampyr.rig.simulation.specimen import specimen_of
+from dampyr.rig.specimen import original_specimen, specimen_of
 
 Array = NDArray[np.float64]
 FACTOR = 1.2  # the fit's residual is 8 to 11 % rms
-FIT = np.array([  # V, F0 [N], k [N/m], c [N s/m], Fy [N]: the measured records of the original rig, one fit per voltage
-    [0.0, 134.0, 910.0, 770.0, 58.0],
-    [0.8712, 131.0, 1180.0, 1520.0, 202.0],
-    [1.98, 124.0, 1390.0, 2100.0, 409.0],
-    [3.212, 114.0, 810.0, 3350.0, 660.0],
-])  # fmt: skip
+COEFFICIENTS = ("offset.f0", "spring.k0", "hyperbolic_tangent.c", "hyperbolic_tangent.ft")  # F0, k, c, Fy
 UNKNOWN = (
-    "no card of the damper: its force is not known, a conservative envelope of the original rig's damper stands for it"
+    "no card of the damper: its force is unknown and taken as a conservative envelope of the original rig's damper"
 )
 
 
 @dataclass(frozen=True)
 class Course:
-    """What a drive asks for, on its set points: time, position, speed, acceleration, force, all (n,) SI.
+    """Motion and force of a drive at its set points: time, position, speed, acceleration, force, all (n,) SI.
 
-    ``against`` is the part of the force that brakes the table: 0 where the damper pushes it on.
+    ``against`` is the part of the force that brakes the table: 0 where the damper drives it.
     """
 
     t: Array
@@ -51,13 +48,13 @@ class Course:
 
     @property
     def speed(self) -> Array:
-        """m/s, the greater one of the straight pieces before and behind each set point."""
+        """m/s, the greater one of the straight segments before and after each set point."""
         pieces = np.abs(np.diff(self.x)) / (self.t[1] - self.t[0])
         return np.maximum(np.append(pieces, 0.0), np.insert(pieces, 0, 0.0))
 
     @property
     def energy(self) -> float:
-        """J that the force takes up, the integral of F dx."""
+        """J dissipated by the force, the integral of F dx."""
         return float(np.sum(0.5 * (self.force[1:] + self.force[:-1]) * np.diff(self.x)))
 
     @property
@@ -67,9 +64,9 @@ class Course:
 
 
 def specimen(rig: RigSettings, folder: Path | None = None) -> Damper | None:
-    """The damper whose card the rig names, looked for in the folder ``beside``.
+    """The damper whose card the rig names, relative to ``folder``.
 
-    Where it names none: the simulated rig's own damper, and None where wires lead to a real one.
+    Where it names none: the simulated rig's own damper, and None for a real rig.
     """
     if rig.specimen.card or not rig.wires.serial:
         return specimen_of(rig, folder)
@@ -77,7 +74,7 @@ def specimen(rig: RigSettings, folder: Path | None = None) -> Damper | None:
 
 
 def course(drive: Drive, rig: RigSettings, damper: Damper | None) -> Course:
-    """What the drive asks for; raises :class:`~dampyr.errors.RangeError` where the damper's range does not hold its voltage."""
+    """The motion and force of the drive; :class:`~dampyr.errors.RangeError` for a voltage outside the damper's range."""
     x, u = _path(drive, rig)
     t = np.arange(x.size, dtype=np.float64) * drive.period
     v = np.asarray(np.gradient(x, drive.period), dtype=float)
@@ -94,12 +91,21 @@ def course(drive: Drive, rig: RigSettings, damper: Damper | None) -> Course:
     return Course(t, x, v, a, force, notes)
 
 
+@cache
+def original_fit() -> Array:
+    """The fits to the original rig's damper, one row per voltage: V, F0 [N], k [N/m], c [N s/m], Fy [N]."""
+    laws = original_specimen().all_laws
+    columns = [law for law in map(laws.get, COEFFICIENTS) if isinstance(law, Interpolation)]
+    return np.column_stack([columns[0].knots, *(law.values for law in columns)])
+
+
 def envelope(x: Array, v: Array, voltage: Array) -> Array:
     """The conservative envelope of the force [N], see above."""
     u = np.asarray(voltage, dtype=float)
-    k = np.clip(np.searchsorted(FIT[:, 0], u, side="right") - 1, 0, len(FIT) - 2)
-    share = ((u - FIT[k, 0]) / (FIT[k + 1, 0] - FIT[k, 0]))[..., None]
-    F0, stiffness, damping, Fy = np.moveaxis(FIT[k, 1:] + share * (FIT[k + 1, 1:] - FIT[k, 1:]), -1, 0)
+    fits = original_fit()
+    k = np.clip(np.searchsorted(fits[:, 0], u, side="right") - 1, 0, len(fits) - 2)
+    share = ((u - fits[k, 0]) / (fits[k + 1, 0] - fits[k, 0]))[..., None]
+    F0, stiffness, damping, Fy = np.moveaxis(fits[k, 1:] + share * (fits[k + 1, 1:] - fits[k, 1:]), -1, 0)
     return np.asarray(FACTOR * (F0 + stiffness * np.abs(x) + damping * np.abs(v) + Fy))
 
 

@@ -16,7 +16,7 @@ from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.in_process import InProcessBoard
 from dampyr.rig.simulation.process import Process
 from dampyr.rig.simulation.simulator import Simulator
-from dampyr.rig.simulation.specimen import specimen_of
+from dampyr.rig.specimen import specimen_of
 
 
 def connect(settings: RigSettings | str | Path) -> Rig:

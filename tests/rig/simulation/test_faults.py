@@ -153,7 +153,7 @@ def test_samples_that_nobody_reads_overrun_the_buffer() -> None:
 def test_late_samples_are_late() -> None:
     made, _ = rig(None, "late-samples=0.7@0.1s for 0.1s")
     waited: list[float] = []
-    made.wait = waited.append
+    made.delay_read = waited.append
     made.start(1000.0)
     for _ in range(8):
         made.read(40)

@@ -12,7 +12,7 @@ from dampyr.rig.firmware.protocol import Request, State
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation import plant
 from dampyr.rig.simulation.simulator import Simulator
-from dampyr.rig.simulation.specimen import default_specimen
+from dampyr.rig.specimen import original_specimen
 
 NOTHING = Damper("spring", {"spring.k0": 0.0})
 WIDE = (-30000, 30000, 40000, 150, 255, 1000)
@@ -201,7 +201,7 @@ def test_the_force_is_the_dampers_own_along_the_same_path() -> None:
     follow(made, host, sine(0.008, 0.8, 5, 0.01))
     truth = made.truth
     settled = truth.time > 0.2
-    damper, t = default_specimen(), truth.time[settled]
+    damper, t = original_specimen(), truth.time[settled]
     force = damper.force(
         t, truth.position[settled], voltage=4.4 * truth.current[settled], velocity=truth.speed[settled]
     )

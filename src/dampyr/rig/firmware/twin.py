@@ -51,7 +51,7 @@ class Twin:
         self.restart()
 
     def restart(self) -> None:
-        """As after power-on or the watchdog: FAULT with RESTARTED, all else cleared; the encoder's lines stay where they are."""
+        """As after power-on or the watchdog: FAULT with RESTARTED, all else cleared but the encoder's count."""
         counts = self.registers[c.R_COUNTS]
         self.registers[:] = 0
         self.registers[[c.R_COUNTS, c.R_POSITION]] = counts

@@ -22,7 +22,7 @@ from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.clock import Clock, EventLog
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
-from dampyr.rig.simulation.specimen import specimen_of
+from dampyr.rig.specimen import specimen_of
 
 
 class Serial:

@@ -28,8 +28,9 @@ from dampyr.rig.simulation.board_signals import (
 from dampyr.rig.simulation.constants import DELAYED, constants_of
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.ground_truth import Truth, TruthLog
-from dampyr.rig.simulation.specimen import add_free_play, force_at_rest, specimen_of, table_of
+from dampyr.rig.simulation.specimen import add_free_play, force_at_rest, table_of
 from dampyr.rig.simulation.timed_command import TimedCommand
+from dampyr.rig.specimen import specimen_of
 
 Array = NDArray[np.float64]
 EventListener = Callable[[float, str], None]

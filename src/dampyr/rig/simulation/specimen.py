@@ -3,34 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.models import Constant, Damper, Law
-from dampyr.rig.settings import RigSettings
 
 Array = NDArray[np.float64]
-CARD = Path(__file__).with_name("default_specimen.toml")
 ROWS = 513  # of the parameter table, linear between rows: 6 mV apart over 3.2 V
 CLOSING = 10.0  # N that close 71 % of the free play
-
-
-def default_specimen() -> Damper:
-    """The fit of the original campaign for a simulated specimen: hyperbolic tangent, spring and offset over 0 to 3.212 V.
-
-    F = f0 + k0 x + c v + ft tanh((v + s x)/v0), its laws through the fits at 0, 0.8712, 1.98 and 3.212 V; residual 8-11 %
-    rms of the measured force.
-    """
-    return Damper.load(CARD)
-
-
-def specimen_of(settings: RigSettings, folder: Path | None = None) -> Damper:
-    """The damper that the settings name; a relative card lies in ``folder``."""
-    card = settings.specimen.card
-    return Damper.load((folder or Path()) / card) if card else default_specimen()
 
 
 def add_free_play(damper: Damper, free_play: float) -> Damper:
@@ -74,6 +56,7 @@ def input_lag(damper: Damper) -> float:
 
 
 def force_at_rest(damper: Damper, position: float) -> float:
-    """The force in N where the table stands at ``position`` m with the lowest calibrated input and no memory."""
+    """The force in N where the table is at rest at ``position`` m with the lowest calibrated input and no memory."""
     voltage, current = (damper.range[0], None) if damper.input == "V" else (None, damper.range[0])
-    return float(damper.force([0.0, 1.0], [position, position], voltage=voltage, current=current)[0])
+    path, still = [position, position], [0.0, 0.0]  # the velocity is given: two samples have no derivative
+    return float(damper.force([0.0, 1.0], path, voltage=voltage, current=current, velocity=still)[0])
