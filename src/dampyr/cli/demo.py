@@ -24,7 +24,7 @@ from dampyr.cli._report import figures_option
 def command(out: Path, as_json: bool) -> None:
     """Run the whole chain on a simulated rig and write a report.
 
-    Tests at four voltages, records on disk, a joint identification, validation on tests it never saw, and a building under
+    Tests at four voltages, records on disk, a joint identification, validation on held-out tests, and a building under
     El Centro 1940 with and without the damper. Needs nothing but this installation.
     """
     from dampyr.studies.demo import demo
@@ -36,7 +36,7 @@ def command(out: Path, as_json: bool) -> None:
         return
     rows = [[name, 100 * s.l1, 100 * s.nrmse, 100 * s.peak_force] for name, s in done.scores.items()]
     print_table(
-        "Tests the identified damper never saw",
+        "Held-out tests",
         ["record", "L1", "NRMSE", "peak force"],
         rows,
         ["", "%", "%", "%"],
