@@ -15,7 +15,7 @@ from dampyr.cli import cli
 from dampyr.cli._ensemble import Rate, _lines, limit, scales, shard
 from dampyr.errors import InputError
 from dampyr.ground_motions import kanai_tajimi
-from dampyr.structures import ensemble, fragility, two_storey
+from dampyr.structures import Limit, ensemble, fragility, two_storey
 from dampyr.studies import raminelli_2020
 
 CASES = ("--voltage", "0", "--voltage", "1.98", "--synthetic", "4", "--duration", "4", "--scale", "0.2:2:0.6")
@@ -108,7 +108,7 @@ def test_parts_in_processes_of_their_own(tmp_path: Path) -> None:
         (("--voltage", "0", "--shard", "3/2", "--out", "x"), "'3/2' is no part"),
         (("--voltage", "0", "--shard", "1/2"), "name it with --out"),
         (("--voltage", "0", "--shard", "1/2", "--collect", "x"), "exclude each other"),
-        (("--voltage", "0", "--shard", "1/2", "--out", "x", "--limit", "12mm"), "a part alone tells nothing yet"),
+        (("--voltage", "0", "--shard", "1/2", "--out", "x", "--limit", "12mm"), "a part alone has no results yet"),
         (("--voltage", "0", "--draws", "3"), "no covariance to draw from"),
         (("--voltage", "0", "--dt", "0.01"), "belong to files of one's own"),
         (("--voltage", "9"), "range"),
@@ -131,9 +131,9 @@ def test_scales_and_limits_and_shards() -> None:
     assert scales(("0.1:0.5:0.1", "2,3")) == [0.1, 0.2, 0.3, 0.4, 0.5, 2.0, 3.0]
     assert scales(("0.1:3:0.1",)) == [float(f"{0.1 * k:.12g}") for k in range(1, 31)]
     assert scales(()) == [1.0]
-    assert limit("12mm", None) == {"quantity": "drift", "limit": pytest.approx(0.012)}
-    assert limit("0.5g", None) == {"quantity": "acceleration", "limit": pytest.approx(4.903325)}
-    assert limit("1 %", "3m") == {"quantity": "drift", "limit": 0.01, "height": 3.0}
+    assert limit("12mm", None) == Limit("drift", 0.012)
+    assert limit("0.5g", None) == Limit("acceleration", pytest.approx(4.903325))
+    assert limit("1 %", "3m") == Limit("drift", 0.01, 3.0)
     assert shard("3/32") == (3, 32)
     with pytest.raises(InputError, match="counted from 1"):
         shard("0/4")

@@ -76,7 +76,7 @@ def test_a_leaderboard_of_two(client, finished, campaign_folder):
     job = client.post("/api/identify/jobs", json={"records": keys, "tried": ["dahl", "bingham"]}).json()
     done = finished(job["id"])
     assert done["state"] == "done", done["reason"]
-    board = done["result"]["leaderboard"]
+    board = done["result"]["data"]["leaderboard"]["entries"]
     assert [one["error"] for one in board] == sorted(one["error"] for one in board)
     assert done["result"]["model"] == board[0]["model"]
 

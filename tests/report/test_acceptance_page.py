@@ -9,7 +9,7 @@ from tests.identification.synthetic import sine
 from tests.report.test_html_page import Reader
 
 from dampyr.errors import InputError
-from dampyr.identification import Acceptance, Tolerance, accept
+from dampyr.identification import Acceptance, Accepted, Tolerance, accept
 from dampyr.models import Damper, Interpolation
 from dampyr.report.acceptance_page import write_acceptance_page
 
@@ -21,7 +21,7 @@ BEYOND = replace(sine(CARD, 1.0, "beyond", 0.004, 1.3), voltage=3.0)
 
 
 def written(acceptances: list[Acceptance], path: Path) -> tuple[Reader, str]:
-    html = write_acceptance_page(acceptances, path / "page.html", "my card.toml").read_text("utf-8")
+    html = write_acceptance_page(Accepted("my card.toml", tuple(acceptances)), path / "page.html").read_text("utf-8")
     reader = Reader(html)
     assert reader.open == []
     return reader, html
@@ -54,4 +54,4 @@ def test_a_page_without_anything_outside_or_judged_says_so(tmp_path: Path) -> No
 
 def test_nothing_is_no_page(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no judgement to show"):
-        write_acceptance_page([], tmp_path / "page.html", "card")
+        write_acceptance_page(Accepted("card", ()), tmp_path / "page.html")

@@ -10,7 +10,7 @@ from tests.identification.synthetic import sine
 from tests.report.test_html_page import Reader
 
 from dampyr.errors import InputError
-from dampyr.identification import Score, score
+from dampyr.identification import Score, Validated, score
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 from dampyr.report.validate_page import beyond, seen_by, write_validate_page
@@ -34,10 +34,15 @@ def scored(records: list[Record], card: Damper = CARD) -> dict[str, Score]:
         return {r.name: score(card, r, allow_extrapolation=True) for r in records}
 
 
+def validated(
+    scores: dict[str, Score], records: list[Record] = RECORDS, damper: Damper = CARD, card: str = "card"
+) -> Validated:
+    return Validated(card, damper, tuple(records), scores, {})
+
+
 def written(card: Damper, records: list[Record], path: Path) -> Reader:
-    html = write_validate_page(card, records, scored(records, card), path / "page.html", "my card.toml").read_text(
-        "utf-8"
-    )
+    result = validated(scored(records, card), records, card, "my card.toml")
+    html = write_validate_page(result, path / "page.html").read_text("utf-8")
     reader = Reader(html)
     assert reader.open == []
     return reader
@@ -94,12 +99,12 @@ def test_the_prediction_is_drawn_with_the_offset_of_its_score(tmp_path: Path) ->
 def test_a_score_that_is_no_number_counts_as_worst(tmp_path: Path) -> None:
     scores = scored(RECORDS)
     scores["a"] = replace(scores["a"], l1=float("nan"), energy=float("inf"))
-    reader = Reader(write_validate_page(CARD, RECORDS, scores, tmp_path / "p.html", "card").read_text("utf-8"))
+    reader = Reader(write_validate_page(validated(scores), tmp_path / "p.html").read_text("utf-8"))
     assert "The worst record: a" in reader.inside("h2")
 
 
 def test_records_without_score_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="c has no score"):
-        write_validate_page(CARD, RECORDS, scored(RECORDS[:2]), tmp_path / "p.html", "card")
+        write_validate_page(validated(scored(RECORDS[:2])), tmp_path / "p.html")
     with pytest.raises(InputError, match="no records to show"):
-        write_validate_page(CARD, [], {}, tmp_path / "p.html", "card")
+        write_validate_page(validated({}, []), tmp_path / "p.html")

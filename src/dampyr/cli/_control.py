@@ -1,12 +1,16 @@
-"""Control laws and constant inputs as the command line names them."""
+"""Options of a damper in a building: its card, its place, its inputs and its control laws."""
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dampyr.errors import InputError
+
+if TYPE_CHECKING:
+    from dampyr.models import Damper
 
 control_option = click.option(
     "--control",
@@ -18,37 +22,26 @@ control_option = click.option(
 
 
 def inputs_for(
-    damper: Any, voltages: tuple[float, ...], currents: tuple[float, ...], controls: tuple[str, ...]
-) -> tuple[str, list[Any]]:
-    """The argument that takes the inputs of this damper, "voltage" or "current", and the inputs: numbers, then laws."""
+    damper: Damper, voltages: tuple[float, ...], currents: tuple[float, ...], controls: tuple[str, ...]
+) -> tuple[float, ...]:
+    """The numbers that are inputs of this damper; refuses those of the other kind, and a request without any input."""
     word, numbers, others = ("voltage", voltages, currents) if damper.input == "V" else ("current", currents, voltages)
     if others or not (numbers or controls):
         raise InputError(
             f"this damper takes a {word}; give --{word} or --control, one or several times, and nothing else"
         )
-    return word, [*numbers, *(control(text, damper) for text in controls)]
+    return numbers
 
 
-def control(text: str, damper: Any) -> Any:
-    """``on_off:lag=0.01`` as a law over the calibrated range of the damper, or over ``low=`` and ``high=`` where given."""
-    from dampyr.structures import control_law
+def damper_of(card: Path | None) -> Damper:
+    """The damper of a card, or the published one of Raminelli (2020) without a card."""
+    from dampyr import models, studies
 
-    name, _, rest = text.partition(":")
-    low, high = damper.range
-    settings: dict[str, Any] = {"low": low, "high": high}
-    for part in rest.split(",") if rest else []:
-        key, equals, value = part.partition("=")
-        if not equals:
-            raise InputError(f"--control {text!r}: {part!r} is no setting; write it as in on_off:period=0.01,lag=0.005")
-        settings[key.strip()] = value.split("/") if key.strip() == "weights" else _number(key.strip(), value)
-    return control_law(name, **settings)
+    return studies.published_damper(studies.THESIS) if card is None else models.Damper.load(card)
 
 
-def _number(key: str, value: str) -> Any:
-    """A number in SI units, or for a time one with its unit, ``5ms``; what is neither is left to the law to refuse."""
-    from dampyr import units
-
-    try:
-        return float(value)
-    except ValueError:
-        return units.parse(value, "s") if key in ("period", "lag") else value
+def place_of(storey: int | None, between: tuple[str, str] | None) -> Any:
+    """Where the damper stands: a storey, the first without any option, or a pair of floors."""
+    if storey is not None and between is not None:
+        raise InputError("both --storey and --between say where the damper stands; give one of the two")
+    return between or (1 if storey is None else storey)

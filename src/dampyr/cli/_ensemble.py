@@ -1,4 +1,4 @@
-"""An ensemble as the command line names it: its cases, its limits, and how far it is."""
+"""Options of an ensemble on the command line: its cases, its limits, its progress."""
 
 from __future__ import annotations
 
@@ -9,16 +9,20 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from dampyr.cli._control import control_option, inputs_for
+from dampyr.cli._control import control_option, damper_of, inputs_for, place_of
 from dampyr.cli._motion import acceleration
 from dampyr.errors import InputError
 
-MAX_SCALES = 10_000
-SYNTHETIC_DT = 0.01
+if TYPE_CHECKING:
+    from dampyr.ground_motions import GroundMotion
+    from dampyr.models import Damper
+    from dampyr.structures import Building, EnsembleOptions, Limit
+
+MAX_SCALES = 10_000  # more is a mistyped step, such as 0.1:3:1e-9
 
 
 @dataclass(frozen=True)
@@ -46,55 +50,48 @@ class EnsembleRequest:
     precision: str
     allow_extrapolation: bool
 
-    def cases(self) -> Any:
-        """The checked cases."""
+    def models(self) -> tuple[Building, list[GroundMotion], Damper]:
+        """The building, the motions and the damper."""
         from dampyr import structures
 
-        damper = self._damper()
-        word, inputs = inputs_for(damper, self.voltages, self.currents, self.controls)
-        return structures.ensemble_cases(
-            structures.two_storey(),
-            self._motions(),
-            [*([None] if self.without_damper else []), *self._placements(damper)],
-            inputs if word == "voltage" else None,
-            scales(self.scales),
-            currents=inputs if word == "current" else None,
+        damper = damper_of(self.card)
+        inputs_for(damper, self.voltages, self.currents, self.controls)
+        return structures.two_storey(), self._motions(), damper
+
+    def options(self, limits: tuple[Limit, ...] = (), intensity: str = "pga") -> EnsembleOptions:
+        """The options of the job."""
+        from dampyr.structures import EnsembleOptions
+
+        return EnsembleOptions(
+            inputs=self.voltages or self.currents,
+            laws=self.controls,
+            place=place_of(self.storey, self.between),
+            brace=self.brace,
+            bare=self.without_damper,
+            draws=self.draws,
+            seed=self.seed,
+            scales=tuple(scales(self.scales)),
+            limits=limits,
+            intensity=intensity,
             accuracy=self.accuracy,
             precision=int(self.precision),
             allow_extrapolation=self.allow_extrapolation,
         )
 
-    def _damper(self) -> Any:
-        if self.card is not None:
-            from dampyr.models import Damper
-
-            return Damper.load(self.card)
-        from dampyr.studies import raminelli_2020
-
-        return raminelli_2020.damper()
-
-    def _placements(self, damper: Any) -> list[Any]:
-        if self.storey is not None and self.between is not None:
-            raise InputError("both --storey and --between say where the damper stands; give one of the two")
-        where: Any = self.between or (1 if self.storey is None else self.storey)
-        drawn = damper.draws(self.draws, self.seed) if self.draws else [damper]
-        return [{where: one if self.brace is None else one.on_brace(self.brace)} for one in drawn]
-
-    def _motions(self) -> list[Any]:
+    def _motions(self) -> list[GroundMotion]:
         from dampyr import ground_motions
+        from dampyr.structures.ensemble_run import synthetic_motions
 
         if not self.motions and (self.motion_unit is not None or self.dt is not None):
             raise InputError("--motion-unit and --dt belong to files of one's own; give them with --motion")
         motions = [ground_motions.read(path, units=self.motion_unit, dt=self.dt) for path in self.motions]
         if self.synthetic:
-            pga = acceleration(self.pga)
-            made = ((self.seed, k) for k in range(1, self.synthetic + 1))
-            motions += [ground_motions.kanai_tajimi(self.duration, SYNTHETIC_DT, seed, pga=pga) for seed in made]
+            motions += synthetic_motions(self.synthetic, self.seed, self.duration, acceleration(self.pga))
         return motions or [ground_motions.el_centro()]
 
 
 def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that say which cases there are; they come as ``asked``, an `Asked`."""
+    """The options that say which cases there are; they come as ``request``, an `EnsembleRequest`."""
     options = [
         click.argument("card", required=False, type=click.Path(path_type=Path)),
         click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; may be repeated."),
@@ -130,7 +127,7 @@ def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def refuse_cases(context: click.Context, what: str) -> None:
-    """An option that says which cases there are has no say where they were computed already."""
+    """Refuse options that choose cases where the cases were computed already."""
     names = {field.name for field in fields(EnsembleRequest)} - {"seed"}
     for parameter in context.command.params:
         source = context.get_parameter_source(str(parameter.name))
@@ -166,24 +163,26 @@ def _span(text: str) -> list[float]:
     return [float(f"{first + k * step:.12g}") for k in range(count)]
 
 
-def limit(text: str, height: str | None) -> dict[str, Any]:
-    """``12mm`` a drift, ``1%`` a drift of the ``height``, ``0.3g`` an acceleration: arguments of `fragility`."""
+def limit(text: str, height: str | None) -> Limit:
+    """``12mm`` a drift, ``1%`` a drift of the ``height``, ``0.3g`` an acceleration."""
     from dampyr import units
+    from dampyr.structures import Limit
 
     if text.strip().endswith("%"):
         if height is None:
             raise InputError(
                 f"--limit {text} is a ratio of the storey height; give it too, as in --height 3m, or a limit in mm"
             )
-        return {"quantity": "drift", "limit": _percent(text), "height": units.parse(height, "m")}
+        return Limit("drift", _percent(text), units.parse(height, "m"))
     for quantity, unit in (("drift", "m"), ("acceleration", "m/s^2")):
         try:
             float(text)
         except ValueError:
             try:
-                return {"quantity": quantity, "limit": units.parse(text, unit)}
+                value = units.parse(text, unit)
             except InputError:
                 continue
+            return Limit(quantity, value)
     raise InputError(f"--limit {text!r} has no unit of a drift or an acceleration; write it as in 12mm, 1% or 0.5g")
 
 

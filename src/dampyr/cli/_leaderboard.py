@@ -1,35 +1,23 @@
-"""The leaderboard on the command line: spread over the cores, and what is printed of it."""
+"""The leaderboard on the command line: how many cores it takes, and its tables."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dampyr.cli._output import print_table
 
 if TYPE_CHECKING:
     from dampyr.identification import Leaderboard
-    from dampyr.records import Record
 
-MAX_WORKERS = 8
+MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
 
 
-def ranked(
-    records: list[Record], models: Sequence[str], options: dict[str, Any], progress: Callable[[str, float], None]
-) -> Leaderboard:
-    """The leaderboard, its trials spread over the cores."""
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
-    from dampyr.identification import leaderboard
-
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if cores == 1:
-        return leaderboard(records, models or None, progress=progress, **options)
-    with ProcessPoolExecutor(min(cores, MAX_WORKERS), mp_context=get_context("spawn")) as executor:
-        return leaderboard(records, models or None, executor=executor, progress=progress, **options)
+def cores() -> int:
+    """How many processes may share the trials: one for each core, up to `MAX_WORKERS`."""
+    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(available, MAX_WORKERS)
 
 
 def print_leaderboard(board: Leaderboard) -> None:
@@ -78,28 +66,3 @@ def print_screened(board: Leaderboard) -> None:
 
 def _percent(error: float) -> float | None:
     return 100 * error if math.isfinite(error) else None
-
-
-def leaderboard_as_dict(board: Leaderboard) -> dict[str, Any]:
-    """The leaderboard for machines, without the fits."""
-    keys = (
-        "model",
-        "error",
-        "l1",
-        "nrmse",
-        "pointwise",
-        "energy",
-        "unseen_input",
-        "parameters",
-        "aic",
-        "bic",
-        "seconds",
-    )
-    entries = [{key: getattr(e, key) for key in (*keys, "converged", "reason")} for e in board.entries]
-    return {
-        "entries": entries,
-        "screened": board.screened,
-        "bandwidth_hz": board.bandwidth,
-        "left_out": board.left_out,
-        "seconds": board.seconds,
-    }

@@ -15,12 +15,12 @@ from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.identification import Acceptance, Tolerance
+    from dampyr.identification import Acceptance, Accepted, Tolerance
     from dampyr.models import Damper
     from dampyr.records import Record
 
 FAILED, UNDECIDED = 1, 3
-MAX_REASONS = 6
+MAX_REASONS = 6  # lines below the table; --json and --report have all
 COLUMNS = [
     "record",
     "input",
@@ -71,26 +71,25 @@ def command(
     judged.
     """
     from dampyr import units
-    from dampyr.identification import accept
+    from dampyr.identification import AcceptOptions, accept_records
+    from dampyr.identification.accept_records import inputs_of
 
-    band = _tolerance(tolerance, slacks)
-    against, reference_inputs = _reference(reference, reading)
-    records = gather(paths, role, reading, reference_inputs=reference_inputs)
     zero = None if offset is None else units.parse(offset, "N")
-    results = [accept(r, against, band, judge or QUANTITIES, zero, allow_extrapolation) for r in records]
+    options = AcceptOptions(_tolerance(tolerance, slacks), judge or QUANTITIES, zero, allow_extrapolation)
+    against = _reference(reference, reading)
+    records = gather(paths, role, reading, reference_inputs=inputs_of(against))
+    result = accept_records(records, against, options, reference)
     if report:
-        from dampyr.report.acceptance_page import write_acceptance_page
+        from dampyr.report import write_acceptance_page
 
-        write_acceptance_page(results, report, reference)
+        write_acceptance_page(result, report)
     if as_json:
-        print_json(
-            {"reference": reference, "verdict": _verdict(results), "records": [one.as_dict() for one in results]}
-        )
+        print_json(result.as_dict())
     else:
-        _print(reference, results)
+        _print(result)
         if report:
             click.echo(f"page: {report}")
-    return {"passed": 0, "failed": FAILED, "not judged": UNDECIDED}[_verdict(results)]
+    return {"passed": 0, "failed": FAILED, "not judged": UNDECIDED}[result.verdict]
 
 
 def _tolerance(share: str, slacks: tuple[str, ...]) -> Tolerance:
@@ -113,43 +112,29 @@ def _tolerance(share: str, slacks: tuple[str, ...]) -> Tolerance:
     return Tolerance(ratio(share, "tolerance"), **given)
 
 
-def _reference(text: str, reading: Reading) -> tuple[Damper | list[Record], Sequence[float]]:
-    """The reference, and the inputs that it knows."""
+def _reference(text: str, reading: Reading) -> Damper | list[Record]:
+    from dampyr import studies
     from dampyr.models import Damper
 
     path = Path(text)
     if path.suffix.lower() == ".toml":
-        damper = Damper.load(path)
-        return damper, damper.range
+        return Damper.load(path)
     if path.exists():
-        records = gather((path,), None, reading)
-        return records, sorted({r.input_value for r in records if r.input_value is not None})
-    damper = _published(text)
-    return damper, damper.range
-
-
-def _published(name: str) -> Damper:
-    from dampyr import studies
-
+        return gather((path,), None, reading)
     names = studies.damper_names()
-    if name not in names:
+    if text not in names:
         raise InputError(
-            f"{name}: no such file, and no published damper; give a card, records, or one of {', '.join(names)}"
+            f"{text}: no such file, and no published damper; give a card, records, or one of {', '.join(names)}"
         )
-    return studies.published_damper(name)
+    return studies.published_damper(text)
 
 
-def _verdict(results: Sequence[Acceptance]) -> str:
-    """Of all records: failed where one failed, not judged where one was not, else passed."""
-    verdicts = {one.verdict for one in results}
-    return next(each for each in ("failed", "not judged", "passed") if each in verdicts)
-
-
-def _print(reference: str, results: Sequence[Acceptance]) -> None:
+def _print(result: Accepted) -> None:
     from dampyr.identification.acceptance import in_short
 
+    results = result.results
     title = f"{len(results)} {'record' if len(results) == 1 else 'records'}: {in_short(results)}"
-    notes = [f"by {reference}, {results[0].tolerance}"]
+    notes = [f"by {result.reference}, {results[0].tolerance}"]
     print_table(title, COLUMNS, [_row(one) for one in results], UNITS, notes=[*notes, *_reasons(results)])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.structures import Fragility
+    from dampyr.structures import EnsembleResult, Fragility, Limit
 
 
 @click.command()
@@ -53,77 +54,86 @@ def command(
     CARD is a damper's card; without it the published damper of Raminelli (2020) is taken. Every damper runs at every input
     under every motion at every scale.
     """
-    wanted = [limit(text, height) for text in limits]
-    if height is not None and not any("height" in one for one in wanted):
+    wanted = tuple(limit(text, height) for text in limits)
+    if height is not None and all(one.height is None for one in wanted):
         raise InputError("--height belongs to a limit in per cent; give --limit 1%, or leave --height out")
     if sum(each is not None for each in (part, collect, read)) > 1:
         raise InputError("--shard, --collect and --read exclude each other; give one of them")
     if part is not None:
         if wanted or report:
-            raise InputError("a part alone tells nothing yet; give --limit and --report with --collect")
-        _part(request, part, out, workers, as_json)
+            raise InputError("a part alone has no results yet; give --limit and --report with --collect")
+        _write_part(request, part, out, workers, as_json)
         return
-    dataset = _dataset(context, request, out, collect, read, workers)
-    from dampyr.structures import fragility
-
-    curves = [fragility(dataset, intensity=intensity, seed=request.seed, **one) for one in wanted]
-    if report:
-        from dampyr.report.ensemble_page import write_ensemble_page
-
-        write_ensemble_page(dataset, report, curves, intensity)
-    if as_json:
-        print_json(_as_dict(dataset, curves))
+    if collect is None and read is None:
+        result = _run(request, wanted, intensity, out, workers)
     else:
-        _print(dataset, curves)
+        result = _read(context, wanted, intensity, request.seed, out, collect, read)
+    if report:
+        from dampyr.report import write_ensemble_page
+
+        write_ensemble_page(result, report)
+    if as_json:
+        print_json(result.as_dict())
+    else:
+        _print(result.dataset, result.curves)
 
 
-def _part(request: EnsembleRequest, text: str, out: Path | None, workers: int | None, as_json: bool) -> None:
+def _write_part(request: EnsembleRequest, text: str, out: Path | None, workers: int | None, as_json: bool) -> None:
     from dampyr.structures import write_part
+    from dampyr.structures.ensemble_run import requested_cases
 
     if out is None:
         raise InputError("--shard writes its part into a folder; name it with --out")
+    what = requested_cases(*request.models(), request.options())
     with counting() as progress, ThreadPoolExecutor(workers) as pool:
-        path = write_part(request.cases(), *shard(text), out, pool, progress)
+        path = write_part(what, *shard(text), out, pool, progress)
     if as_json:
         print_json({"part": path})
     else:
         click.echo(str(path))
 
 
-def _dataset(
+def _read(
     context: click.Context,
-    request: EnsembleRequest,
+    limits: tuple[Limit, ...],
+    intensity: str,
+    seed: int,
     out: Path | None,
     collect: Path | None,
     read: Path | None,
-    workers: int | None,
-) -> Any:
+) -> EnsembleResult:
     from dampyr import structures
 
     if collect is not None:
         refuse_cases(context, "--collect")
-        return structures.collect(collect, out)
-    if read is not None:
+        dataset = structures.collect(collect, out)
+    else:
+        assert read is not None
         refuse_cases(context, "--read")
         if out is not None:
             raise InputError("--read takes a finished file and --out writes one; give one of the two")
-        return structures.read_ensemble(read)
-    return _run(request, out, workers)
+        dataset = structures.read_ensemble(read)
+    return structures.evaluate_ensemble(dataset, limits, intensity, seed)
 
 
-def _run(request: EnsembleRequest, out: Path | None, workers: int | None) -> Any:
-    from dampyr.structures.ensemble import run
+def _run(
+    request: EnsembleRequest, limits: tuple[Limit, ...], intensity: str, out: Path | None, workers: int | None
+) -> EnsembleResult:
+    from dampyr.structures import run_ensemble
+    from dampyr.structures.ensemble_run import requested_cases
     from dampyr.structures.store import progress_of
 
-    what = request.cases()
+    models, options = request.models(), request.options(limits, intensity)
     done, shards = progress_of(out) if out is not None else (0, 0)
+    before = 0
     if done:
         click.echo(f"{out}: {done} of {shards} shards are there; going on with the others", err=True)
-    with counting(what.size * done // max(shards, 1)) as progress, ThreadPoolExecutor(workers) as pool:
-        return run(what, pool, out, progress)
+        before = requested_cases(*models, options).size * done // shards
+    with counting(before) as progress:
+        return run_ensemble(*models, options, progress, out, workers)
 
 
-def _print(dataset: Any, curves: list[Fragility]) -> None:
+def _print(dataset: Any, curves: Sequence[Fragility]) -> None:
     from dampyr.report import sentence
     from dampyr.report.ensemble_page import summary_rows, trust
     from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, limit_in_words, remarks
@@ -138,37 +148,3 @@ def _print(dataset: Any, curves: list[Fragility]) -> None:
         print_table(title, COLUMNS, fragility_rows(each), fragility_units(each), notes=notes)
     click.echo()
     click.echo("\n".join(trust(dataset)))
-
-
-def _as_dict(dataset: Any, curves: list[Fragility]) -> dict[str, Any]:
-    from dampyr.structures import summary
-
-    return {
-        **dataset.attrs,
-        "peaks": summary(dataset),
-        "fragility": [
-            {
-                "quantity": each.quantity, "limit": each.limit, "limit_unit": each.limit_unit,
-                "intensity": each.intensity, "intensity_unit": each.unit, "motions": each.motions,
-                "curves": [_curve(curve) for curve in each.curves],
-            }
-            for each in curves
-        ],
-    }  # fmt: skip
-
-
-def _curve(curve: Any) -> dict[str, Any]:
-    return {
-        "name": curve.name,
-        "theta": curve.theta,
-        "theta_band_90": curve.theta_band(),
-        "beta": curve.beta,
-        "reason": curve.reason,
-        "no_band": curve.no_band,
-        "direct": curve.direct,
-        "never_exceeded": curve.capacities.above,
-        "exceeded_at_once": curve.capacities.below,
-        "cases": int(curve.of.sum()),
-        "exceeding": int(curve.exceeding.sum()),
-        "unbounded": curve.unbounded,
-    }

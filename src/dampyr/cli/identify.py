@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from dampyr.cli._leaderboard import leaderboard_as_dict, print_leaderboard, ranked
+from dampyr.cli._leaderboard import cores, print_leaderboard
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
@@ -17,7 +16,7 @@ from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, Leaderboard, Validation
+    from dampyr.identification import Fit, Identified, Validation
     from dampyr.records import Record
 
 
@@ -75,109 +74,45 @@ def command(
     one input left out at a time, five parts in the order of frequency or stroke, one kind of motion left out, or the last
     part of every record.
     """
-    from dampyr.records import check_bandwidth
+    from dampyr.identification import IdentifyOptions, identify
+    from dampyr.identification.identify import fit_as_dict, identify_each
 
-    records = gather(paths, "fit", reading)
-    _check(model, each, bool(save or report or splits), bool(fixed or tied), tried)
-    _check_splits(splits, records)
-    if bandwidth is not None:
-        check_bandwidth(records, bandwidth)
-    options: dict[str, Any] = {"laws": _laws(laws), "fixed": _numbers(fixed), "bandwidth": bandwidth, "loss": loss}
-    options |= {"nuisances": ("offset", "state", *nuisances), "tied": pairs(tied), "starts": starts}
-    if each:
-        assert model is not None
-        fits = _fit_each(model, records, options)
-        print_json([_as_dict(f) for f in fits]) if as_json else _print_each(fits)
-        return
-    with stages() as progress:
-        board = None if model else ranked(records, tried, options, progress)
-        fit_result, checks = _joint(model, records, options, splits, board, progress)
-    if as_json:
-        extra = {"predictions": checks} if checks else {}
-        print_json(_as_dict(fit_result) | extra | ({"leaderboard": leaderboard_as_dict(board)} if board else {}))
-    else:
-        if board:
-            print_leaderboard(board)
-        _print(fit_result)
-        for check in checks:
-            _print_prediction(check, records)
-    if save:
-        _save(fit_result, save, board)
-    if report:
-        _report(fit_result, report, checks, board)
-
-
-def _check(model: str | None, each: bool, written: bool, named: bool, tried: tuple[str, ...]) -> None:
-    if each and written:
+    if each and (save or report or splits or model is None):
         raise InputError(
-            "--each makes one fit per record and no card; leave out --save, --report and --predict, or --each"
+            "--each makes one fit of the --model per record and no card; give --model, and leave out --save, --report "
+            "and --predict, or leave out --each"
         )
-    if model is None and (each or named):
-        which = "--each" if each else "--fix and --tie"
-        raise InputError(f"{which} need --model: without it every model is tried; name one, such as --model dahl")
-    if model is not None and tried:
-        raise InputError("--try says which models are tried where none is named; leave out --try or --model")
-
-
-def _check_splits(splits: tuple[str, ...], records: list[Record]) -> None:
-    """Refuse a split that cannot be made now, not after minutes of fitting."""
-    from dampyr.identification.splits import split_tasks
-
-    for split in splits:
-        split_tasks(records, split)
-
-
-def _fit_each(model: str, records: list[Record], options: dict[str, Any]) -> list[Fit]:
-    from dampyr.identification import fit
-
-    fits = []
+    options = IdentifyOptions(
+        model=model,
+        tried=tried,
+        laws=_laws(laws),
+        fixed=_numbers(fixed),
+        bandwidth=bandwidth,
+        predict=splits,
+        loss=loss,
+        nuisances=("offset", "state", *nuisances),
+        tied=pairs(tied),
+        starts=starts,
+    )
+    records = gather(paths, "fit", reading)
     with stages() as progress:
-        for k, record in enumerate(records):
-            progress("identifying", k / len(records))
-            fits.append(fit(model, record, **options))
-        progress("identifying", 1.0)
-    return fits
+        if each:
+            fits = identify_each(records, options, progress)
+        else:
+            result = identify(records, options, progress, cores())
+    if each:
+        print_json([fit_as_dict(one) for one in fits]) if as_json else _print_each(fits)
+        return
+    if as_json:
+        print_json(result.as_dict())
+    else:
+        _print(result, records)
+    if save:
+        result.card.save(save)
+    if report:
+        from dampyr.report import write_fit_page
 
-
-def _joint(
-    model: str | None,
-    records: list[Record],
-    options: dict[str, Any],
-    splits: tuple[str, ...],
-    board: Leaderboard | None,
-    progress: Callable[[str, float], None],
-) -> tuple[Fit, list[Validation]]:
-    """The fit to all records, and the validations that were asked for; of a leaderboard the winner's."""
-    from dampyr.identification import cross_validate, fit
-    from dampyr.identification.screening import held_in
-
-    checks = list(board.winner.validations) if board else []
-    if board:
-        model = board.winner.model
-        options = options | {"bandwidth": board.bandwidth, "fixed": held_in(model)}
-    assert model is not None
-    fit_result = board.winner.fit if board else None
-    if fit_result is None:
-        progress("identifying", 0.0)
-        fit_result = fit(
-            model, records, **options, progress=lambda step, _: progress("identifying", step / (step + 20.0))
-        )
-        progress("identifying", 1.0)
-    for split in splits:
-        if all(check.split != split for check in checks):
-
-            def share(done: float, split: str = split) -> None:
-                progress(f"predicting by {split}", done)
-
-            checks.append(cross_validate(model, records, split, progress=share, **options))
-    return fit_result, checks
-
-
-def _report(fit: Fit, path: Path, checks: list[Validation], board: Leaderboard | None) -> None:
-    from dampyr.report.fit_page import write_fit_page
-    from dampyr.report.leaderboard_section import leaderboard_section
-
-    write_fit_page(fit, path, [leaderboard_section(board)] if board else [], checks)
+        write_fit_page(result, report)
 
 
 def _laws(given: tuple[str, ...]) -> str | dict[str, str] | None:
@@ -197,41 +132,21 @@ def _numbers(given: tuple[str, ...]) -> dict[str, float]:
     return values
 
 
-def _save(fit: Fit, path: Path, board: Leaderboard | None) -> None:
-    if fit.damper is None:
-        raise InputError(f"no card was written: {fit.reason}")
-    damper = fit.damper
-    if board:
-        said = {
-            "chosen": f"the lowest validation error, {100 * board.winner.error:.3g} %, of {len(board.screened)} models"
-        }
-        if board.runner_up:
-            said["runner-up"] = f"{board.runner_up.model}, {100 * board.runner_up.error:.3g} %"
-        damper = replace(damper, provenance=dict(damper.provenance) | said)
-    damper.save(path)
+def _print(result: Identified, records: list[Record]) -> None:
+    if result.board:
+        print_leaderboard(result.board)
+    _print_fit(result.fit)
+    for check in result.validations:
+        _print_prediction(check, records)
+    if result.predicted:
+        rows = [
+            [name, None, one] if isinstance(one, str) else [name, 100 * one.l1, ""]
+            for name, one in result.predicted.items()
+        ]
+        print_table("How well it predicts the validation records", ["record", "L1", ""], rows, ["", "%", ""], digits=3)
 
 
-def _as_dict(fit: Fit) -> dict[str, Any]:
-    return {
-        "model": str(fit.problem.composition),
-        "records": [record.name for record in fit.records],
-        "converged": fit.converged,
-        "reason": fit.reason,
-        "notes": fit.notes,
-        "clusters": fit.clusters,
-        "parameters": fit.parameters,
-        "stderr": fit.stderr,
-        "naive_stderr": fit.naive_stderr,
-        "intervals_95": {name: None if name in fit.within_records else span for name, span in fit.intervals().items()},
-        "within_records_only": {name: fit.why_no_interval(name) for name in fit.within_records},
-        "units": fit.units,
-        "correlation": fit.correlation,
-        "nuisances": fit.nuisances,
-        "scores": fit.scores,
-    }
-
-
-def _print(fit: Fit) -> None:
+def _print_fit(fit: Fit) -> None:
     from dampyr.units import for_people
 
     rows = []

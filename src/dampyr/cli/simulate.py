@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from dampyr.cli._control import control_option, inputs_for
+from dampyr.cli._control import control_option, damper_of, inputs_for, place_of
 from dampyr.cli._motion import Ground, motion_options
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
-from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.structures import Response
@@ -46,36 +46,34 @@ def command(
     report: Path | None,
     as_json: bool,
 ) -> None:
-    """Shake the two-storey building with and without a damper.
+    """Simulate the two-storey building in an earthquake, with and without a damper.
 
     CARD is a damper's card; without it the published damper of Raminelli (2020) is taken. The case without damper always
     comes first, then one case per --voltage (or --current).
     """
     from dampyr import structures
-    from dampyr.structures import respond
 
-    damper = _damper(card).without(*without)
-    damper = damper if brace is None else damper.on_brace(brace)
-    place = _place(storey, between)
-    shaking = ground.motion(motion)
-    building = structures.two_storey()
-    word, inputs = inputs_for(damper, voltages, currents, controls)
-    cases = {"no damper": respond(building, shaking)}
-    for u in inputs:
-        given: dict[str, Any] = {word: u, "allow_extrapolation": allow_extrapolation}
-        response = respond(building, shaking, {place: damper}, **given)
-        cases[response.laws[0] or f"{u:g} {damper.input}"] = response
+    damper = damper_of(card)
+    options = structures.SimulateOptions(
+        inputs=inputs_for(damper, voltages, currents, controls),
+        laws=controls,
+        place=place_of(storey, between),
+        brace=brace,
+        without=without,
+        allow_extrapolation=allow_extrapolation,
+    )
+    result = structures.simulate(structures.two_storey(), ground.motion(motion), damper, options)
     if report:
-        from dampyr.report.response_page import write_response_page
+        from dampyr.report import write_response_page
 
-        write_response_page(cases, report)
+        write_response_page(result, report)
     if as_json:
-        print_json({name: _as_dict(r) for name, r in cases.items()})
-        return
-    _print(f"{building.name}, {shaking.name}: peaks", cases)
+        print_json(result.as_dict())
+    else:
+        _print(f"{result.title}: peaks", result.cases)
 
 
-def _print(title: str, cases: dict[str, Response]) -> None:
+def _print(title: str, cases: Mapping[str, Response]) -> None:
     rows = [
         [name, *(1e3 * r.peak_displacement), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
          max(r.peak_force, default=None), r.input.mean() if r.input.size else None, r.scheme]
@@ -90,36 +88,3 @@ def _print(title: str, cases: dict[str, Response]) -> None:
         ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", unit, ""],
         digits=5,
     )
-
-
-def _place(storey: int | None, between: tuple[str, str] | None) -> Any:
-    if storey is not None and between is not None:
-        raise InputError("both --storey and --between say where the damper stands; give one of the two")
-    return between or (1 if storey is None else storey)
-
-
-def _damper(card: Path | None) -> Any:
-    if card is not None:
-        from dampyr.models import Damper
-
-        return Damper.load(card)
-    from dampyr.studies import raminelli_2020
-
-    return raminelli_2020.damper()
-
-
-def _as_dict(response: Response) -> dict[str, Any]:
-    return {
-        "peak_displacement_m": response.peak_displacement,
-        "peak_drift_m": response.peak_drift,
-        "peak_acceleration_m_s2": response.peak_acceleration,
-        "peak_base_shear_N": response.peak_base_shear,
-        "peak_force_N": response.peak_force,
-        "sites": response.sites,
-        "laws": response.laws,
-        "mean_input": response.input.mean(axis=1),
-        "scheme": response.scheme,
-        "step_s": response.step,
-        "error_estimate": response.error_estimate,
-        "converged": response.converged,
-    }

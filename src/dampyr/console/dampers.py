@@ -9,9 +9,9 @@ from pydantic import BaseModel
 
 from dampyr import studies
 from dampyr.console import safe_paths
-from dampyr.console.building_schemas import DamperAsked
 from dampyr.console.cards import CARDS
 from dampyr.errors import DampyrError
+from dampyr.models import Damper
 
 
 class DamperLink(BaseModel):
@@ -24,6 +24,18 @@ class DamperLink(BaseModel):
     high: float
 
 
+def damper_of(data: Path, name: str) -> Damper:
+    """The damper of a card of the data folder (``cards/NAME.toml``), or the published one of this name."""
+    if name.startswith(f"{CARDS}/"):
+        return Damper.load(safe_paths.existing(data, name))
+    return studies.published_damper(name)
+
+
+def title_of(name: str) -> str:
+    """What a damper is called: a card without its folder, a published set by its name."""
+    return name.removeprefix(f"{CARDS}/")
+
+
 def dampers(data: Path) -> list[DamperLink]:
     """The cards first; what cannot be read is left out."""
     links = []
@@ -32,7 +44,7 @@ def dampers(data: Path) -> list[DamperLink]:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                damper = DamperAsked(name=name).damper(data)
+                damper = damper_of(data, name)
             low, high = damper.range
         except DampyrError:
             continue

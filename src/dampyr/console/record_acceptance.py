@@ -1,4 +1,4 @@
-"""Records judged by a reference damper: what ``dampyr accept`` does, for the Records page."""
+"""Acceptance of records on the Records page, as ``dampyr accept`` does it."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ import tempfile
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query
 from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
-from dampyr import records
 from dampyr.console import record_sources
-from dampyr.console.building_schemas import DamperAsked
 from dampyr.console.cards import CARDS
-from dampyr.console.dampers import DamperLink, dampers
+from dampyr.console.dampers import DamperLink, damper_of, dampers
 from dampyr.console.state import Here
-from dampyr.identification import Acceptance, Point, Tolerance, accept
+from dampyr.identification import Acceptance, Accepted, AcceptOptions, Point, Tolerance, accept_records
 from dampyr.identification.acceptance import QUANTITIES, Quantity, band
+from dampyr.models import Damper
+from dampyr.records import Record
+from dampyr.report import write_acceptance_page
 
 MAX_RECORDS = 6
 MAX_POINTS, MAX_OUTSIDE = 900, 200
@@ -31,7 +32,7 @@ Slack = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
 router = APIRouter()
 
 
-class AcceptanceAsked(BaseModel):
+class AcceptanceRequest(BaseModel):
     """Which records, by what reference, in what band."""
 
     key: list[Key] = Field(min_length=1, max_length=MAX_RECORDS, description="Records, such as data/uploads/test.h5.")
@@ -51,6 +52,12 @@ class AcceptanceAsked(BaseModel):
         allow_inf_nan=False,
         description="N, taken from measured forces; else their mean.",
     )
+
+    def options(self) -> AcceptOptions:
+        """The options of `dampyr.identification.accept_records`."""
+        return AcceptOptions(
+            Tolerance(self.tolerance, self.force, self.energy), tuple(dict.fromkeys(self.judge)), self.offset
+        )
 
 
 class OnePoint(BaseModel):
@@ -105,10 +112,11 @@ class Band(BaseModel):
 
 
 class Judgement(BaseModel):
-    """All records, and the bands to draw."""
+    """All records, and the bands to draw; ``data`` is what `dampyr accept --json` prints."""
 
     records: list[Judged]
     bands: list[Band]
+    data: dict[str, Any]
 
 
 @router.get("/references")
@@ -118,40 +126,37 @@ def list_references(here: Here) -> list[DamperLink]:
 
 
 @router.get("/acceptance")
-def judge(here: Here, query: Annotated[AcceptanceAsked, Query()]) -> Judgement:
+def judge(here: Here, query: Annotated[AcceptanceRequest, Query()]) -> Judgement:
     """Judge every whole cycle of records by a reference; see `dampyr.identification.accept`."""
-    acceptances = _judged(here.data, query)
+    accepted = _judged(here.data, query)
+    keys = dict.fromkeys(query.key)
     return Judgement(
-        records=[_summarise(key, one) for key, one in acceptances.items()], bands=_bands(list(acceptances.values()))
+        records=[_summarise(key, one) for key, one in zip(keys, accepted.results, strict=True)],
+        bands=_bands(accepted.results),
+        data=accepted.as_dict(),
     )
 
 
 @router.get("/acceptance/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
-def give_page(here: Here, query: Annotated[AcceptanceAsked, Query()]) -> Response:
+def give_page(here: Here, query: Annotated[AcceptanceRequest, Query()]) -> Response:
     """The page as `dampyr accept --report` writes it, as a file to keep."""
-    from dampyr.report.acceptance_page import write_acceptance_page
-
-    acceptances = _judged(here.data, query)
-    name = ", ".join(_shown(each) for each in query.reference)
+    accepted = _judged(here.data, query)
     with tempfile.TemporaryDirectory(prefix="dampyr-") as folder:
-        html = write_acceptance_page(list(acceptances.values()), Path(folder) / "page.html", name).read_bytes()
+        html = write_acceptance_page(accepted, Path(folder) / "page.html").read_bytes()
     said = {"content-disposition": 'attachment; filename="acceptance.html"'}
     return Response(html, media_type="text/html", headers=said)
 
 
-def _judged(data: Path, query: AcceptanceAsked) -> dict[str, Acceptance]:
-    is_damper = len(query.reference) == 1 and _is_damper(query.reference[0])
-    damper = DamperAsked(name=query.reference[0]).damper(data) if is_damper else None
-    keys = list(dict.fromkeys([*query.key, *([] if is_damper else query.reference)]))
-    read = records.nominal_inputs([record_sources.read(data, key) for key in keys], damper.range if damper else ())
-    by_key = dict(zip(keys, read, strict=True))
-    against = damper or [by_key[key] for key in query.reference]
-    tolerance = Tolerance(query.tolerance, query.force, query.energy)
+def _judged(data: Path, query: AcceptanceRequest) -> Accepted:
+    chosen = record_sources.read_all(data, query.key)
+    if len(query.reference) == 1 and _is_damper(query.reference[0]):
+        reference: Damper | list[Record] = damper_of(data, query.reference[0])
+    else:
+        reference = record_sources.read_all(data, query.reference)
+    name = ", ".join(_shown(each) for each in query.reference)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return {
-            key: accept(by_key[key], against, tolerance, query.judge, query.offset) for key in dict.fromkeys(query.key)
-        }
+        return accept_records(chosen, reference, query.options(), name)
 
 
 def _is_damper(name: str) -> bool:

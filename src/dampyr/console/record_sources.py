@@ -99,11 +99,11 @@ def described(data: Path, key: str) -> dict[str, Any]:
     return _described(read(data, key))
 
 
-def gather(data: Path, chosen: list[str]) -> list[Record]:
-    """The records of several keys, as a fit takes them: measured inputs that are constant but for noise as constants."""
+def read_all(data: Path, chosen: list[str]) -> list[Record]:
+    """The records of several keys, each once."""
     if not chosen:
         raise InputError("no record is chosen; choose one or more")
-    return records.nominal_inputs([read(data, key) for key in dict.fromkeys(chosen)], ())
+    return [read(data, key) for key in dict.fromkeys(chosen)]
 
 
 def _stamp(path: Path) -> int:

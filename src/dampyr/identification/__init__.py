@@ -6,10 +6,12 @@ predicts records that it was not fitted on, `leaderboard` which model does it be
 `findings` says it in words; `accept` whether a record lies within a band about a reference damper.
 """
 
+from dampyr.identification.accept_records import Accepted, AcceptOptions, accept_records
 from dampyr.identification.acceptance import Acceptance, Point, Tolerance, accept
 from dampyr.identification.data_sheet import contradictions
 from dampyr.identification.diagnostics import Trend, findings, trends, warnings_of
 from dampyr.identification.fit import Fit, Nuisance, fit
+from dampyr.identification.identify import Identified, IdentifyOptions, identify
 from dampyr.identification.leaderboard import Entry, Leaderboard, leaderboard
 from dampyr.identification.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.plastic_region import PlasticRegion, plastic_region
@@ -17,10 +19,13 @@ from dampyr.identification.residuals import Residuals, Trace, analyse
 from dampyr.identification.result import residuals
 from dampyr.identification.score import Score, Window, compare, prediction, score
 from dampyr.identification.screening import Screened, Trial
+from dampyr.identification.validate import Validated, ValidateOptions, validate
 from dampyr.identification.validation import Fold, Validation, cross_validate
 
 __all__ = [
-    "Acceptance", "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
+    "AcceptOptions", "Acceptance", "Accepted", "IdentifyOptions", "Identified", "ValidateOptions", "Validated",
+    "accept_records", "identify", "validate",
+    "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
     "accept", "analyse", "compare", "contradictions", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle",
     "plastic_region", "prediction", "residuals", "score", "trends", "warnings_of",

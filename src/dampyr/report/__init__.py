@@ -10,6 +10,9 @@ A figure takes plain arrays in SI, shows them in the units people read (mm, N, s
     write_page("out/damper.html", html)
 """
 
+from importlib import import_module
+from typing import Any
+
 from dampyr.figures.acceptance import band_used, peak_velocity_band
 from dampyr.figures.autocorrelation import memory
 from dampyr.figures.building import building_response
@@ -36,7 +39,26 @@ from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text,
 from dampyr.report.figure_files import figure_files
 from dampyr.report.html_page import page, write_page
 
+WRITERS = {
+    "write_fit_page": "fit_page",
+    "write_validate_page": "validate_page",
+    "write_acceptance_page": "acceptance_page",
+    "write_response_page": "response_page",
+    "write_ensemble_page": "ensemble_page",
+    "write_motion_page": "motion_page",
+    "write_plan_page": "plan_page",
+}
+"""The writers of whole pages and their modules, loaded when they are used: each needs the package whose result it shows."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in WRITERS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{WRITERS[name]}"), name)
+
+
 __all__ = [
+    *WRITERS,
     "Block",
     "Cell",
     "Text",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.figures.acceptance import band_used, peak_velocity_band
-from dampyr.identification import Acceptance, Point
+from dampyr.identification import Acceptance, Accepted, Point
 from dampyr.identification.acceptance import UNITS, band, in_short
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.html_page import page, write_page
@@ -23,11 +23,13 @@ Array = NDArray[np.float64]
 MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60
 
 
-def write_acceptance_page(results: Sequence[Acceptance], path: Path, reference: str) -> Path:
-    """Write the page and return its path: verdicts, the band with the points, the points outside, what was not judged.
+def write_acceptance_page(result: Accepted, path: Path) -> Path:
+    """Write the page of the result of `dampyr.identification.accept_records` and return its path.
 
-    ``reference`` is what the reference is called. Raises :class:`~dampyr.errors.InputError` without any judgement.
+    It shows verdicts, the band with the points, the points outside, and what was not judged. Raises
+    :class:`~dampyr.errors.InputError` without any judgement.
     """
+    results, reference = result.results, result.reference
     if not results:
         raise InputError("there is no judgement to show; judge one record or more")
     sections = [

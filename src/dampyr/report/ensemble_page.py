@@ -13,7 +13,7 @@ from dampyr.figures.incremental import incremental_curves
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.report.fragility_section import axis_of, fragility_section
 from dampyr.report.html_page import page, write_page
-from dampyr.structures import Fragility, Incremental, incremental, summary
+from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental, summary
 
 SHOWN = {
     "drift": ("drift", "mm", 1e3),
@@ -28,7 +28,13 @@ MARGIN = 1.2  # how far a figure reaches, in the largest 84 % fractile of all of
 def write_ensemble_page(
     dataset: Any, path: Path, fragilities: Sequence[Fragility] = (), intensity: str = "pga", title: str = ""
 ) -> Path:
-    """Write the page of what `ensemble` or `read_ensemble` gave; ``fragilities`` are drawn in their order."""
+    """Write the page of the result of `dampyr.structures.run_ensemble`.
+
+    In place of a result, a dataset of `ensemble` or `read_ensemble` with its ``fragilities``, in the order of their figures,
+    will do.
+    """
+    if isinstance(dataset, EnsembleResult):
+        dataset, fragilities, intensity = dataset.dataset, dataset.curves, dataset.intensity
     names = ", ".join(str(name) for name in dataset.building_name.values)
     sections = [Section("Peaks", summary_tables(dataset))]
     sections += [fragility_section(fragility) for fragility in fragilities]

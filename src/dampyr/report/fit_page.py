@@ -9,29 +9,37 @@ import numpy as np
 
 import dampyr
 from dampyr.figures.scores import scores
-from dampyr.identification import Fit, Validation, findings, warnings_of
+from dampyr.identification import Fit, Identified, Validation, findings, warnings_of
+from dampyr.models import Damper
 from dampyr.report.best_and_worst import by_input, extremes, record_section
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_table
 from dampyr.report.html_page import page, write_page
+from dampyr.report.leaderboard_section import leaderboard_section
 from dampyr.report.prediction_section import mean_l1, prediction_section
 from dampyr.report.range_section import range_section
 from dampyr.report.residual_section import residual_section
 
 
 def write_fit_page(
-    fit: Fit,
+    fit: Fit | Identified,
     path: Path,
     sections: Sequence[Section] = (),
     validation: Validation | Sequence[Validation] | None = None,
 ) -> Path:
-    """Write the page of a fit and return its path.
+    """Write the page of a fit, or of the result of `dampyr.identification.identify`, and return its path.
 
-    It holds, in short, what was found; ``sections`` of the caller's; parameters with intervals, laws and correlations; the
-    calibrated range; how well it describes its records; with ``validation`` (one or several), how well it predicts others;
-    the analysis of residuals; the best and the worst record.
+    It holds a summary; the leaderboard, if any, and ``sections`` of the caller's; parameters with intervals, laws and
+    correlations; the calibrated range; how well the fit describes its records; with ``validation`` (one or several), how well
+    it predicts others; the analysis of residuals; the best and the worst record.
     """
     checks = [validation] if isinstance(validation, Validation) else list(validation or ())
+    if isinstance(fit, Identified):
+        checks = [*fit.validations, *checks]
+        sections = [*([leaderboard_section(fit.board)] if fit.board else []), *sections]
+        damper, fit = fit.damper, fit.fit
+    else:
+        damper = fit.damper
     html = page(
         f"Identified: {fit.problem.composition}",
         [
@@ -46,7 +54,7 @@ def write_fit_page(
             *(_record(fit, words, name) for words, name in extremes(fit.scores)),
         ],
         subtitle=f"{_counted(len(fit.records), 'record')} by least squares over the whole motion.",
-        provenance=_provenance(fit),
+        provenance=_provenance(fit, damper),
     )
     write_page(path, html)
     return path
@@ -56,9 +64,9 @@ def _counted(number: int, noun: str) -> str:
     return f"One {noun}, fitted" if number == 1 else f"{number} {noun}s, fitted together"
 
 
-def _provenance(fit: Fit) -> dict[str, str]:
-    if fit.damper is not None:
-        return dict(fit.damper.provenance)
+def _provenance(fit: Fit, damper: Damper | None) -> dict[str, str]:
+    if damper is not None:
+        return dict(damper.provenance)
     return {"records": ", ".join(record.name for record in fit.records), "dampyr": dampyr.__version__}
 
 

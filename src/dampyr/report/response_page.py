@@ -12,13 +12,17 @@ from dampyr.figures.loops import loops
 from dampyr.figures.style import CURRENT, VOLTAGE, Axis
 from dampyr.report.blocks import FigureBlock, Section, Table, Text
 from dampyr.report.html_page import page, write_page
-from dampyr.structures import Response
+from dampyr.structures import Response, Simulated
 
 STROKE = Axis("stroke", "mm", 1e3)
 
 
-def write_response_page(cases: Mapping[str, Response], path: Path) -> Path:
-    """Write the page: peaks, energies, displacement per floor, the damper's loops. All cases share one ground motion."""
+def write_response_page(cases: Simulated | Mapping[str, Response], path: Path) -> Path:
+    """Write the page of the result of `dampyr.structures.simulate`, or of cases by name.
+
+    It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
+    """
+    cases = cases.cases if isinstance(cases, Simulated) else cases
     first = next(iter(cases.values()))
     html = page(
         f"Response: {first.title}",

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.figures.calibration_range import calibrated
 from dampyr.figures.scores import scores as scores_figure
-from dampyr.identification import Score, prediction
+from dampyr.identification import Score, Validated, prediction
 from dampyr.identification.residuals import motion
 from dampyr.models import Damper
 from dampyr.records import Record, with_velocity
@@ -27,17 +27,15 @@ SLACK = 1.01
 SEEN = {True: "fitted", False: "never seen", None: "not known"}
 
 
-def write_validate_page(
-    damper: Damper, records: Sequence[Record], scores: Mapping[str, Score], path: Path, card: str
-) -> Path:
-    """Write the page and return its path: scores, which records the card was fitted on, what lies outside its range, and
-    the best and the worst record.
+def write_validate_page(result: Validated, path: Path) -> Path:
+    """Write the page of the result of `dampyr.identification.validate` and return its path.
 
-    ``scores`` are of the ``records``, by name (`dampyr.identification.score`); ``card`` is what the damper is called.
+    It shows scores, which records the card was fitted on, what lies outside its range, and the best and the worst record.
     Raises :class:`~dampyr.errors.InputError` where a record has no score.
     """
-    _check(records, scores)
-    record_scores = {record.name: scores[record.name] for record in records}
+    damper, records, card = result.damper, result.records, result.card
+    _check(records, result.scores)
+    record_scores = {record.name: result.scores[record.name] for record in records}
     seen = seen_by(damper, records)
     html = page(
         f"Validated: {card}",

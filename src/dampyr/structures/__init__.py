@@ -13,6 +13,7 @@ from dampyr.structures.building import Building, Condensed, condense
 from dampyr.structures.control_law import control_law, control_laws
 from dampyr.structures.ensemble import ensemble
 from dampyr.structures.ensemble_grid import cases as ensemble_cases
+from dampyr.structures.ensemble_run import EnsembleOptions, EnsembleResult, Limit, evaluate_ensemble, run_ensemble
 from dampyr.structures.fragility import Curve, Fragility, fragility
 from dampyr.structures.incremental import Incremental, Sweep, incremental
 from dampyr.structures.job_array import collect, write_part
@@ -21,6 +22,7 @@ from dampyr.structures.raminelli_2020_building import two_storey, two_storey_mod
 from dampyr.structures.respond import respond
 from dampyr.structures.response import Energy, Response
 from dampyr.structures.shear import shear_building, single_mass
+from dampyr.structures.simulate import Simulated, SimulateOptions, simulate
 from dampyr.structures.state_space import StateSpace, state_space
 from dampyr.structures.store import read_ensemble
 from dampyr.structures.summary import summary
@@ -38,6 +40,14 @@ __all__ = [
     "respond",
     "control_law",
     "control_laws",
+    "simulate",
+    "SimulateOptions",
+    "Simulated",
+    "run_ensemble",
+    "evaluate_ensemble",
+    "EnsembleOptions",
+    "EnsembleResult",
+    "Limit",
     "ensemble",
     "ensemble_cases",
     "read_ensemble",

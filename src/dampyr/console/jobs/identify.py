@@ -1,4 +1,4 @@
-"""Identify a damper: one model fitted, or the best of many found, as ``dampyr identify`` does."""
+"""Identification, as ``dampyr identify`` does it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,6 @@ import json
 import math
 import os
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -16,108 +13,46 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.console import curves, record_sources
-from dampyr.console.jobs import CARD, CURVES, PAGE
+from dampyr.console.identify_schemas import IdentifyRequest
+from dampyr.console.jobs import CARD, CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
-from dampyr.identification import (
-    Fit,
-    Leaderboard,
-    Validation,
-    cross_validate,
-    findings,
-    fit,
-    leaderboard,
-    prediction,
-    score,
-    warnings_of,
-)
-from dampyr.identification.screening import held_in
+from dampyr.identification import Fit, Identified, findings, identify, prediction, score, warnings_of
 from dampyr.records import Record
-from dampyr.report.fit_page import write_fit_page
+from dampyr.report import write_fit_page
 from dampyr.report.fit_sections import parameter_table, score_table
-from dampyr.report.leaderboard_section import leaderboard_section
 from dampyr.to_json import plain
 
-MAX_WORKERS = 8
-Tell = Callable[[str, float], None]
+MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
 
 
-def run(request: dict[str, Any], folder: Path, progress: Tell) -> dict[str, Any]:
-    """``request``: records (keys), model or None, tried (models), predict (a split or ""), loss, bandwidth."""
+def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
+    """``request`` is an `IdentifyRequest`."""
+    parsed = IdentifyRequest(**request)
     progress("reading the records", 0.0)
-    chosen = record_sources.gather(data_of(folder), request["records"])
-    fitted = [record for record in chosen if record.role == "fit"]
-    if not fitted:
-        raise InputError(
-            "only validation records are chosen, and these are never fitted; choose some that are for fits"
-        )
-    options = {"loss": request["loss"], "bandwidth": request["bandwidth"]}
-    board = None if request["model"] else _ranked(fitted, request["tried"], options, progress)
-    fit_result, checks = _joint(request["model"], fitted, options, request["predict"], board, progress)
+    chosen = record_sources.read_all(data_of(folder), parsed.records)
+    workers = min((os.cpu_count() or 2) - 1, MAX_WORKERS)  # one core is left to the console and the rig
+    result = identify(chosen, parsed.options(), progress, workers)
     progress("writing the page", 0.9)
-    sections = [leaderboard_section(board)] if board else []
-    write_fit_page(fit_result, folder / PAGE, sections, checks)
-    if fit_result.damper is not None:
-        _card(fit_result, board).save(folder / CARD)
-    held = [record for record in chosen if record.role == "validation"]
-    write_whole(folder / CURVES, json.dumps(_curves(fit_result, held)))
-    return _summarise(fit_result, checks, board, held)
+    write_fit_page(result, folder / PAGE)
+    if result.damper is not None:
+        result.damper.save(folder / CARD)
+    write_whole(folder / CURVES, json.dumps(_curves(result.fit, result.validation_records)))
+    return {DATA: result.as_dict(), **_summarise(result)}
 
 
-def _ranked(records: list[Record], tried: list[str], options: dict[str, Any], progress: Tell) -> Leaderboard:
-    cores = max(1, min((os.cpu_count() or 2) - 1, MAX_WORKERS))  # one is left to the console and the rig
-    with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as executor:
-        return leaderboard(records, tried or None, executor=executor, progress=progress, **options)
-
-
-def _joint(
-    model: str | None,
-    records: list[Record],
-    options: dict[str, Any],
-    split: str,
-    board: Leaderboard | None,
-    progress: Tell,
-) -> tuple[Fit, list[Validation]]:
-    """The fit to all records and the validations; of a leaderboard the winner's."""
-    if board is not None:
-        assert board.winner.fit is not None
-        return board.winner.fit, list(board.winner.validations)
-    assert model is not None
-    fixed = held_in(model)
-    fit_result = fit(
-        model, records, fixed=fixed, progress=lambda k, _: progress("identifying", k / (k + 20.0)), **options
-    )
-    if not split:
-        return fit_result, []
-
-    def tell(done: float) -> None:
-        progress(f"predicting by {split}", done)
-
-    return fit_result, [cross_validate(model, records, split, progress=tell, fixed=fixed, **options)]
-
-
-def _card(fit_result: Fit, board: Leaderboard | None) -> Any:
-    assert fit_result.damper is not None
-    if board is None:
-        return fit_result.damper
-    chosen = f"the lowest validation error, {100 * board.winner.error:.3g} %, of {len(board.screened)} models"
-    return replace(fit_result.damper, provenance=dict(fit_result.damper.provenance) | {"chosen": chosen})
-
-
-def _summarise(
-    fit_result: Fit, checks: list[Validation], board: Leaderboard | None, held: list[Record]
-) -> dict[str, Any]:
-    parameters, scores = parameter_table(fit_result), score_table(fit_result.scores, "")
-    l1 = [one.l1 for one in fit_result.scores.values()]
+def _summarise(result: Identified) -> dict[str, Any]:
+    """What the page shows in its own form, besides the data."""
+    fit = result.fit
+    parameters, scores = parameter_table(fit), score_table(fit.scores, "")
+    l1 = [one.l1 for one in fit.scores.values()]
     return {
-        "model": str(fit_result.problem.composition),
-        "input": fit_result.damper.input if fit_result.damper else fit_result.records[0].input,
-        "range": fit_result.damper.range if fit_result.damper else None,
-        "card": fit_result.damper is not None,
-        "converged": fit_result.converged,
-        "reason": fit_result.reason,
-        "doubts": [*warnings_of(fit_result.residuals), *fit_result.notes],
-        "findings": list(findings(fit_result.residuals)),
+        "model": str(fit.problem.composition),
+        "card": fit.damper is not None,
+        "converged": fit.converged,
+        "reason": fit.reason,
+        "warnings_of_fit": [*warnings_of(fit.residuals), *fit.notes],
+        "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
         "parameters": {
             "columns": list(parameters.columns),
@@ -129,49 +64,35 @@ def _summarise(
             "units": list(scores.units),
             "rows": [list(r) for r in scores.rows],
         },
-        "records": [record.name for record in (*fit_result.records, *held)],
-        "held": _predicted(fit_result, held),
+        "records": [record.name for record in (*fit.records, *result.validation_records)],
+        "held": [
+            {"record": name, "l1": math.nan, "problem": one}
+            if isinstance(one, str)
+            else {"record": name, "l1": one.l1, "problem": ""}
+            for name, one in result.predicted.items()
+        ],
         "predictions": [
             {
                 "split": one.split,
                 "mean_l1": float(np.mean([s.l1 for s in one.scores.values()])),
                 "records": len(one.scores),
             }
-            for one in checks
+            for one in result.validations
             if one.scores
         ],
-        "leaderboard": _board(board) if board else None,
     }
 
 
-def _predicted(fit_result: Fit, held: list[Record]) -> list[dict[str, Any]]:
-    """How well it predicts the validation records that were chosen."""
-    if fit_result.damper is None:
-        return []
-    scores = []
-    for record in held:
-        try:
-            scores.append({"record": record.name, "l1": score(fit_result.damper, record).l1, "problem": ""})
-        except InputError as problem:
-            scores.append({"record": record.name, "l1": math.nan, "problem": str(problem)})
-    return scores
-
-
-def _board(board: Leaderboard) -> list[dict[str, Any]]:
-    keys = ("model", "error", "l1", "unseen_input", "nrmse", "energy", "parameters", "bic", "seconds", "converged")
-    return [{key: getattr(one, key) for key in keys} for one in board.entries]
-
-
-def _curves(fit_result: Fit, held: list[Record]) -> dict[str, Any]:
-    """Lines by record: measured and modelled force over time, displacement and velocity, and what is left."""
+def _curves(fit: Fit, others: tuple[Record, ...]) -> dict[str, Any]:
+    """Lines by record: measured and modelled force over time, displacement and velocity, and the residual."""
     made = {
         piece.name: _lines(piece.t, piece.x, piece.v, piece.force, force)
-        for piece, force in zip(fit_result.problem.pieces, fit_result.forces, strict=True)
+        for piece, force in zip(fit.problem.pieces, fit.forces, strict=True)
     }
-    for record in held if fit_result.damper is not None else ():
+    for record in others if fit.damper is not None else ():
         try:
-            assert fit_result.damper is not None
-            at, force = score(fit_result.damper, record), prediction(fit_result.damper, record)
+            assert fit.damper is not None
+            at, force = score(fit.damper, record), prediction(fit.damper, record)
         except InputError:
             continue
         v = record.velocity if record.velocity is not None else np.gradient(record.displacement, record.time)

@@ -1,9 +1,9 @@
-"""A building with and without a damper in an earthquake, as ``dampyr simulate`` does."""
+"""Simulation of a building with and without a damper, as ``dampyr simulate`` does it."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,42 +11,33 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.console import curves
-from dampyr.console.building_schemas import ResponseAsked
-from dampyr.console.jobs import CURVES, PAGE
+from dampyr.console.building_schemas import ResponseRequest
+from dampyr.console.dampers import damper_of
+from dampyr.console.jobs import CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
-from dampyr.report.response_page import write_response_page
-from dampyr.structures import Response, respond
+from dampyr.report import write_response_page
+from dampyr.structures import Response, simulate
+from dampyr.structures.simulate import BARE
 from dampyr.to_json import plain
 
-BARE = "no damper"
-FRAMES = 900
-POINTS = 1200
+FRAMES = 900  # of the animation: 30 a second for half a minute
+POINTS = 1200  # of a line: as many as a wide screen has columns
 
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
-    """``request`` is a `ResponseAsked`."""
-    parsed = ResponseAsked(**request)
-    data = data_of(folder)
-    building, motion, damper = parsed.building.building(), parsed.motion.motion(data), parsed.damper.damper(data)
-    inputs = parsed.damper.all_inputs(damper)
-    progress("without damper", 0.0)
-    cases = {BARE: respond(building, motion)}
-    for k, u in enumerate(inputs, start=1):
-        progress(f"case {k + 1} of {len(inputs) + 1}", k / (len(inputs) + 1))
-        given: dict[str, Any] = {
-            parsed.damper.word(damper): u,
-            "allow_extrapolation": parsed.damper.allow_extrapolation,
-        }
-        response = respond(building, motion, {parsed.damper.storey: damper}, **given)
-        cases[response.laws[0] or f"{u:g} {damper.input}"] = response
+    """``request`` is a `ResponseRequest`."""
+    parsed, data = ResponseRequest(**request), data_of(folder)
+    damper = damper_of(data, parsed.damper.name)
+    result = simulate(parsed.building.building(), parsed.motion.motion(data), damper, parsed.options(), progress)
     progress("writing the page", 0.95)
-    write_response_page(cases, folder / PAGE)
-    write_whole(folder / CURVES, json.dumps(_curves(cases)))
+    write_response_page(result, folder / PAGE)
+    write_whole(folder / CURVES, json.dumps(_curves(result.cases)))
     return {
-        "title": f"{building.name}, {motion.name}",
-        "floors": list(cases[BARE].floors),
-        "unit": damper.input,
-        "cases": [_summarise(name, each) for name, each in cases.items()],
+        DATA: result.as_dict(),
+        "title": result.title,
+        "floors": list(result.cases[BARE].floors),
+        "unit": result.unit,
+        "cases": [_summarise(name, each) for name, each in result.cases.items()],
     }
 
 
@@ -78,7 +69,7 @@ def _summarise(name: str, r: Response) -> dict[str, Any]:
     return dict(plain(summary))
 
 
-def _curves(cases: dict[str, Response]) -> dict[str, Any]:
+def _curves(cases: Mapping[str, Response]) -> dict[str, Any]:
     first = cases[BARE]
     stride = max(1, len(first.time) // FRAMES)
     return {

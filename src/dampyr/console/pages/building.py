@@ -11,13 +11,14 @@ from pydantic import BaseModel
 
 from dampyr import structures
 from dampyr.console import safe_paths
-from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS, EnsembleAsked, ResponseAsked
+from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS, EnsembleRequest, ResponseRequest
 from dampyr.console.cards import CARDS
-from dampyr.console.dampers import DamperLink, dampers
+from dampyr.console.dampers import DamperLink, damper_of, dampers
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
 from dampyr.console.state import Here
 from dampyr.errors import MissingData
+from dampyr.structures.simulate import all_inputs
 
 TITLE, ORDER = "Building", 50
 RESPONSE, ENSEMBLE = "respond", "ensemble"
@@ -41,7 +42,7 @@ def list_choices(here: Here) -> Choices:
 
 
 @router.post("/responses", status_code=202)
-def respond(here: Here, request: ResponseAsked) -> JobState:
+def respond(here: Here, request: ResponseRequest) -> JobState:
     """Start to compute a response; bare, and with the damper at each input."""
     _check(here.data, request)
     title = f"{request.building.kind.replace('_', '-')}, {request.motion.kind.replace('_', ' ')}, {_shown(request.damper.name)}"
@@ -49,7 +50,7 @@ def respond(here: Here, request: ResponseAsked) -> JobState:
 
 
 @router.post("/ensembles", status_code=202)
-def run_ensemble(here: Here, request: EnsembleAsked) -> JobState:
+def run_ensemble(here: Here, request: EnsembleRequest) -> JobState:
     """Start an ensemble; its result holds fragility curves."""
     _check(here.data, request)
     title = f"ensemble, {request.motions} motions, {len(request.scales)} scales, {_shown(request.damper.name)}"
@@ -74,12 +75,13 @@ def give_page(here: Here, id: Id) -> FileResponse:
     return FileResponse(here.jobs.place(id) / PAGE, media_type="text/html", filename=f"{here.jobs.job(id).kind}.html")
 
 
-def _check(data: Any, request: ResponseAsked | EnsembleAsked) -> None:
-    """Say at once what is wrong with the question, rather than in the job."""
+def _check(data: Any, request: ResponseRequest | EnsembleRequest) -> None:
+    """Refuse at once what is wrong with a request, rather than in the job."""
     request.building.building()
     if request.motion.kind == "file":
         request.motion.motion(data)
-    request.damper.all_inputs(request.damper.damper(data))
+    options, damper = request.options(), damper_of(data, request.damper.name)
+    all_inputs(damper, options.inputs, options.laws)
 
 
 def _shown(name: str) -> str:

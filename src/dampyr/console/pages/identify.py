@@ -1,9 +1,9 @@
-"""Identify: from chosen records to a damper's card, as a job."""
+"""Identify: from chosen records to a damper's card, and a card validated on records, as jobs."""
 
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from fastapi import APIRouter, HTTPException, Query
 from fastapi.responses import FileResponse, Response
@@ -11,41 +11,33 @@ from pydantic import BaseModel, Field
 
 from dampyr.console import record_sources, safe_paths
 from dampyr.console.cards import CARDS
+from dampyr.console.dampers import damper_of, title_of
+from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CARD, CURVES, PAGE
 from dampyr.console.state import AppState, Here
 from dampyr.errors import InputError, MissingData
-from dampyr.identification.leaderboard import ADD_ONS, check_count
-from dampyr.models import Damper, compose, names
+from dampyr.identification.identify import choices
+from dampyr.identification.leaderboard import check_count
+from dampyr.models import Damper
 
 TITLE, ORDER = "Identify", 40
-KIND = "identify"
+KIND, VALIDATION = "identify", "validate"
 
 router = APIRouter()
 
 
-class Models(BaseModel):
-    """What can be fitted: models that make a force by themselves, and what can be added to them."""
+class Choices(BaseModel):
+    """What can be chosen: models that make a force by themselves, add-ons, and losses and splits with their words."""
 
     models: list[str]
     add_ons: list[str]
-
-
-class Wanted(BaseModel):
-    """What to identify. Without a model every model of the catalogue is tried (or those in ``tried``)."""
-
-    records: list[str] = Field(
-        min_length=1, max_length=200, description="Keys of records; validation records are predicted."
-    )
-    model: str | None = Field(default=None, max_length=120, description="Such as dahl + spring.")
-    tried: list[Annotated[str, Field(max_length=120)]] = Field(default=[], max_length=30)
-    predict: Literal["", "record", "input", "frequency", "amplitude", "time"] = ""
-    loss: Literal["squares", "huber", "l1"] = "squares"
-    bandwidth: float | None = Field(default=None, gt=0, le=1e5, allow_inf_nan=False, description="Of the velocity, Hz.")
+    losses: dict[str, str]
+    splits: dict[str, str]
 
 
 class Card(BaseModel):
-    """The name that a card is kept by."""
+    """The name that a card is saved by."""
 
     name: str = Field(min_length=1, max_length=80)
 
@@ -56,25 +48,30 @@ class SavedCard(BaseModel):
     name: str
 
 
-@router.get("/models")
-def list_models() -> Models:
-    """What can be fitted."""
-    return Models(models=[name for name in names() if _stands_alone(name)], add_ons=list(ADD_ONS))
+@router.get("/choices")
+def list_choices() -> Choices:
+    """Allowed values of a request."""
+    return Choices(**choices())
 
 
 @router.post("/jobs", status_code=202)
-def identify(here: Here, wanted: Wanted) -> JobState:
-    """Start to identify; the job says how far it is, its result what was found."""
-    for key in wanted.records:
-        record_sources.place(here.data, key)
-    if wanted.model is None:
-        check_count(len(wanted.records))
-    for model in [wanted.model, *wanted.tried]:
-        if model is not None:
-            compose(model)
-    count = len(wanted.records)
-    title = f"{wanted.model or 'the best model'}, {count} record{'s' if count > 1 else ''}"
-    return as_job_state(here.jobs.submit(KIND, wanted.model_dump(), title))
+def start_identification(here: Here, request: IdentifyRequest) -> JobState:
+    """Start to identify; the job reports progress and has the result."""
+    _check_keys(here, request.records)
+    request.options()
+    if request.model is None:
+        check_count(len(request.records))
+    title = f"{request.model or 'the best model'}, {_counted(len(request.records))}"
+    return as_job_state(here.jobs.submit(KIND, request.model_dump(), title))
+
+
+@router.post("/validations", status_code=202)
+def start_validation(here: Here, request: ValidateRequest) -> JobState:
+    """Start to validate a card on records that it predicts."""
+    _check_keys(here, request.records)
+    damper_of(here.data, request.card)
+    title = f"validation of {title_of(request.card)}, {_counted(len(request.records))}"
+    return as_job_state(here.jobs.submit(VALIDATION, request.model_dump(), title))
 
 
 @router.get("/jobs/{id}/curves")
@@ -87,13 +84,13 @@ def read_curves(here: Here, id: Id, record: Annotated[str, Query(max_length=200)
 
 
 @router.post("/jobs/{id}/card", status_code=201)
-def keep_card(here: Here, id: Id, card: Card) -> SavedCard:
-    """Keep the damper's card in the folder ``cards`` of the data folder; one that is there is not replaced."""
+def save_card(here: Here, id: Id, card: Card) -> SavedCard:
+    """Save the damper's card in the folder ``cards`` of the data folder; an existing one is not replaced."""
     source = _done(here, id) / CARD
     if not source.is_file():
         raise InputError("this fit made no damper, so there is no card; see its reason")
     if not safe_paths.is_name(card.name):
-        raise InputError(f"{card.name!r} is no name of a file; write letters, digits, space and .()+@=-_")
+        raise InputError(f"{card.name!r} is not a file name; use letters, digits, space and .()+@=-_")
     target = safe_paths.inside(here.data, f"{CARDS}/{card.name}.toml")
     safe_paths.check_quota(here.data, 2**16, here.quota)
     target.parent.mkdir(exist_ok=True)
@@ -107,19 +104,23 @@ def keep_card(here: Here, id: Id, card: Card) -> SavedCard:
 
 @router.get("/jobs/{id}/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
 def give_page(here: Here, id: Id) -> FileResponse:
-    """The page of the fit as `dampyr identify --report` writes it, as a file to keep."""
-    return FileResponse(_done(here, id) / PAGE, media_type="text/html", filename="identified.html")
+    """The page as `dampyr identify --report` or `dampyr validate --report` writes it, as a file to keep."""
+    name = {KIND: "identified.html", VALIDATION: "validated.html"}
+    path = _done(here, id, tuple(name)) / PAGE
+    return FileResponse(path, media_type="text/html", filename=name[here.jobs.job(id).kind])
 
 
-def _done(here: AppState, id: str) -> Any:
-    if here.jobs.job(id).kind != KIND:
-        raise MissingData("that job identified nothing")
+def _done(here: AppState, id: str, kinds: tuple[str, ...] = (KIND,)) -> Any:
+    if here.jobs.job(id).kind not in kinds:
+        raise MissingData("that job is not an identification")
     here.jobs.result(id)
     return here.jobs.place(id)
 
 
-def _stands_alone(name: str) -> bool:
-    try:
-        return name not in ADD_ONS and bool(compose(name))
-    except InputError:
-        return False
+def _check_keys(here: AppState, keys: list[str]) -> None:
+    for key in keys:
+        record_sources.place(here.data, key)
+
+
+def _counted(count: int) -> str:
+    return f"{count} record{'s' if count > 1 else ''}"

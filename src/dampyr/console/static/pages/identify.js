@@ -13,12 +13,12 @@ const FORCE = { words: "force", unit: "N" };
 export async function show(root, query) {
   let stop = null;
   let charts = [];
-  const known = await get("identify/models");
+  const choices = await get("identify/choices");
   const records = await picker(query.getAll("record"), () => {});
-  const model = choice(known.models, { value: "dahl" });
-  const ons = known.add_ons.map((name) => [name, tick(name)]);
-  const loss = choice([["squares", "least squares"], ["huber", "huber: bears wild samples"], ["l1", "l1: bears wild samples"]]);
-  const predict = choice([["", "no"], ["record", "by record"], ["input", "by input"], ["frequency", "by frequency"], ["amplitude", "by amplitude"], ["time", "the last part of each"]]);
+  const model = choice(choices.models, { value: "dahl" });
+  const ons = choices.add_ons.map((name) => [name, tick(name)]);
+  const loss = choice(Object.entries(choices.losses));
+  const predict = choice([["", "no"], ...Object.entries(choices.splits)]);
   const bandwidth = h("input", { type: "text", inputmode: "decimal" });
   const progress = h("div");
   const sheet = h("div");
@@ -81,8 +81,8 @@ export async function show(root, query) {
         r.held.map((one) => h("p", {}, one.problem || `Validation record ${one.record}: L1 ${number(100 * one.l1, 3)} %, predicted.`)),
         h("div", { class: "row" }, r.card ? [field("Name of the card", name), button("Save the card", keep, { class: "main" })] : h("span", {}, "There is no damper to save."),
           h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
-        r.doubts.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.doubts.map((one) => h("li", {}, one)))) : null),
-      r.leaderboard ? board(r.leaderboard) : "",
+        r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((one) => h("li", {}, one)))) : null),
+      r.data.leaderboard ? board(r.data.leaderboard.entries) : "",
       section("Measured and modelled", field("Record", which), plots),
       section("Parameters", table({
         caption: r.parameters.caption, columns: r.parameters.columns.map((words) => ({ name: words })), rows: r.parameters.rows })),

@@ -1,0 +1,48 @@
+"""Requests of the Identify page, and the options of the jobs that they mean."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, Field
+
+from dampyr.identification import IdentifyOptions, ValidateOptions
+from dampyr.identification.score import SETTLING
+
+Keys = Annotated[list[str], Field(min_length=1, max_length=200, description="Keys of records.")]
+Model = Annotated[str, Field(max_length=120, description="Such as dahl + spring.")]
+
+
+class IdentifyRequest(BaseModel):
+    """What to identify from which records; validation records are predicted.
+
+    Without a model every model of the catalogue is tried, or those in ``tried``. The values that ``loss`` and ``predict``
+    allow are those of ``/api/identify/choices``.
+    """
+
+    records: Keys
+    model: Model | None = None
+    tried: list[Model] = Field(default=[], max_length=30)
+    predict: str = Field(default="", max_length=20, description="A split to cross-validate by, or nothing.")
+    loss: str = Field(default="squares", max_length=20)
+    bandwidth: float | None = Field(default=None, gt=0, le=1e5, allow_inf_nan=False, description="Of the velocity, Hz.")
+
+    def options(self) -> IdentifyOptions:
+        """The options of `dampyr.identification.identify`."""
+        predict = (self.predict,) if self.predict else ()
+        return IdentifyOptions(
+            model=self.model, tried=tuple(self.tried), predict=predict, loss=self.loss, bandwidth=self.bandwidth
+        )
+
+
+class ValidateRequest(BaseModel):
+    """Records that a damper predicts: a card of the data folder (``cards/NAME.toml``) or a published set."""
+
+    records: Keys
+    card: str = Field(min_length=1, max_length=200)
+    settling: float = Field(default=SETTLING, ge=0, le=1e4, allow_inf_nan=False, description="s, not scored.")
+    allow_extrapolation: bool = False
+
+    def options(self) -> ValidateOptions:
+        """The options of `dampyr.identification.validate`."""
+        return ValidateOptions(self.settling, self.allow_extrapolation)

@@ -1,0 +1,82 @@
+"""Acceptance of many records as one job: records and a reference in, one verdict and those of the records out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from dampyr.errors import InputError
+from dampyr.identification.acceptance import QUANTITIES, Acceptance, Quantity, Tolerance, Verdict, accept
+from dampyr.models import Damper
+from dampyr.records import Record, nominal_inputs
+from dampyr.to_json import plain
+
+
+@dataclass(frozen=True)
+class AcceptOptions:
+    """Options of `accept_records`; see `dampyr.identification.accept`."""
+
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    quantities: tuple[Quantity, ...] = QUANTITIES
+    offset: float | None = None
+    allow_extrapolation: bool = False
+
+    def __post_init__(self) -> None:
+        unknown = [each for each in self.quantities if each not in QUANTITIES]
+        if unknown or not self.quantities:
+            what = f"{unknown[0]!r} is not among the quantities" if unknown else "no quantity is given"
+            raise InputError(f"{what}; choose from {', '.join(QUANTITIES)}")
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """Result of `accept_records`: the judgement of each record; ``reference`` is what the reference is called."""
+
+    reference: str
+    results: tuple[Acceptance, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict of all: failed where one failed, not judged where one was not, else passed."""
+        verdicts = {one.verdict for one in self.results}
+        order: tuple[Verdict, ...] = ("failed", "not judged", "passed")
+        return next(each for each in order if each in verdicts)
+
+    def as_dict(self) -> dict[str, Any]:
+        """All results for JSON, SI units."""
+        records = [one.as_dict() for one in self.results]
+        return dict(plain({"reference": self.reference, "verdict": self.verdict, "records": records}))
+
+
+def accept_records(
+    records: Sequence[Record],
+    reference: Damper | Sequence[Record],
+    options: AcceptOptions | None = None,
+    name: str = "the reference",
+    progress: Callable[[str, float], None] | None = None,
+) -> Accepted:
+    """Judge every whole cycle of every record by a damper, or by records of a reference damper.
+
+    Measured inputs that are constant but for noise count as constants, those close to an input of the reference as that one.
+    ``name`` is what the reference is called.
+    """
+    options = options or AcceptOptions()
+    if not records:
+        raise InputError("there are no records to judge; give one or more")
+    against = reference if isinstance(reference, Damper) else nominal_inputs(reference)
+    results = []
+    for k, record in enumerate(nominal_inputs(records, inputs_of(against))):
+        if progress:
+            progress("judging", k / len(records))
+        results.append(
+            accept(record, against, options.tolerance, options.quantities, options.offset, options.allow_extrapolation)
+        )
+    return Accepted(name, tuple(results))
+
+
+def inputs_of(reference: Damper | Sequence[Record]) -> Sequence[float]:
+    """The inputs that a reference says something of: the ends of a damper's range, or those of its records."""
+    if isinstance(reference, Damper):
+        return reference.range
+    return sorted({record.input_value for record in reference if record.input_value is not None})

@@ -1,0 +1,310 @@
+"""Identification as one job: the records in, a fit, its validations and the damper's card out.
+
+The command line and the console both call `identify`; a choice that they offer (models, losses, splits) comes from `choices`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from multiprocessing import get_context
+from typing import Any
+
+from dampyr.errors import InputError
+from dampyr.identification.fit import Fit, fit
+from dampyr.identification.leaderboard import ADD_ONS, Leaderboard, check_count, leaderboard
+from dampyr.identification.robust import LOSSES, check_loss
+from dampyr.identification.score import Score, score
+from dampyr.identification.screening import held_in
+from dampyr.identification.splits import PARTS, split_tasks
+from dampyr.identification.validation import Validation, cross_validate
+from dampyr.models import Damper, compose, names
+from dampyr.records import Record, check_bandwidth, nominal_inputs
+from dampyr.to_json import plain
+
+Progress = Callable[[str, float], None]
+
+SPLITS = (*PARTS, "time")
+HALF_WAY = 20.0  # steps after which a fit's progress stands at one half: most fits take 10 to 40
+
+LOSS_WORDS = {
+    "squares": "least squares",
+    "huber": "Huber: robust against outliers",
+    "l1": "L1: robust against outliers",
+}
+SPLIT_WORDS = {
+    "record": "random parts of the records",
+    "input": "one input left out at a time",
+    "frequency": "parts in the order of frequency",
+    "amplitude": "parts in the order of stroke",
+    "waveform": "one kind of motion left out",
+    "time": "the last part of every record",
+}
+
+
+@dataclass(frozen=True)
+class IdentifyOptions:
+    """Options of `identify`; without a ``model`` every model of the catalogue is tried, or those in ``tried``.
+
+    ``predict`` names the splits to cross-validate by; the others are those of `dampyr.identification.fit`. Raises
+    :class:`~dampyr.errors.InputError` for a value that is not allowed.
+    """
+
+    model: str | None = None
+    tried: tuple[str, ...] = ()
+    laws: str | Mapping[str, str] | None = None
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    bandwidth: float | None = None
+    predict: tuple[str, ...] = ()
+    loss: str = "squares"
+    nuisances: tuple[str, ...] = ("offset", "state")
+    tied: Mapping[str, str] | None = None
+    starts: int = 1
+
+    def __post_init__(self) -> None:
+        check_loss(self.loss)
+        for split in self.predict:
+            if split not in SPLITS:
+                raise InputError(f"{split!r} is not a split; choose {', '.join(SPLITS)}")
+        if self.model is None and (self.fixed or self.tied):
+            raise InputError(
+                "fixed and tied parameters need a model: without one every model is tried; name one, such as dahl"
+            )
+        if self.model is not None and self.tried:
+            raise InputError(
+                "the models to try and a model exclude each other; name the models to try, or the one to fit"
+            )
+        for model in (self.model, *self.tried):
+            if model is not None:
+                compose(model)
+        if self.starts < 1:
+            raise InputError(f"starts = {self.starts} is not allowed; give 1 or more")
+
+    @property
+    def of_fit(self) -> dict[str, Any]:
+        """The options of every `fit`."""
+        shared = ("laws", "fixed", "bandwidth", "loss", "nuisances", "tied", "starts")
+        return {name: getattr(self, name) for name in shared}
+
+
+@dataclass(frozen=True)
+class Identified:
+    """Result of `identify`: the ``fit``, its ``validations``, the ``board`` of models where none was named.
+
+    ``predicted`` holds the scores of the records of the role "validation", or why one could not be predicted.
+    """
+
+    fit: Fit
+    validations: tuple[Validation, ...]
+    board: Leaderboard | None
+    predicted: Mapping[str, Score | str]
+    validation_records: tuple[Record, ...] = ()
+
+    @property
+    def damper(self) -> Damper | None:
+        """The damper whose card is saved; its provenance says why its model was chosen. None where the fit made none."""
+        if self.fit.damper is None or self.board is None:
+            return self.fit.damper
+        return replace(self.fit.damper, provenance=dict(self.fit.damper.provenance) | reasons_of_choice(self.board))
+
+    @property
+    def card(self) -> Damper:
+        """The `damper`, or an :class:`~dampyr.errors.InputError` that says why there is none."""
+        if self.damper is None:
+            raise InputError(f"no card was written: {self.fit.reason}")
+        return self.damper
+
+    def as_dict(self) -> dict[str, Any]:
+        """All results for JSON, SI units."""
+        data = fit_as_dict(self.fit)
+        if self.validations:
+            data["predictions"] = list(self.validations)
+        if self.board is not None:
+            data["leaderboard"] = board_as_dict(self.board)
+        if self.predicted:
+            data["validation"] = {
+                name: {"problem": one} if isinstance(one, str) else one.as_dict()
+                for name, one in self.predicted.items()
+            }
+        return dict(plain(data))
+
+
+def choices() -> dict[str, Any]:
+    """Allowed values of the options: models that stand alone, add-ons, and losses and splits with their words."""
+    return {
+        "models": [name for name in names() if _stands_alone(name)],
+        "add_ons": list(ADD_ONS),
+        "losses": {name: LOSS_WORDS.get(name, name) for name in LOSSES},
+        "splits": {name: SPLIT_WORDS.get(name, name) for name in SPLITS},
+    }
+
+
+def identify(
+    records: Sequence[Record],
+    options: IdentifyOptions | None = None,
+    progress: Progress | None = None,
+    workers: int = 1,
+) -> Identified:
+    """Identify a damper from records: fit a model, or the one that predicts best, and validate it.
+
+    Measured inputs that are constant but for noise count as constants (`dampyr.records.nominal_inputs`). Records of the role
+    "validation" are not fitted but predicted. ``progress`` is called with a stage and the fraction of it that is done;
+    ``workers`` processes share the trials where every model is tried. A model that pairs two parts holds the parameters that
+    one leaves to the other, as in the leaderboard, unless ``fixed``, ``laws`` or ``tied`` name them.
+
+    Raises :class:`~dampyr.errors.InputError` for records or options that cannot be used, before anything is fitted.
+    """
+    options = options or IdentifyOptions()
+    tell = progress or (lambda stage, done: None)
+    nominal = nominal_inputs(records)
+    fitted = [record for record in nominal if record.role != "validation"]
+    others = [record for record in nominal if record.role == "validation"]
+    check_records(fitted, others, options)
+    board = None if options.model else _ranked(fitted, options, tell, workers)
+    fit_result, validations = _fitted(fitted, options, board, tell)
+    return Identified(fit_result, validations, board, _predicted(fit_result, others), tuple(others))
+
+
+def identify_each(records: Sequence[Record], options: IdentifyOptions, progress: Progress | None = None) -> list[Fit]:
+    """A fit of ``options.model`` to each record by itself."""
+    if options.model is None:
+        raise InputError("fits of single records need a model: without it every model is tried; name one, such as dahl")
+    tell = progress or (lambda stage, done: None)
+    nominal = nominal_inputs(records)
+    _check_bandwidth(nominal, options)
+    fits = []
+    for k, record in enumerate(nominal):
+        tell("identifying", k / len(nominal))
+        fits.append(fit(options.model, record, **_held(options, options.model)))
+    tell("identifying", 1.0)
+    return fits
+
+
+def check_records(fitted: Sequence[Record], others: Sequence[Record], options: IdentifyOptions) -> None:
+    """Refuse records that the options cannot be used on, before minutes of fitting."""
+    if not fitted:
+        what = "only validation records are chosen, and these are never fitted; choose" if others else "there are no"
+        raise InputError(f"{what} {'some that are for fits' if others else 'records to fit; give one or more'}")
+    if options.model is None:
+        check_count(len(fitted))
+    for split in options.predict:
+        split_tasks(fitted, split)
+    _check_bandwidth(fitted, options)
+
+
+def reasons_of_choice(board: Leaderboard) -> dict[str, str]:
+    """Why a model was chosen, for the provenance of a card: its error, and the runner-up with its own."""
+    error, count = 100 * board.winner.error, len(board.screened)
+    reasons = {"chosen": f"the lowest validation error, {error:.3g} %, of {count} models"}
+    if board.runner_up:
+        reasons["runner-up"] = f"{board.runner_up.model}, {100 * board.runner_up.error:.3g} %"
+    return reasons
+
+
+def fit_as_dict(fit: Fit) -> dict[str, Any]:
+    """One fit for JSON, SI units."""
+    return {
+        "model": str(fit.problem.composition),
+        "records": [record.name for record in fit.records],
+        "converged": fit.converged,
+        "reason": fit.reason,
+        "notes": fit.notes,
+        "clusters": fit.clusters,
+        "parameters": fit.parameters,
+        "stderr": fit.stderr,
+        "naive_stderr": fit.naive_stderr,
+        "intervals_95": {name: None if name in fit.within_records else span for name, span in fit.intervals().items()},
+        "within_records_only": {name: fit.why_no_interval(name) for name in fit.within_records},
+        "units": fit.units,
+        "correlation": fit.correlation,
+        "nuisances": fit.nuisances,
+        "scores": fit.scores,
+    }
+
+
+def board_as_dict(board: Leaderboard) -> dict[str, Any]:
+    """A leaderboard for JSON, without the fits."""
+    measures = ("error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "parameters", "aic", "bic", "seconds")
+    keys = ("model", *measures, "converged", "reason")
+    return {
+        "entries": [{key: getattr(entry, key) for key in keys} for entry in board.entries],
+        "screened": board.screened,
+        "bandwidth_hz": board.bandwidth,
+        "left_out": board.left_out,
+        "seconds": board.seconds,
+    }
+
+
+def _ranked(records: list[Record], options: IdentifyOptions, tell: Progress, workers: int) -> Leaderboard:
+    with _executor(workers) as executor:
+        models = list(options.tried) or None
+        return leaderboard(records, models, executor=executor, progress=tell, **options.of_fit)
+
+
+@contextmanager
+def _executor(workers: int) -> Iterator[Executor | None]:
+    if workers <= 1:
+        yield None
+        return
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
+        yield executor
+
+
+def _fitted(
+    records: list[Record], options: IdentifyOptions, board: Leaderboard | None, tell: Progress
+) -> tuple[Fit, tuple[Validation, ...]]:
+    """The fit to all records, and the validations by the splits that are named; of a leaderboard the winner's."""
+    model = board.winner.model if board else options.model
+    assert model is not None
+    of_fit = _held(options, model) | ({"bandwidth": board.bandwidth} if board else {})
+    fit_result = board.winner.fit if board else None
+    if fit_result is None:
+        tell("identifying", 0.0)
+        fit_result = fit(
+            model, records, **of_fit, progress=lambda step, _: tell("identifying", step / (step + HALF_WAY))
+        )
+        tell("identifying", 1.0)
+    validations = list(board.winner.validations) if board else []
+    for split in options.predict:
+        if all(one.split != split for one in validations):
+
+            def share(done: float, split: str = split) -> None:
+                tell(f"predicting by {split}", done)
+
+            validations.append(cross_validate(model, records, split, progress=share, **of_fit))
+    return fit_result, tuple(validations)
+
+
+def _held(options: IdentifyOptions, model: str) -> dict[str, Any]:
+    """The options of `fit`, with what a pair of parts within ``model`` holds unless an option names it."""
+    laws = options.laws if isinstance(options.laws, Mapping) else {}
+    named = {*options.fixed, *laws, *(options.tied or {}), *(options.tied or {}).values()}
+    held = {name: value for name, value in held_in(model).items() if name not in named}
+    return options.of_fit | {"fixed": held | dict(options.fixed)}
+
+
+def _check_bandwidth(records: Sequence[Record], options: IdentifyOptions) -> None:
+    if options.bandwidth is not None:
+        check_bandwidth(records, options.bandwidth)
+
+
+def _predicted(fit_result: Fit, records: Sequence[Record]) -> dict[str, Score | str]:
+    """How well the damper predicts validation records, or why it cannot."""
+    if fit_result.damper is None:
+        return {}
+    scores: dict[str, Score | str] = {}
+    for record in records:
+        try:
+            scores[record.name] = score(fit_result.damper, record)
+        except InputError as problem:
+            scores[record.name] = str(problem)
+    return scores
+
+
+def _stands_alone(name: str) -> bool:
+    try:
+        return name not in ADD_ONS and bool(compose(name))
+    except InputError:
+        return False

@@ -1,0 +1,147 @@
+"""Simulation as one job: a building, a ground motion and a damper in, the responses at each of its inputs out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from dampyr import units
+from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion
+from dampyr.models import Damper
+from dampyr.structures.building import Building
+from dampyr.structures.control_law import control_law
+from dampyr.structures.respond import ACCURACIES, respond
+from dampyr.structures.response import Response
+from dampyr.to_json import plain
+
+BARE = "no damper"
+
+
+@dataclass(frozen=True)
+class SimulateOptions:
+    """Options of `simulate`: one case per number in ``inputs`` and per control law in ``laws``.
+
+    ``inputs`` are V or A, as the damper takes them; a law is written as in ``on_off`` or ``on_off:period=0.01,lag=5ms``
+    (see `law_of`). The damper stands in storey ``place``, or between two floors (i, j), without the parts in ``without``,
+    on a brace of stiffness ``brace`` in N/m where one is given. Raises :class:`~dampyr.errors.InputError` for a value that is
+    not allowed.
+    """
+
+    inputs: tuple[float, ...] = ()
+    laws: tuple[str, ...] = ()
+    place: Any = 1
+    brace: float | None = None
+    without: tuple[str, ...] = ()
+    accuracy: str = "strict"
+    allow_extrapolation: bool = False
+
+    def __post_init__(self) -> None:
+        check_inputs(self.inputs, self.laws)
+        if self.accuracy not in ACCURACIES:
+            raise InputError(f"accuracy = {self.accuracy!r} is not allowed; choose {', '.join(ACCURACIES)}")
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """Result of `simulate`: the cases by name, that without damper first; ``unit`` of the damper's input."""
+
+    building: str
+    motion: str
+    unit: str
+    cases: Mapping[str, Response]
+
+    @property
+    def title(self) -> str:
+        """Building and motion."""
+        return f"{self.building}, {self.motion}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """The peaks of each case for JSON, SI units."""
+        return dict(plain({name: _response_as_dict(response) for name, response in self.cases.items()}))
+
+
+def simulate(
+    building: Building,
+    motion: GroundMotion,
+    damper: Damper,
+    options: SimulateOptions,
+    progress: Callable[[str, float], None] | None = None,
+) -> Simulated:
+    """The response of a building to a ground motion without a damper, then with it at each input and under each law.
+
+    ``progress`` is called with a stage and the fraction that is done.
+    """
+    tell = progress or (lambda stage, done: None)
+    fitted = installed(damper, options.without, options.brace)
+    inputs = all_inputs(fitted, options.inputs, options.laws)
+    kind = "voltage" if fitted.input == "V" else "current"
+    tell("without damper", 0.0)
+    cases = {BARE: respond(building, motion, accuracy=options.accuracy)}
+    for k, u in enumerate(inputs, start=1):
+        tell(f"case {k + 1} of {len(inputs) + 1}", k / (len(inputs) + 1))
+        given: dict[str, Any] = {kind: u, "allow_extrapolation": options.allow_extrapolation}
+        response = respond(building, motion, {options.place: fitted}, accuracy=options.accuracy, **given)
+        cases[response.laws[0] or f"{u:g} {fitted.input}"] = response
+    return Simulated(building.name, motion.name, fitted.input, cases)
+
+
+def installed(damper: Damper, without: tuple[str, ...] = (), brace: float | None = None) -> Damper:
+    """The damper less some of its parts, on a brace where its stiffness in N/m is given."""
+    rest = damper.without(*without)
+    return rest if brace is None else rest.on_brace(brace)
+
+
+def all_inputs(damper: Damper, inputs: tuple[float, ...], laws: tuple[str, ...]) -> list[Any]:
+    """The constant inputs, then the control laws."""
+    return [*inputs, *(law_of(text, damper) for text in laws)]
+
+
+def check_inputs(inputs: tuple[float, ...], laws: tuple[str, ...]) -> None:
+    """Refuse a request that has neither an input nor a law."""
+    if not inputs and not laws:
+        raise InputError("no input and no control law is given; give one or more")
+
+
+def law_of(text: str, damper: Damper) -> Any:
+    """The control law written as ``on_off:lag=10ms,high=3``, over the damper's calibrated range unless it gives low and high.
+
+    Several weights are parted by slashes, ``lyapunov:weights=1/2/3/4``.
+    """
+    name, _, rest = text.partition(":")
+    low, high = damper.range
+    settings: dict[str, Any] = {"low": low, "high": high}
+    for part in rest.split(",") if rest else []:
+        key, equals, value = (word.strip() for word in part.partition("="))
+        if not equals:
+            raise InputError(
+                f"control law {text!r}: {part!r} is not a setting; write it as in on_off:period=0.01,lag=0.005"
+            )
+        settings[key] = value.split("/") if key == "weights" else _number(key, value)
+    return control_law(name, **settings)
+
+
+def _number(key: str, value: str) -> Any:
+    """A number in SI units, or for a time one with its unit, ``5ms``; what is neither is left to the law to refuse."""
+    try:
+        return float(value)
+    except ValueError:
+        return units.parse(value, "s") if key in ("period", "lag") else value
+
+
+def _response_as_dict(response: Response) -> dict[str, Any]:
+    return {
+        "peak_displacement_m": response.peak_displacement,
+        "peak_drift_m": response.peak_drift,
+        "peak_acceleration_m_s2": response.peak_acceleration,
+        "peak_base_shear_N": response.peak_base_shear,
+        "peak_force_N": response.peak_force,
+        "sites": response.sites,
+        "laws": response.laws,
+        "mean_input": response.input.mean(axis=1),
+        "scheme": response.scheme,
+        "step_s": response.step,
+        "error_estimate": response.error_estimate,
+        "converged": response.converged,
+    }
