@@ -86,7 +86,7 @@ def campaigns(page: Any) -> None:
     page.locator("#g-amplitude").fill("4, 8")
     page.locator("#g-frequency").fill("0.5, 1, 2")
     page.locator("#file").fill("grid")
-    page.get_by_text("The rig cannot do 3 things of this campaign").wait_for()
+    page.get_by_text("The rig refuses 3 items of this campaign").wait_for()
 
 
 def records(page: Any) -> None:
@@ -126,7 +126,7 @@ def building(page: Any) -> None:
     """The two storeys with and without damper."""
     page.get_by_label("Inputs").fill("0 1.98")
     page.get_by_label("on off").check()
-    page.get_by_role("button", name="Shake it").click()
+    page.get_by_role("button", name="Simulate").click()
     page.get_by_role("heading", name="Peaks").wait_for(timeout=MAX_WAIT)
 
 

@@ -62,7 +62,7 @@ def test_the_table_and_the_page(tmp_path: Path) -> None:
         "Incremental analysis",
         "no case exceeds the limit",
         "84 %",
-        "How far to trust it",
+        "Accuracy",
     ):
         assert words in page
     assert page.count("<svg") == 4
@@ -103,14 +103,14 @@ def test_parts_in_processes_of_their_own(tmp_path: Path) -> None:
         (("--voltage", "0", "--limit", "12 s"), "write it as in 12mm, 1% or 0.5g"),
         (("--voltage", "0", "--limit", "1%"), "is a ratio of the storey height"),
         (("--voltage", "0", "--limit", "12mm", "--height", "3m"), "--height belongs to a limit in per cent"),
-        (("--voltage", "0", "--scale", "2:1:0.1"), "'2:1:0.1' is no number and no range"),
+        (("--voltage", "0", "--scale", "2:1:0.1"), "'2:1:0.1' is neither a number nor a range"),
         (("--voltage", "0", "--scale", "1,1"), "1 is given twice"),
-        (("--voltage", "0", "--shard", "3/2", "--out", "x"), "'3/2' is no part"),
+        (("--voltage", "0", "--shard", "3/2", "--out", "x"), "'3/2' is not a part"),
         (("--voltage", "0", "--shard", "1/2"), "name it with --out"),
         (("--voltage", "0", "--shard", "1/2", "--collect", "x"), "exclude each other"),
         (("--voltage", "0", "--shard", "1/2", "--out", "x", "--limit", "12mm"), "a part alone has no results yet"),
         (("--voltage", "0", "--draws", "3"), "no covariance to draw from"),
-        (("--voltage", "0", "--dt", "0.01"), "belong to files of one's own"),
+        (("--voltage", "0", "--dt", "0.01"), "belong to files that are given with --motion"),
         (("--voltage", "9"), "range"),
         (("--collect", "nowhere"), "holds no part of an ensemble"),
         (("--read", "nowhere.h5"), "is not there"),

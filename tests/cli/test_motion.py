@@ -99,7 +99,7 @@ def test_a_page_shows_histories_and_spectra(tmp_path: Path) -> None:
         (("--sa", "3g"), "write it as in 0.5g@0.48s or 0.5g@0.48s@5%"),
         (("--sa", "3g@0.5mm"), "does not measure"),
         (("--damping", "5"), "a damping of 5 is not allowed; it must be from 0 to less than 1, as in 5% or 0.05"),
-        (("--damping", "five"), "'five' is no damping"),
+        (("--damping", "five"), "'five' is not a damping"),
         (("--period", "-1"), "periods: -1 s is not allowed"),
         (("--dt", "0.01"), "belong to a file of one's own"),
         (("nothing.at2",), "no such file"),

@@ -87,7 +87,7 @@ def test_a_campaign_reads_no_file_of_elsewhere(client, key, path):
     kind = "earthquake" if key == "motion" else "sine"
     answer = client.post("/api/campaigns/plan", json={"text": f'[[step]]\nkind = "{kind}"\n{key} = "{path}"\n'})
     assert answer.status_code == 400
-    assert "is no name of a file here" in answer.json()["detail"]
+    assert "is not a valid file name" in answer.json()["detail"]
 
 
 @pytest.mark.parametrize(

@@ -14,14 +14,14 @@ def test_a_grid_is_planned_repaired_saved_and_opened_again(address, new_page, ac
     page.locator("#g-amplitude").fill("4, 8")
     page.locator("#g-frequency").fill("0.5, 2")
     page.locator("#g-voltage").fill("0, 1.98")
-    page.get_by_text("The rig cannot do 2 things of this campaign; nothing of it would run.").wait_for()
+    page.get_by_text("The rig refuses 2 items of this campaign, so nothing would run.").wait_for()
     page.get_by_text(re.compile("sine 8 mm at 2 Hz, 1.98 V: needs .*; lower the amplitude to 4.85 mm")).wait_for()
     assert page.locator(".envelope circle").count() == 8
     assert page.locator(".envelope .refused").count() == 2
     assert page.locator("#plan tbody tr").count() == 8
     accessible(page)
     page.locator("#g-amplitude").fill("4")
-    page.get_by_text("The rig can do all of it: 4 tests").wait_for()
+    page.get_by_text("The rig can run all 4 tests").wait_for()
     page.locator("#file").fill("my grid")
     page.locator("#save").click()
     page.get_by_text("Saved: my grid").wait_for()

@@ -31,7 +31,7 @@ def test_a_campaign_is_planned_and_saved(at, reach, data):
         reach(page, page.locator(f"#{id}"))
         page.keyboard.press("Control+a")
         page.keyboard.type(typed)
-    page.get_by_text("The rig can do all of it: 2 tests").wait_for()
+    page.get_by_text("The rig can run all 2 tests").wait_for()
     reach(page, page.locator("#save"))
     page.keyboard.press("Enter")
     page.get_by_text("Saved: by hand").wait_for()
@@ -66,7 +66,7 @@ def test_records_are_identified_and_the_card_is_saved_and_another_page_may_not_r
     page.keyboard.type("mine")
     reach(page, save)
     page.keyboard.press("Space")
-    page.get_by_text("The card mine.toml is kept").wait_for()
+    page.get_by_text("Saved the card mine.toml").wait_for()
     before = (data / "cards" / "mine.toml").read_bytes()
     assert Damper.load(data / "cards" / "mine.toml").provenance["records"] == "ensaio.A.4"
 
@@ -82,7 +82,7 @@ def test_a_building_is_shaken_and_its_peaks_are_read(at, reach):
     reach(page, page.get_by_label("Inputs"))
     page.keyboard.press("Control+a")
     page.keyboard.type("1.98")
-    reach(page, page.get_by_role("button", name="Shake it"))
+    reach(page, page.get_by_role("button", name="Simulate"))
     page.keyboard.press("Enter")
     peaks = page.get_by_role("region", name=re.compile("Peaks inside the step"))
     peaks.wait_for(timeout=180_000)

@@ -34,12 +34,12 @@ def test_a_record_is_uploaded_fitted_and_its_card_saved(page, data, campaign_fol
         page.get_by_role("tab", name=view).click()
         page.get_by_role("tabpanel").locator("canvas, table, dl").first.wait_for()
     page.get_by_label("Note").fill("bolts were loose")
-    page.get_by_role("button", name="Keep the note").click()
-    page.get_by_text("The note is kept").wait_for()
+    page.get_by_role("button", name="Save the note").click()
+    page.get_by_text("The note is saved").wait_for()
     accessible(page)
 
     go(page, "identify")
-    page.get_by_label("From").select_option("data")
+    page.get_by_label("Source").select_option("data")
     page.get_by_label("Choose from the lab").check()
     page.get_by_role("button", name="Identify", exact=True).click()
     page.wait_for_url(re.compile("job="))
@@ -48,7 +48,7 @@ def test_a_record_is_uploaded_fitted_and_its_card_saved(page, data, campaign_fol
     page.get_by_role("heading", name="Measured and modelled").wait_for()
     page.get_by_label("Name of the card").fill("lab 1")
     page.get_by_role("button", name="Save the card").click()
-    page.get_by_text("The card lab 1.toml is kept").wait_for()
+    page.get_by_text("Saved the card lab 1.toml").wait_for()
     assert (data / "cards/lab 1.toml").is_file()
     accessible(page)
 
@@ -84,7 +84,7 @@ def test_the_table_sorts_by_its_numbers(page, campaign_folder):
 def test_a_building_is_shaken_and_the_response_survives_a_reload(page, accessible):
     go(page, "building")
     page.get_by_label("Inputs").fill("1.98")
-    page.get_by_role("button", name="Shake it").click()
+    page.get_by_role("button", name="Simulate").click()
     page.get_by_role("heading", name="Peaks").wait_for(timeout=180_000)
     assert page.locator("tr", has_text="no damper").first.locator("td").nth(1).inner_text() == "45.53"
     page.reload()
@@ -99,7 +99,7 @@ def test_a_building_is_shaken_and_the_response_survives_a_reload(page, accessibl
 def test_a_wrong_number_is_told_and_nothing_is_sent(page, client):
     go(page, "building")
     page.get_by_label("Inputs").fill("some")
-    page.get_by_role("button", name="Shake it").click()
+    page.get_by_role("button", name="Simulate").click()
     page.get_by_text("Inputs: some is not numbers").wait_for()
 
 

@@ -39,7 +39,7 @@ def test_the_names_of_this_machine_are_known(client, host):
 def test_a_foreign_name_is_refused_even_if_it_leads_here(client, host):
     answer = client.get("/api/console", headers={"host": host})
     assert answer.status_code == 400
-    assert answer.json() == {"detail": "this console is not known by that name; open it at the address that it printed"}
+    assert answer.json() == {"detail": "this console does not have that name; open it at the address that it printed"}
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ DONE = "0123456789abcdef"
 
 def progress(page):
     """The work that the page shows."""
-    return page.get_by_role("group", name="Work in progress")
+    return page.get_by_role("group", name="Job in progress")
 
 
 @pytest.mark.prove

@@ -96,7 +96,7 @@ def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> N
     ids = reader.values("id")
     assert len(ids) == len(set(ids))
     titles = reader.inside("h2")
-    for title in ("In short", "Parameters", "Where it was calibrated", "What the model leaves"):
+    for title in ("In short", "Parameters", "Calibrated range", "Residuals"):
         assert title in titles
     assert set(fit_result.parameters) <= set(reader.inside("td"))
     assert not re.search(r"\bnan\b|\binf\b", " ".join(reader.inside("p") + reader.inside("td") + reader.inside("text")))
@@ -191,8 +191,8 @@ def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(jo
     html = path.read_text("utf-8")
     titles = Reader(html).inside("h2")
     assert titles[:4] == ["In short", "Which model", "Another", "Parameters"]
-    first = titles.index("How well it describes the records")
-    assert titles[first + 1] == "How well it predicts records that it never saw"
+    first = titles.index("Goodness of fit")
+    assert titles[first + 1] == "Prediction of unseen records"
     assert "L1 30 % on average, 2 records, split by record" in html
 
 

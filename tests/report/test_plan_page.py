@@ -30,7 +30,7 @@ def test_the_page_tells_every_test_every_refusal_and_every_note(tmp_path):
     assert "scaled to" in html
     assert "its force is not known" in html
     assert html.count("<svg") == 3  # the envelope, a sine, an earthquake
-    assert "What the rig cannot do" in html
+    assert "Refused by the rig" in html
 
 
 def test_a_plan_without_motion_has_a_page(tmp_path):

@@ -54,9 +54,9 @@ def test_a_page_says_which_records_the_card_was_fitted_on(tmp_path: Path) -> Non
     assert [text for text in reader.inside("h2") if "record:" in text] == ["The best record: a", "The worst record: c"]
     cells = reader.inside("td")
     assert cells[:2] == ["fitted", "2"]
-    assert cells[5:7] == ["never seen", "1"]
+    assert cells[5:7] == ["unseen", "1"]
     assert "0 V, fitted" in " ".join(reader.inside("text"))
-    assert "1 V, never seen" in " ".join(reader.inside("text"))
+    assert "1 V, unseen" in " ".join(reader.inside("text"))
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 A command is a file of this folder called as the command, with a click command (or group) named ``command``::
 
-    \"""Tell the mass of a damper.\"""
+    \"""Print the mass of a damper.\"""
 
     import click
 
@@ -13,11 +13,11 @@ A command is a file of this folder called as the command, with a click command (
     @click.argument("card", type=click.Path())
     @as_json_option
     def command(card: str, as_json: bool) -> None:
-        \"""Tell the mass of the damper in CARD.
+        \"""Print the mass of the damper in CARD.
 
         The first sentence stands in ``dampyr --help``.
         \"""
-        from dampyr import models  # rooms are entered here, not above: help stays quick
+        from dampyr import models  # imported here, not above: help stays quick
 
         damper = models.Damper.load(card)
         ...
@@ -26,7 +26,7 @@ A command is a file of this folder called as the command, with a click command (
         else:
             print_table("Mass", ["damper", "mass"], [[..., ...]], units=["", "kg"])
 
-It parses, calls one public function of a room, and prints: nothing is computed here. An underscore in the
+It parses, calls one public function of a package, and prints: nothing is computed here. An underscore in the
 file's name is a hyphen in the command's. It may return an exit code; None is 0. A
 :class:`dampyr.errors.DampyrError`, a file that cannot be opened and a wrong option end it with one line on
 stderr and exit code 2; a :class:`dampyr.errors.DampyrWarning` is one line on stderr. Any other exception is a

@@ -27,7 +27,7 @@ MAX_SCALES = 10_000  # more is a mistyped step, such as 0.1:3:1e-9
 
 @dataclass(frozen=True)
 class EnsembleRequest:
-    """What the command line says about the cases."""
+    """The command line's options of the cases."""
 
     card: Path | None
     voltages: tuple[float, ...]
@@ -83,7 +83,7 @@ class EnsembleRequest:
         from dampyr.structures.ensemble_run import synthetic_motions
 
         if not self.motions and (self.motion_unit is not None or self.dt is not None):
-            raise InputError("--motion-unit and --dt belong to files of one's own; give them with --motion")
+            raise InputError("--motion-unit and --dt belong to files that are given with --motion")
         motions = [ground_motions.read(path, units=self.motion_unit, dt=self.dt) for path in self.motions]
         if self.synthetic:
             motions += synthetic_motions(self.synthetic, self.seed, self.duration, acceleration(self.pga))
@@ -154,7 +154,7 @@ def _span(text: str) -> list[float]:
         return numbers
     if len(numbers) != 3 or numbers[2] <= 0 or numbers[1] < numbers[0]:
         raise InputError(
-            f"--scale {text!r} is no number and no range; write it as in 0.5,1,2 or 0.1:3:0.1 (from:to:step)"
+            f"--scale {text!r} is neither a number nor a range; write it as in 0.5,1,2 or 0.1:3:0.1 (from:to:step)"
         )
     first, last, step = numbers
     count = int((last - first) / step * (1 + 1e-12) + 1e-9) + 1
@@ -190,14 +190,14 @@ def _percent(text: str) -> float:
     try:
         return float(text.strip().removesuffix("%")) / 100
     except ValueError:
-        raise InputError(f"--limit {text!r} is no ratio; write it as in 1%") from None
+        raise InputError(f"--limit {text!r} is not a ratio; write it as in 1%") from None
 
 
 def shard(text: str) -> tuple[int, int]:
     """``3/32`` as (3, 32)."""
     part, _, parts = text.partition("/")
     if not (part.isdigit() and parts.isdigit() and 1 <= int(part) <= int(parts)):
-        raise InputError(f"--shard {text!r} is no part; write it as in 3/32, counted from 1 to the number of parts")
+        raise InputError(f"--shard {text!r} is not a part; write it as in 3/32, counted from 1 to the number of parts")
     return int(part), int(parts)
 
 

@@ -1,4 +1,4 @@
-"""The frame around all commands: finding them, and ending them in one line when something is wrong."""
+"""The frame around all commands: finding them, and reducing errors to one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A ground motion named on the command line: where it is, and how strong it shall be."""
+"""A ground motion named on the command line: its file, and its scaling."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Ground:
-    """What the command line says about a ground motion."""
+    """The command line's options of a ground motion."""
 
     unit: str | None
     dt: float | None
@@ -31,7 +31,9 @@ class Ground:
         from dampyr import ground_motions
 
         if path is None and (self.unit is not None or self.dt is not None):
-            raise InputError("--motion-unit and --dt belong to a file of one's own; El Centro 1940 knows its own")
+            raise InputError(
+                "--motion-unit and --dt belong to a file that is given with --motion; those of El Centro 1940 are fixed"
+            )
         motion = ground_motions.el_centro() if path is None else ground_motions.read(path, units=self.unit, dt=self.dt)
         return self._scaled(ground_motions.corrected(motion) if baseline else motion)
 
@@ -70,7 +72,7 @@ def motion_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def acceleration(text: str) -> float:
-    """Such as ``0.3g`` or ``3 m/s^2`` in m/s2; a unit is asked for, since a bare 0.3 may mean either."""
+    """Such as ``0.3g`` or ``3 m/s^2`` in m/s2; a unit is required, since a bare 0.3 may mean either."""
     from dampyr import units
 
     try:
@@ -86,7 +88,7 @@ def spectral(text: str) -> tuple[float, float, float]:
 
     parts = text.split("@")
     if len(parts) not in (2, 3):
-        raise InputError(f"{text!r} is no spectral acceleration; write it as in 0.5g@0.48s or 0.5g@0.48s@5%")
+        raise InputError(f"{text!r} is not a spectral acceleration; write it as in 0.5g@0.48s or 0.5g@0.48s@5%")
     return acceleration(parts[0]), units.parse(parts[1], "s"), ratio(parts[2]) if len(parts) == 3 else 0.05
 
 
@@ -96,7 +98,7 @@ def ratio(text: str, what: str = "damping") -> float:
     try:
         value = float(number.removesuffix("%")) / (100 if number.endswith("%") else 1)
     except ValueError:
-        raise InputError(f"{text!r} is no {what}; write it as in 5% or 0.05") from None
+        raise InputError(f"{text!r} is not a {what}; write it as in 5% or 0.05") from None
     if not 0 <= value < 1:
         raise InputError(f"a {what} of {text} is not allowed; it must be from 0 to less than 1, as in 5% or 0.05")
     return value

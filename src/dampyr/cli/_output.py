@@ -1,4 +1,4 @@
-"""What commands print: a table for people, JSON for machines."""
+"""Output of commands: a table for people, JSON for machines."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ WIDTH_OF_A_FILE = 240
 def print_json(data: Any) -> None:
     """Print data as JSON on stdout.
 
-    What becomes of dataclasses, arrays, NaN and infinity is told at :func:`dampyr.to_json.plain`.
+    For dataclasses, arrays, NaN and infinity see :func:`dampyr.to_json.plain`.
     """
     click.echo(json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False))
 

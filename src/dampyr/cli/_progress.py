@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-QUIET = 20.0  # s after which a log hears again of a stage that goes on
+QUIET = 20.0  # s between two lines about one stage in a log
 
 
 @contextmanager
 def stages() -> Iterator[Callable[[str, float], None]]:
-    """A function ``(stage, fraction done)`` that shows one bar per stage, or one line per stage where nobody looks."""
+    """A function ``(stage, fraction done)`` that shows one bar per stage, or prints one line per stage into a log."""
     if not sys.stderr.isatty():
         yield _lines()
         return

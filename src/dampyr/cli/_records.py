@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reading:
-    """What the command line says about files that do not say it themselves."""
+    """Metadata that the command line gives for files without it."""
 
     voltage: float | None
     current: float | None
@@ -67,8 +67,8 @@ def gather(
 ) -> list[Record]:
     """The records in files and folders, measured inputs that are constant but for noise as constants.
 
-    ``role`` chooses among those of a folder, None takes all; measured inputs close to those in ``known`` count as these. What
-    was joined is told in one line on stderr, and so is, with ``warn``, which records create energy.
+    ``role`` chooses among those of a folder, None takes all; measured inputs close to ``reference_inputs`` count as these.
+    A line on stderr lists what was joined, and with ``warn`` another one the records that create energy.
     """
     from dampyr import records
 

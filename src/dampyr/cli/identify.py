@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--model", help="Parts, such as 'dahl + spring + delay'; without, the model that predicts best is found.")
+@click.option(
+    "--model", help="Parts, such as 'dahl + spring + delay'; without, the model that predicts best is chosen."
+)
 @click.option("--try", "tried", multiple=True, metavar="MODEL", help="Without --model: only these instead of all.")
 @click.option("--law", "laws", multiple=True, metavar="[NAME=]KIND", help="constant, interpolation, polynomial:DEGREE.")
 @click.option("--fix", "fixed", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in SI units.")
@@ -35,13 +37,14 @@ if TYPE_CHECKING:
     help="Cross-validate by record, input, frequency, amplitude, waveform or time.",
 )
 @click.option(
-    "--loss", default="squares", show_default=True, help="squares, huber or l1: the last two bear wild samples."
+    "--loss",
+    default="squares",
+    show_default=True,
+    help="squares, huber or l1; the last two are robust against outliers.",
 )
-@click.option(
-    "--nuisance", "nuisances", multiple=True, help="gain, temperature: what else each record keeps to itself."
-)
+@click.option("--nuisance", "nuisances", multiple=True, help="gain, temperature: further per-record effects.")
 @click.option("--tie", "tied", multiple=True, metavar="NAME=OTHER", help="One parameter takes the law of another.")
-@click.option("--starts", default=1, show_default=True, help="From how many starts is searched.")
+@click.option("--starts", default=1, show_default=True, help="Number of starting points of the search.")
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
@@ -143,7 +146,7 @@ def _print(result: Identified, records: list[Record]) -> None:
             [name, None, one] if isinstance(one, str) else [name, 100 * one.l1, ""]
             for name, one in result.predicted.items()
         ]
-        print_table("How well it predicts the validation records", ["record", "L1", ""], rows, ["", "%", ""], digits=3)
+        print_table("Prediction of the validation records", ["record", "L1", ""], rows, ["", "%", ""], digits=3)
 
 
 def _print_fit(fit: Fit) -> None:
@@ -159,13 +162,13 @@ def _print_fit(fit: Fit) -> None:
     names = ["parameter", "value", "95 % ±", "standard error", "naive error", "unit"]
     names += ["error holds"] if fit.within_records else []
     print_table(f"{fit.problem.composition}, {len(fit.records)} records", names, rows, digits=5, notes=notes)
-    title = "How well it describes what it was fitted to (no prediction)"
+    title = "Goodness of fit (not a prediction)"
     _print_groups(title, list(fit.records), {name: s.l1 for name, s in fit.scores.items()})
 
 
 def _print_prediction(check: Validation, records: list[Record]) -> None:
     """The scores of records that the model was not fitted on, by input."""
-    title = f"How well it predicts records that it was not fitted on, {len(check.folds)} parts by {check.split}"
+    title = f"Prediction of records that it was not fitted on, {len(check.folds)} parts by {check.split}"
     notes = [f"a part of {len(f.fitted_on)} records gave no damper: {f.reason}" for f in check.folds if not f.scores]
     notes += [f"a fit on {len(f.fitted_on)} records {f.reason}" for f in check.folds if f.scores and not f.converged]
     _print_groups(title, records, {name: s.l1 for name, s in check.scores.items()}, notes)

@@ -147,5 +147,5 @@ def _moved(seen: Overview) -> list[tuple[str, Any]]:
         ("peak speed", f"{1e3 * seen.peak_speed:.4g} mm/s"),
         ("rms speed", f"{1e3 * seen.rms_speed:.4g} mm/s"),
         ("strongest at", f"{seen.dominant_hz:.3g} Hz"),
-        ("energy in all", f"{seen.work:.4g} J"),
+        ("total energy", f"{seen.work:.4g} J"),
     ]

@@ -57,9 +57,9 @@ def app(
     data
         where records, cards and campaigns are, and where everything is written; made where it is missing.
     token
-        what a browser must tell once; None asks for none.
+        what a browser must present once; None requires none.
     loopback_only
-        whether it is known by the names of this machine's loopback alone.
+        whether only the names of this machine's loopback are accepted.
     quota
         bytes that the data folder may hold before uploads are refused.
     at_once

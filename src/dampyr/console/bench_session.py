@@ -1,4 +1,4 @@
-"""The bench: one session that owns one rig, for as many pages as look at it.
+"""The bench: one session that owns one rig, for any number of pages.
 
 Commands come from any thread. Each is refused at once with an :class:`~dampyr.errors.InputError` where the bench is in no state
 for it or the page does not hold control, or done soon by the bench's own thread; `Bench.state` tells how it went. Abort alone
@@ -84,7 +84,7 @@ class Bench:
 
     def zero(self, client: str) -> None:
         """Take the mean signal of a second for no force."""
-        self._measure(client, lambda table: self._thread.say(f"no force is {table.zero_force():.5f} V now"))
+        self._measure(client, lambda table: self._thread.say(f"zero force is {table.zero_force():.5f} V now"))
 
     def calibrate(self, client: str) -> None:
         """Begin the guided steps, with the rig disarmed: nothing moves and the coil stays at 0 V."""
@@ -99,11 +99,11 @@ class Bench:
         self._thread.jobs.put(partial(self._thread.read, step, read[step]))
 
     def calibrate_end(self, client: str, keep: bool) -> None:
-        """Keep what was found, beside the rig's file if it has one, or forget it."""
+        """Save the result, next to the rig's file if it has one, or discard it."""
         self._accept(client, ("idle",), None)
         steps, rig = self._steps(), self._connected()
         if keep and rig.folder is not None:
-            self._thread.say(f"written: {steps.save(rig.folder).name}, beside the rig's file")
+            self._thread.say(f"saved: {steps.save(rig.folder).name}, next to the rig's file")
         elif keep:
             rig.calibration = steps.calibration
         self._thread.steps, self._thread.guided = None, None

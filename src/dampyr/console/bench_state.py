@@ -1,4 +1,4 @@
-"""What the bench tells of itself: plain values for a page, SI."""
+"""State of the bench as plain values for a page, SI."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Outcome = Literal["running", "complete", "stopped", "aborted", "failed"]
 
 @dataclass(frozen=True)
 class Ring:
-    """A ring of safety, and what it says."""
+    """A safety layer and its message."""
 
     name: str
     state: RingState

@@ -1,4 +1,4 @@
-"""The thread that owns the rig: everything that touches it happens here, one thing after another, but for an abort."""
+"""The thread that owns the rig: all access to it happens here, one thing after another, except an abort."""
 
 from __future__ import annotations
 
@@ -215,7 +215,7 @@ class BenchThread:
         """Disarm a rig that nobody looks at."""
         self.clients.silent()
         if self.clients.alone > GRACE:
-            self.say("disarmed: no page was open any more")
+            self.say("disarmed: no page is open any more")
             self.enter("disarming")
             self.disarm_requested.set()
 
@@ -225,7 +225,7 @@ class BenchThread:
         if self.disarm_requested.is_set() or self.closing.is_set():
             raise Cancelled("ended: the rig is disarmed")
         if self._mover != self.clients.holder:
-            raise Cancelled("ended: whoever asked for it does not hold control any more")
+            raise Cancelled("ended: the page that requested it no longer holds control")
 
     def _progress(self, progress: Progress) -> None:
         self.progressed(**advanced(progress, self.control.paused))

@@ -46,7 +46,7 @@ class MotionRequest(Strict):
 
     kind: Literal["el_centro", "kanai_tajimi", "file"] = "el_centro"
     file: str = Field(default="", max_length=200)
-    unit: Literal["", "g", "m/s^2", "cm/s^2"] = Field(default="", description="Of a file that does not say it.")
+    unit: Literal["", "g", "m/s^2", "cm/s^2"] = Field(default="", description="Of a file that does not state it.")
     seed: int = Field(default=1, ge=0, le=2**31)
     duration: float = Field(default=SYNTHETIC_DURATION, ge=1, le=200, description="s, of a synthetic motion.")
     pga: float | None = Field(

@@ -1,4 +1,4 @@
-"""Who looks at the bench, and who of them holds control: one at a time, seen by all, taken over only explicitly."""
+"""The pages that watch the bench, and the one that holds control: visible to all, taken over only explicitly."""
 
 from __future__ import annotations
 

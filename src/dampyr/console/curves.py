@@ -1,4 +1,4 @@
-"""Lines for a browser: few points, with every peak kept."""
+"""Lines for a browser: few points, every peak preserved."""
 
 from __future__ import annotations
 

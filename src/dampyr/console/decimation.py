@@ -1,4 +1,4 @@
-"""What a page draws of a live rig: bins of 10 ms whatever the sampling rate, with the least and the greatest value of each.
+"""Data of the live charts: bins of 10 ms whatever the sampling rate, with the least and the greatest value of each.
 
 No peak is lost, and a page gets as much in a second from a board at 10 kHz as from one at 1 kHz.
 """

@@ -1,4 +1,4 @@
-"""Errors as answers: one sentence, with nothing of the machine's inside in it."""
+"""Errors as responses: one sentence, without internals of the machine."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 from dampyr.errors import DampyrError, MissingData
 
 LOG = logging.getLogger("dampyr.console")
-FAULT = "something went wrong inside dampyr; the console's own output says what"
+FAULT = "something went wrong inside dampyr; see the console's own output"
 
 
 def add_handlers(to: FastAPI, data: Path) -> None:

@@ -97,7 +97,7 @@ def planned_text(text: str, data: Path, rig: RigSettings, rig_folder: Path | Non
     try:
         document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as problem:
-        raise InputError(f"this is no TOML ({' '.join(str(problem).split())}); repair that place") from None
+        raise InputError(f"this is not valid TOML ({' '.join(str(problem).split())}); correct it there") from None
     _check_files(document, data / FOLDER)
     campaign = read(document, data / FOLDER)
     if len(campaign.tests) > MAX_TESTS:

@@ -1,4 +1,4 @@
-"""The guided steps of calibrating the load cell: read it without load, then with a known one, look at it, keep it."""
+"""Guided calibration of the load cell: read it without load, then with a known one, check, save."""
 
 from __future__ import annotations
 

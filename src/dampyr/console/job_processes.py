@@ -1,8 +1,8 @@
-"""Long work in a process of its own: it survives a reload of the page, can be cancelled, and cannot take the console down.
+"""Jobs in processes of their own: they survive a reload of the page, can be cancelled, and cannot take the console down.
 
-A job is a folder: ``request.json`` (what was asked), ``job.json`` (how it stands), ``result.json`` and whatever files the work
-made. The work itself is a file of :mod:`dampyr.console.jobs`. Jobs wait for one another, so that the machine keeps a core for
-the rig. A job that ran when the console was stopped is told as such when it starts again.
+A job is a folder: ``request.json``, ``job.json`` (its state), ``result.json`` and the files that
+it made. Its kind is a file of :mod:`dampyr.console.jobs`. Jobs wait for one another, so that the machine keeps a core for
+the rig. A job that ran when the console was stopped is reported as failed when it starts again.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ GRACE = 3.0  # s that a cancelled job has to end by itself
 
 @dataclass(frozen=True)
 class Job:
-    """How a job stands. ``progress`` is 0 to 1 within its ``stage``; ``reason`` says why it did not end well."""
+    """State of a job. ``progress`` is 0 to 1 within its ``stage``; ``reason`` says why it did not end well."""
 
     id: str
     kind: str
@@ -82,19 +82,19 @@ class Jobs:
             return sorted(self._jobs.values(), key=lambda job: -job.made)
 
     def job(self, id: str) -> Job:
-        """How one stands, or MissingData."""
+        """The state of one, or MissingData."""
         with self._lock:
             if id not in self._jobs:
-                raise MissingData(f"there is no job {id[:40]!r}; it may have been cleared away")
+                raise MissingData(f"there is no job {id[:40]!r}; it may have been removed")
             return self._jobs[id]
 
     def request(self, id: str) -> dict[str, Any]:
-        """What was asked for."""
+        """The request of a job."""
         request: dict[str, Any] = json.loads((self.place(id) / "request.json").read_text("utf-8"))["request"]
         return request
 
     def result(self, id: str) -> dict[str, Any]:
-        """What a job found; MissingData before it is done."""
+        """The result of a job; MissingData before it is done."""
         job = self.job(id)
         if job.state != "done":
             raise MissingData(f"the job is {job.state}{f': {job.reason}' if job.reason else ''}; it has no result")
@@ -182,7 +182,7 @@ class Jobs:
         if code == 0 and (self.folder / job.id / "result.json").is_file():
             self._update(job.id, state="done", progress=1.0, ended=time.time())
         else:
-            reason = output.reason or "it ended without a result; the console's own output says why"
+            reason = output.reason or "it ended without a result; see the console's own output"
             self._update(job.id, state="failed", reason=reason, ended=time.time())
         with self._lock:
             del self._running[job.id]

@@ -1,4 +1,4 @@
-"""Jobs over HTTP: how they stand, what came of them, and their end."""
+"""Jobs over HTTP: their states, results and cancellation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ router = APIRouter(tags=["Jobs"])
 
 
 class JobState(BaseModel):
-    """How a job stands."""
+    """State of a job."""
 
     id: str
     kind: str
@@ -26,31 +26,31 @@ class JobState(BaseModel):
     stage: str
     progress: float = Field(ge=0, le=1)
     reason: str
-    made: float = Field(description="When it was asked for, seconds since 1970.")
+    made: float = Field(description="When it was requested, seconds since 1970.")
     ended: float | None
 
 
 class JobInFull(JobState):
-    """A job with what was asked, and its result once it is done."""
+    """A job with its request, and its result once it is done."""
 
     request: dict[str, Any]
     result: dict[str, Any] | None
 
 
 def as_job_state(job: Job) -> JobState:
-    """A job as the API tells it."""
+    """A job as the API returns it."""
     return JobState(**vars(job))
 
 
 @router.get("/jobs")
 def list_jobs(here: Here) -> list[JobState]:
-    """Every job that is kept, the latest first."""
+    """Every stored job, the latest first."""
     return [as_job_state(job) for job in here.jobs.all()]
 
 
 @router.get("/jobs/{id}")
 def read_job(id: Id, here: Here) -> JobInFull:
-    """One job: how it stands, what was asked, and its result once it is done."""
+    """One job: its state, its request, and its result once it is done."""
     job = here.jobs.job(id)
     result = here.jobs.result(id) if job.state == "done" else None
     return JobInFull(**vars(job), request=here.jobs.request(id), result=result)

@@ -1,6 +1,7 @@
-"""Jogging with a dead man's handle: the table moves while somebody keeps asking for it, and no longer.
+"""Jogging by hold-to-run: the table moves while a page repeats its request, and no longer.
 
-A page asks every 0.1 s. Here a wish is good for `HOLD`; the firmware is told `PUSH` at a time and stops by itself after it.
+A page repeats its request every 0.1 s. Here a request is valid for `HOLD`; the firmware gets `PUSH` at a time
+and stops by itself after it.
 """
 
 from __future__ import annotations

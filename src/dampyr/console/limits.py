@@ -1,4 +1,4 @@
-"""Reading a file that came from outside, in a process that may not take much: ``python -m dampyr.console.limits``.
+"""Reading of an uploaded file in a process with limits: ``python -m dampyr.console.limits``.
 
 What a file holds is known only once it is read, and a small file can unfold to a large one. So it is read where memory, time
 and what is written are bounded, and kept as dampyr's own record file; the file that came is never opened anywhere else.

@@ -1,4 +1,4 @@
-"""What a campaign imports and compiles, done before a rig is armed: a thread that imports holds up the one that reads."""
+"""Imports and compilation of a campaign, done before a rig is armed: a thread that imports would delay the one that reads."""
 
 from __future__ import annotations
 

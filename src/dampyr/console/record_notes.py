@@ -1,4 +1,4 @@
-"""What people wrote about records, kept in the console's own folder: the records themselves are never changed."""
+"""Notes on records, saved in the console's own folder: the records themselves are never changed."""
 
 from __future__ import annotations
 

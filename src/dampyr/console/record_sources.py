@@ -1,4 +1,4 @@
-"""Where records come from: the data folder, and the published data sets that are on this machine."""
+"""Sources of records: the data folder, and the published data sets on this machine."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def source(data: Path, name: str) -> Source:
         if one.name == name:
             return one
     raise MissingData(
-        f"{name[:40]!r} is no source of records here; choose from {', '.join(s.name for s in sources(data))}"
+        f"{name[:40]!r} is not a source of records here; choose from {', '.join(s.name for s in sources(data))}"
     )
 
 

@@ -25,7 +25,7 @@ def inside(root: Path, name: str) -> Path:
     parts = PurePosixPath(name).parts if len(name) <= MAX_NAME_LENGTH else ()
     if not parts or "\\" in name or name.startswith("/") or not all(map(is_name, parts)):
         raise InputError(
-            f"{name[:60]!r} is no name of a file here; write letters, digits, space and .()+@=-_ , folders parted by /"
+            f"{name[:60]!r} is not a valid file name; use letters, digits, space and .()+@=-_ , folders separated by /"
         )
     place = root
     for part in parts:

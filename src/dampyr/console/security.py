@@ -1,4 +1,4 @@
-"""Who may ask: Host, Origin and token of every request and WebSocket; how large a request may be; what a page may load.
+"""Access control: Host, Origin and token of every request and WebSocket, the size of requests, and what a page may load.
 
 A page of another site can make a browser send requests here. It cannot choose their Host (so a foreign name that resolves to
 this machine is refused), nor hide their Origin (so a request or a WebSocket from another site is refused). On an address that
@@ -79,9 +79,9 @@ class Rules:
         """Status and sentence for what is not allowed, or None."""
         headers = _headers(scope)
         if not self._allows_host(headers.get("host", "")):
-            return 400, "this console is not known by that name; open it at the address that it printed"
+            return 400, "this console does not have that name; open it at the address that it printed"
         if _foreign(scope, headers):
-            return 403, "asked from another site; open the console at the address that it printed"
+            return 403, "the request comes from another site; open the console at the address that it printed"
         if self.token is not None and not self._has_token(scope, headers):
             return 401, "this console asks for its token; open it at the address that it printed"
         return None

@@ -1,4 +1,4 @@
-"""What the pages of one console share: the data folder, the jobs, and what each page keeps for itself."""
+"""State shared by the pages of one console: the data folder, the jobs, and each page's own state."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dampyr.console.job_processes import Jobs
 
 @dataclass
 class AppState:
-    """The state of one console. ``own`` is for pages: page name -> what it keeps while the console runs."""
+    """The state of one console. ``own`` is for pages: page name -> its state while the console runs."""
 
     data: Path
     jobs: Jobs
@@ -42,10 +42,10 @@ class Problem(BaseModel):
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     code: {"model": Problem, "description": words}
     for code, words in {
-        400: "What was asked for is wrong, or not a request that is understood.",
-        401: "This console asks for its token.",
-        403: "Asked from another site.",
-        404: "It is not there.",
+        400: "The request is wrong, or cannot be understood.",
+        401: "This console requires its token.",
+        403: "The request comes from another site.",
+        404: "Not available.",
         409: "Something else has to happen first.",
         413: "Too large.",
         422: "A value is missing, or of the wrong kind.",

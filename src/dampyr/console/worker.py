@@ -1,6 +1,6 @@
 """One job in a process of its own: ``python -m dampyr.console.worker FOLDER``.
 
-It says on its standard output how far it is, a line of JSON at a time, and ends when its standard input is closed: a job never
+It reports progress on its standard output, a line of JSON at a time, and ends when its standard input is closed: a job never
 outlives the console that started it.
 """
 
@@ -24,11 +24,11 @@ from dampyr.errors import DampyrError, DampyrWarning
 from dampyr.to_json import plain
 
 EVERY = 0.1  # s between two lines
-YIELDS = 10  # of niceness: the console beside it may be reading a rig that moves
+YIELDS = 10  # of niceness: the console may be reading a moving rig at the same time
 
 
 class Progress:
-    """``progress(stage, fraction done)``, told at most every tenth of a second."""
+    """``progress(stage, fraction done)``, reported at most every tenth of a second."""
 
     def __init__(self) -> None:
         self.stage, self.last = "", 0.0
@@ -69,7 +69,7 @@ def run(folder: Path) -> int:
         say(reason=str(problem))
         return 2
     except MemoryError:
-        say(reason="it needs more memory than it may have; ask for less at once")
+        say(reason="it exceeded its memory limit; request less at once")
         return 2
     except Exception:
         traceback.print_exc()

@@ -36,11 +36,11 @@ LOSS_WORDS = {
 }
 SPLIT_WORDS = {
     "record": "random parts of the records",
-    "input": "one input left out at a time",
+    "input": "one input left out at a time, except the outer ones",
     "frequency": "parts in the order of frequency",
     "amplitude": "parts in the order of stroke",
     "waveform": "one kind of motion left out",
-    "time": "the last part of every record",
+    "time": "the last 40 % of every motion",
 }
 
 

@@ -36,9 +36,9 @@ def record_section(title: str, name: str, channels: tuple[Array, Array, Array, A
             FigureBlock(loops(x, v, measured, {model: force}), f"{name}: loops."),
             FigureBlock(
                 history(t[few], measured[few], force[few], name=model),
-                f"{name}: the first {SECONDS:g} s that were scored, and what is left (measured less {model})."
+                f"{name}: the first {SECONDS:g} s that were scored, and the residual (measured minus {model})."
                 if not np.all(few)
-                else f"{name}: measured, {model}, and what is left (measured less {model}).",
+                else f"{name}: measured, {model}, and the residual (measured minus {model}).",
             ),
         ],
     )

@@ -1,4 +1,4 @@
-"""What a page is made of: sections of text, tables, figures and verdicts."""
+"""Building blocks of a page: sections of text, tables, figures and verdicts."""
 
 from __future__ import annotations
 

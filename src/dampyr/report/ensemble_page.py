@@ -1,4 +1,4 @@
-"""The page of an ensemble: peaks in short, fragility curves, incremental curves, and how far to trust them."""
+"""The page of an ensemble: peaks in short, fragility curves, incremental curves, and their accuracy."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def write_ensemble_page(
         sections.append(
             _incremental_section(incremental(dataset, "drift", intensity, fractions=FRACTIONS), fragilities)
         )
-    sections.append(Section("How far to trust it", [Text("\n\n".join(trust(dataset)))]))
+    sections.append(Section("Accuracy", [Text("\n\n".join(trust(dataset)))]))
     html = page(title or f"Ensemble: {names}", sections, subtitle=_sizes(dataset), provenance=_provenance(dataset))
     return write_page(path, html)
 

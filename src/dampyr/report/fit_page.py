@@ -1,4 +1,4 @@
-"""The page of one fit: what the damper is, and how far to trust it."""
+"""The page of one fit: the damper, its accuracy and its residuals."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def write_fit_page(
             _short(fit, checks),
             *sections,
             Section("Parameters", fit_blocks(fit)),
-            Section("How the parameters hang together", correlation_blocks(fit)),
+            Section("Correlation of the parameters", correlation_blocks(fit)),
             range_section(fit),
             _scores(fit),
             *([prediction_section(fit, checks)] if checks else []),
@@ -82,20 +82,20 @@ def _short(fit: Fit, checks: Sequence[Validation]) -> Section:
         ],
         ["input", _inputs(fit)],
         [
-            "describes its records",
+            "fits its records",
             f"L1 {100 * float(np.mean(list(l1.values()))):.2g} % on average, {100 * l1[worst]:.2g} % in {worst}",
         ],
     ]
     for one in checks:
         summary = f"L1 {100 * mean_l1(one):.2g} % on average, {len(one.scores)} records, split by {one.split}"
-        rows.append(["predicts records it never saw", summary])
+        rows.append(["predicts unseen records", summary])
     if not checks:
-        rows.append(["predicts records it never saw", "not tried here (dampyr identify --predict)"])
+        rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])
     rows.append(["errors", f"by {fit.clusters}; {_unsure(fit)}"])
-    blocks: list[Block] = [Table(("what", "found"), rows)]
-    doubts = [*warnings_of(fit.residuals), *fit.notes]
-    if doubts:
-        blocks.append(Text("\n\n".join(("Before you trust the numbers:", *map(sentence, doubts)))))
+    blocks: list[Block] = [Table(("quantity", "result"), rows)]
+    warning_texts = [*warnings_of(fit.residuals), *fit.notes]
+    if warning_texts:
+        blocks.append(Text("\n\n".join(("Before you use the numbers:", *map(sentence, warning_texts)))))
     else:
         blocks.append(Text(sentence(findings(fit.residuals)[0])))
     return Section("In short", blocks)
@@ -110,15 +110,15 @@ def _inputs(fit: Fit) -> str:
 
 
 def _unsure(fit: Fit) -> str:
-    """How many parameters are well known, and how many are not."""
+    """How many parameters have a small standard error, and how many have none."""
     precise = [
         abs(fit.stderr[name]) <= 0.1 * abs(value)
         for name, value in fit.parameters.items()
         if np.isfinite(fit.stderr[name])
     ]
-    blind = len(fit.parameters) - len(precise)
+    undetermined = len(fit.parameters) - len(precise)
     text = f"{sum(precise)} of {len(fit.parameters)} parameters have a standard error of 10 % or less"
-    text = f"{text}, of {blind} it is not known" if blind else text
+    text = f"{text}, {undetermined} have none" if undetermined else text
     if not fit.within_records:
         return text
     return f"{text}; {len(fit.within_records)} of these errors hold within these records only"
@@ -127,9 +127,9 @@ def _unsure(fit: Fit) -> str:
 def _scores(fit: Fit) -> Section:
     groups = by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
     return Section(
-        "How well it describes the records",
+        "Goodness of fit",
         [
-            Text("These records were fitted, so what follows is a description and no prediction."),
+            Text("These records were fitted: the scores describe the fit and are not predictions."),
             FigureBlock(scores(groups), "L1 ratio of each record, by input."),
             score_table(fit.scores, "From 2 s after the motion starts, each record's own offset taken."),
         ],

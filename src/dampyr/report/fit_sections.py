@@ -1,4 +1,4 @@
-"""What a fit found, as tables and figures that several pages share."""
+"""Tables and figures of a fit that several pages share."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ def _caption(fit: Fit) -> str:
         "record and cycle": f"{between}; where so labelled, within {within}",
     }
     return (
-        f"Errors allow for residuals that are correlated within {correlated[fit.clusters]}. The naive errors take every sample "
-        "for independent and are shown for comparison."
+        f"Errors allow for residuals that are correlated within {correlated[fit.clusters]}. The naive errors assume "
+        "independent samples and are shown for comparison."
     )
 
 
@@ -76,7 +76,7 @@ def correlation_blocks(fit: Fit) -> list[Block]:
     """The correlations of the fitted numbers: the matrix, and the strong pairs in words."""
     names = list(fit.parameters)
     if len(names) < 2:
-        return [Text(f"There is one parameter, {names[0]}, and nothing that it could hang together with.")]
+        return [Text(f"There is one parameter, {names[0]}, so there are no correlations.")]
     pairs = strong_pairs(fit.correlation, names)
     unknown = [name for name, r in zip(names, np.diag(fit.correlation), strict=True) if not np.isfinite(r)]
     return [
@@ -84,7 +84,7 @@ def correlation_blocks(fit: Fit) -> list[Block]:
         FigureBlock(
             correlation(fit.correlation, names),
             "Correlations of the errors (the covariance, scaled by the standard errors): rows by name, columns by the rows' "
-            "numbers. Blue: both are too large, or too small, together; orange: one makes up for the other.",
+            "numbers. Blue: positive, both errors have one sign; orange: negative, one compensates the other.",
         ),
     ]
 
@@ -95,7 +95,7 @@ def _pairs_in_words(pairs: list[tuple[str, str, float]]) -> str:
     listed = "; ".join(f"{one} and {other} ({r:.2f})".replace("(-", "(−") for one, other, r in pairs[:PAIRS])
     more = f"; and {len(pairs) - PAIRS} pairs more" if len(pairs) > PAIRS else ""
     return (
-        f"Correlated beyond ±{MARKED:g}: {listed}{more}. The records tell each of these pairs as a combination, so change or "
+        f"Correlated beyond ±{MARKED:g}: {listed}{more}. The records determine only a combination of each pair, so change or "
         "compare them together, never one alone."
     )
 

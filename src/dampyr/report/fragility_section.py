@@ -1,4 +1,4 @@
-"""Fragility curves on a page: figure, numbers, comparisons, and what the cases do not tell."""
+"""Fragility curves on a page: figure, numbers, comparisons, and what the cases cannot determine."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ COLUMNS = ("case", "median", "from", "to", "beta", "direct median", "direct beta
 FEW = " From fewer than 40 motions the band is too narrow away from the median."
 DIRECT = (
     "Direct: from the intensity at which each motion first exceeds the limit, linear between its scales; motions that never "
-    "do, or do at the weakest scale already, are counted as such in the likelihood."
+    "exceed it, or do so at the weakest scale already, enter the likelihood as censored."
 )
 
 
@@ -56,7 +56,7 @@ def fragility_units(fragility: Fragility) -> list[str]:
 
 
 def remarks(fragility: Fragility) -> list[str]:
-    """What the cases do not tell, and how curves compare."""
+    """What the cases cannot determine, and how curves compare."""
     notes = [f"{c.name}: no curve; {c.reason}" for c in fragility.curves if not c.exists]
     notes += [f"{c.name}: no band; {c.no_band}" for c in fragility.curves if c.exists and c.no_band]
     notes += [
@@ -83,7 +83,7 @@ def fragility_section(fragility: Fragility) -> Section:
     """A section for one limit."""
     caption = (
         f"Lognormal curves of largest likelihood; the band holds {100 * LEVEL:g} % of a bootstrap over the "
-        f"{fragility.motions} motions (seed {fragility.seed}); points are the shares that were counted."
+        f"{fragility.motions} motions (seed {fragility.seed}); points are the counted shares."
         + (FEW if fragility.motions < 40 else "")
     )
     table = Table(

@@ -1,4 +1,4 @@
-"""One self-contained HTML page: nothing is fetched, it reads on paper, on a phone, in light and in dark."""
+"""One self-contained HTML page without network access, for paper and phone, light and dark."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which model predicts best, for the page of a fit that was chosen by it."""
+"""Section of a fit's page: the leaderboard that its model was chosen by."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def leaderboard_section(board: Leaderboard) -> Section:
                     [one.bare.error for one in board.screened],
                     [one.best.error for one in board.screened],
                 ),
-                "Every model on a few short records: bare, and with the add-ons that were worth it.",
+                "Every model on a few short records: bare, and with the add-ons that improved it.",
             ),
             _screened(board),
         ],
@@ -51,7 +51,7 @@ def _screened(board: Leaderboard) -> Table:
         added = one.best.model.removeprefix(one.base).removeprefix(" + ") or "nothing"
         failed = f"no damper: {one.best.reason}" if math.isinf(one.best.error) else ""
         rows.append([one.base, _percent(one.bare.error), added, _percent(one.best.error), len(one.trials), failed])
-    caption = " ".join([f"Screened; the velocity is {board.velocity}.", *(f"{said}." for said in board.left_out)])
+    caption = " ".join([f"Screened; the velocity is {board.velocity}.", *(f"{reason}." for reason in board.left_out)])
     return Table(
         ("model", "bare", "best with", "error", "tried", ""),
         rows,

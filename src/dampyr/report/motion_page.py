@@ -1,4 +1,4 @@
-"""The page of a ground motion: how strong it is, its histories, its response spectra, what was done to it."""
+"""The page of a ground motion: its intensity measures, histories, response spectra and processing."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def write_motion_page(
     html = page(
         motion.name,
         [
-            Section("How strong it is", [measures_table(measures(motion))]),
+            Section("Intensity measures", [measures_table(measures(motion))]),
             Section("Over time", [_histories(motion)]),
             Section(
                 "Response spectra", [*_spectra(motion, dampings), spectrum_table(spectrum(motion, periods, dampings))]
             ),
             Section(
-                "What was done",
-                [Text("\n\n".join(motion.history) or "Nothing: the samples are as they were read or made.")],
+                "Processing",
+                [Text("\n\n".join(motion.history) or "None: the samples are as they were read or generated.")],
             ),
         ],
         subtitle=f"{motion.n} samples every {motion.dt:g} s, {motion.duration:g} s",

@@ -1,4 +1,4 @@
-"""The page of a plan: what would run, where it lies in what the rig can do, the paths, and what is refused."""
+"""The page of a plan: the tests, the limits of the rig, the paths, and what is refused."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ UNITS = ("", "", "s", "mm/s", "mm", "N", "V")
 
 def write_plan_page(plan: Plan, path: Path) -> Path:
     """Write the page."""
-    sections = [Section("What would run", [plan_table(plan), *_notes(plan)])]
+    sections = [Section("Planned tests", [plan_table(plan), *_notes(plan)])]
     if plan.refusals:
         refused: list[Block] = [Verdict("differs", sentence(each)) for each in plan.refusals]
-        sections.insert(0, Section("What the rig cannot do", refused))
+        sections.insert(0, Section("Refused by the rig", refused))
     if moving := [each for each in plan.tests if each.peak_speed > 0]:
-        sections.append(Section("Within what the rig can do", [_envelope(plan.rig, moving)]))
+        sections.append(Section("Limits of the rig", [_envelope(plan.rig, moving)]))
     sections.append(Section("One test of each kind", [_drive(each) for each in _firsts(plan)]))
     header = plan.campaign.header
     provenance = {"operator": header.operator, "note": header.note, "dampyr": dampyr.__version__}

@@ -1,4 +1,4 @@
-"""How well a model predicts records that it never saw, for the page of a fit."""
+"""Section of a fit's page: how well the model predicts unseen records."""
 
 from __future__ import annotations
 
@@ -8,17 +8,9 @@ import numpy as np
 
 from dampyr.figures.scores import scores
 from dampyr.identification import Fit, Validation
+from dampyr.identification.identify import SPLIT_WORDS
 from dampyr.report.best_and_worst import by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
-
-SPLITS = {
-    "record": "random parts of the records",
-    "input": "one input left out at a time, the lowest and the highest excepted",
-    "frequency": "parts in the order of frequency, so that the outer ones lie beyond what was fitted",
-    "amplitude": "parts in the order of stroke, so that the outer ones lie beyond what was fitted",
-    "waveform": "one kind of motion left out at a time",
-    "time": "the first 60 % of every motion fitted, the rest predicted",
-}
 
 
 def prediction_section(fit: Fit, validations: Sequence[Validation]) -> Section:
@@ -26,13 +18,13 @@ def prediction_section(fit: Fit, validations: Sequence[Validation]) -> Section:
     blocks: list[Block] = [
         Text(
             "Each record is predicted by a damper that was fitted on other records with the same model: a free run, of which "
-            "only the offset is taken from the record. These are not the parameters above, but their like. Beside it stands "
-            "the score of the fit of all records, which has seen it."
+            "only the offset is taken from the record. Its parameters differ from those above. The score of the fit "
+            "to all records, which includes this record, is shown for comparison."
         )
     ]
     for validation in validations:
         blocks += _split(fit, validation)
-    return Section("How well it predicts records that it never saw", blocks)
+    return Section("Prediction of unseen records", blocks)
 
 
 def mean_l1(validation: Validation) -> float:
@@ -42,7 +34,7 @@ def mean_l1(validation: Validation) -> float:
 
 
 def _split(fit: Fit, validation: Validation) -> list[Block]:
-    what = f"Split by {validation.split}: {SPLITS.get(validation.split, validation.split)}"
+    what = f"Split by {validation.split}: {SPLIT_WORDS.get(validation.split, validation.split)}"
     record_scores = validation.scores
     if not record_scores:
         return [Text(f"{what}. No part was predicted."), _parts(validation)]

@@ -1,4 +1,4 @@
-"""Where a damper was calibrated, for its page."""
+"""Section on the range that a damper was calibrated on."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ def range_section(fit: Fit) -> Section:
     if any(np.any(np.isfinite(frequencies)) for frequencies, _ in groups.values()):
         caption = (
             "Every record by the frequency and the amplitude (half of peak to peak, per cycle) that were measured. Inside the "
-            "box, where there are no records, the damper is interpolated; beyond it, and beyond the dashed line, it is guessed."
+            "box, between the records, the damper interpolates; beyond it, and above the dashed line, it extrapolates."
         )
         blocks.append(FigureBlock(calibrated(groups, fit.damper.ranges if fit.damper else None), caption))
     else:
         blocks.append(Text("No record holds a whole cycle, so none has a frequency."))
-    return Section("Where it was calibrated", blocks)
+    return Section("Calibrated range", blocks)
 
 
 def range_table(damper: Damper) -> Table:
@@ -52,6 +52,6 @@ def range_table(damper: Damper) -> Table:
     return Table(
         ("quantity", "from", "to", "unit", "outside it"),
         rows,
-        caption="What the records covered, and so what the card answers for.",
+        caption="The range covered by the records, for which the card is valid.",
         digits=4,
     )

@@ -1,4 +1,4 @@
-"""What a model leaves of the measured force, for a page."""
+"""Section on the residuals of a fit."""
 
 from __future__ import annotations
 
@@ -15,17 +15,15 @@ MAX_PANELS = 6
 
 def residual_section(residuals: Residuals) -> Section:
     """The analysis in words, figures and tables."""
-    return Section(
-        "What the model leaves", [*_words(residuals), *_directions(residuals), *_memory(residuals), *_sizes(residuals)]
-    )
+    return Section("Residuals", [*_words(residuals), *_directions(residuals), *_memory(residuals), *_sizes(residuals)])
 
 
 def _words(residuals: Residuals) -> list[Block]:
     warning_texts = warnings_of(residuals)
     blocks: list[Block] = [
         Text(
-            "The residual is measured less modelled force, over every sample that was fitted. A model that holds all there is "
-            "to know leaves noise alone: the same in both directions, without memory, and of one size everywhere.\n\n"
+            "The residual is the measured minus the modelled force, over every sample that was fitted. A complete model leaves "
+            "only noise: equal in both directions, uncorrelated in time, and of one size everywhere.\n\n"
             + " ".join(sentence(text) for text in findings(residuals))
         )
     ]
@@ -77,8 +75,8 @@ def _memory(residuals: Residuals) -> list[Block]:
     return [
         FigureBlock(
             memory([(r.lags, r.autocorrelation) for r in residuals.records], residuals.correlation_time),
-            "How much of the residual is still there some time later. Noise would fall to 0 at once; what comes again in each "
-            "cycle is the model's.",
+            "The autocorrelation of the residual. That of noise would fall to 0 at once; a part that repeats in each "
+            "cycle is an error of the model.",
         )
     ]
 
@@ -100,11 +98,11 @@ def _sizes(residuals: Residuals) -> list[Block]:
             "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
         ),
         Table(
-            ("record", "input", "stroke", "freq.", "rms", "rel.", "noise", "τ", "like", "repeats", "misfit"),
+            ("record", "input", "stroke", "freq.", "rms", "rel.", "noise", "τ", "n eff.", "repeats", "misfit"),
             rows,
             ("", residuals.unit, "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
-            caption="The residual of each record. Rel.: rms over the force's spread. τ: correlation time. Like: as many "
-            "independent samples. Repeats: the share of its variance that comes again after one cycle.",
+            caption="The residual of each record. Rel.: rms over the force's spread. τ: correlation time. n eff.: effective "
+            "sample size. Repeats: the share of its variance that repeats after one cycle.",
             digits=3,
         ),
     ]  # fmt: skip

@@ -24,7 +24,7 @@ from dampyr.report.range_section import SHOWN, range_table
 
 Array = NDArray[np.float64]
 SLACK = 1.01
-SEEN = {True: "fitted", False: "never seen", None: "not known"}
+SEEN = {True: "fitted", False: "unseen", None: "unknown"}
 
 
 def write_validate_page(result: Validated, path: Path) -> Path:
@@ -42,7 +42,7 @@ def write_validate_page(result: Validated, path: Path) -> Path:
         [
             Section("In short", _short(records, record_scores, seen)),
             Section("Scores", _scores(records, record_scores, seen)),
-            Section("What lies outside its calibrated range", _outside(damper, records)),
+            Section("Outside the calibrated range", _outside(damper, records)),
             *(_record(damper, records, record_scores, words, name) for words, name in extremes(record_scores)),
         ],
         subtitle=f"{damper.composition}: a free run along each of {len(records)} records, of which only the offset is taken.",
@@ -85,9 +85,7 @@ def _short(records: Sequence[Record], scores: Mapping[str, Score], seen: Mapping
         None: "The card does not name the records that it was fitted on, so these scores may be no predictions.",
     }
     states = set(seen.values())
-    text = (
-        hint[states.pop()] if len(states) == 1 else "Only the records that the card never saw say how well it predicts."
-    )
+    text = hint[states.pop()] if len(states) == 1 else "Only the scores of unseen records are predictions."
     table = Table(
         ("by the card", "records", "mean L1", "worst L1", "mean NRMSE"), rows, ("", "", "%", "%", "%"), digits=3
     )
@@ -114,7 +112,7 @@ def _scores(records: Sequence[Record], scores: Mapping[str, Score], seen: Mappin
         Table(
             ("record", "input", "unit", "by the card"),
             rows,
-            caption="Which records the card was fitted on, by the names that it bears.",
+            caption="Which records the card was fitted on, by the names on the card.",
         ),
     ]
 
@@ -131,9 +129,11 @@ def _outside(damper: Damper, records: Sequence[Record]) -> list[Block]:
     blocks: list[Block] = [range_table(damper)]
     if rows:
         columns = ("record", "quantity", "reaches", "calibrated from", "to", "unit")
-        blocks.append(Table(columns, rows, caption="Beyond the range the damper is guessed.", digits=4))
+        blocks.append(
+            Table(columns, rows, caption="Outside the calibrated range the damper is extrapolated.", digits=4)
+        )
     else:
-        blocks.append(Text("Nothing does: every record lies inside the range of the card."))
+        blocks.append(Text("Every record lies inside the calibrated range of the card."))
     if any(np.any(np.isfinite(frequencies)) for frequencies, _ in groups.values()):
         caption = "The records by the frequency and the amplitude (half of peak to peak, per cycle) that were measured."
         blocks.append(FigureBlock(calibrated(groups, damper.ranges), caption))

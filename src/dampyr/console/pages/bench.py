@@ -1,4 +1,4 @@
-"""The bench: a rig, live, and who works with it."""
+"""The bench: a rig, its live readings, and who has control."""
 
 from __future__ import annotations
 
@@ -83,13 +83,13 @@ class Calibration(ClientRequest):
 
 
 class Keep(ClientRequest):
-    """Whether what was found is kept."""
+    """Whether the result is saved."""
 
     keep: bool
 
 
 class Start(ClientRequest):
-    """Which campaign of the list, and into which folder below ``runs``; one that holds a part of it is gone on with."""
+    """Which campaign of the list, and into which folder below ``runs``; one with a part of it is continued."""
 
     campaign: str = Field(max_length=100)
     folder: str = Field(max_length=100)
@@ -120,7 +120,7 @@ class TestState(BaseModel):
 
 
 class Done(BaseModel):
-    """It is under way; `read` tells how it went."""
+    """It is under way; `read` returns its outcome."""
 
     accepted: bool = True
 
@@ -150,7 +150,7 @@ def rigs(here: Here) -> list[RigFile]:
         try:
             settings = rig_settings(here.data, name)
         except InputError:
-            continue  # a file that is wrong is told of by `dampyr run --rig`
+            continue  # `dampyr run --rig` reports what is wrong with a file
         rig_files.append(RigFile(name=name, title=settings.name, wired=bool(settings.wires.serial)))
     return rig_files
 
@@ -163,7 +163,7 @@ def runs(here: Here) -> list[str]:
 
 @router.get("/tests")
 def tests(here: Here, folder: Annotated[str, Query(max_length=100)]) -> list[TestState]:
-    """The tests of a run, as its journal tells; none where it has no journal yet."""
+    """The tests of a run, from its journal; none where it has no journal yet."""
     place = safe_paths.inside(here.data, f"{RUNS}/{folder}")
     if not (place / JOURNAL).is_file():
         return []
@@ -244,7 +244,7 @@ def calibration_step(request: Calibration, bench: CurrentBench) -> Done:
 
 @router.post("/calibration/end")
 def calibration_end(request: Keep, bench: CurrentBench) -> Done:
-    """Keep what was found, or forget it."""
+    """Save the result, or discard it."""
     bench.calibrate_end(request.client, request.keep)
     return Done()
 

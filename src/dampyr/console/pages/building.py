@@ -1,4 +1,4 @@
-"""Building: with and without a damper in an earthquake, and in many."""
+"""Building: responses with and without a damper to one earthquake, and ensembles of many."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def read_curves(here: Here, id: Id) -> dict[str, Any]:
     """The histories of every case, SI, and the frames of the animation."""
     here.jobs.result(id)
     if here.jobs.job(id).kind != RESPONSE:
-        raise MissingData("that job is no response")
+        raise MissingData("that job is not a response")
     return dict(json.loads((here.jobs.place(id) / CURVES).read_text("utf-8")))
 
 
@@ -71,7 +71,7 @@ def give_page(here: Here, id: Id) -> FileResponse:
     """The page as `dampyr simulate --report` or `dampyr ensemble --report` writes it, as a file to keep."""
     here.jobs.result(id)
     if here.jobs.job(id).kind not in (RESPONSE, ENSEMBLE):
-        raise MissingData("that job is no response and no ensemble")
+        raise MissingData("that job is neither a response nor an ensemble")
     return FileResponse(here.jobs.place(id) / PAGE, media_type="text/html", filename=f"{here.jobs.job(id).kind}.html")
 
 

@@ -1,4 +1,4 @@
-"""The editor of campaigns: a grid, the rig's envelope, and the dry run beside it."""
+"""The editor of campaigns: a grid, the rig's envelope, and the dry run."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def load(name: Name, here: Here) -> File:
     try:
         text = path.read_text("utf-8")
     except UnicodeDecodeError:
-        raise InputError(f"{name}.toml is no text in UTF-8; write it anew") from None
+        raise InputError(f"{name}.toml is not UTF-8 text; rewrite it") from None
     return File(name=name, text=text, grid=_grid(text))
 
 
@@ -123,7 +123,7 @@ def save(name: Name, request: Saved, here: Here) -> File:
     """Save a campaign that can be read; what the rig cannot do may be saved."""
     path = safe_paths.inside(here.data, f"{FOLDER}/{name}.toml")
     if path.parent != here.data / FOLDER:
-        raise InputError(f"{name!r} is no name of a campaign; leave / out")
+        raise InputError(f"{name!r} is not a valid campaign name; leave out the /")
     _plan(request, here)
     safe_paths.check_quota(here.data, len(request.text), here.quota)
     path.parent.mkdir(exist_ok=True)

@@ -1,4 +1,4 @@
-"""Records: what was measured, how well; overlaid, by cycles, with notes; taken in and given out."""
+"""Records: measurements and their quality, overlays, cycles, notes, upload and export."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class SourceLink(BaseModel):
 
 
 class RecordEntry(BaseModel):
-    """A record in a list: ``about`` is what `dampyr records --json` tells of it, ``problem`` why it cannot be read."""
+    """A record in a list: ``about`` is what `dampyr records --json` prints of it, ``problem`` why it cannot be read."""
 
     key: str
     about: dict[str, Any] | None = None
@@ -95,7 +95,7 @@ def list_records(here: Here, source: Annotated[str, Query(max_length=40)] = reco
 
 @router.get("/one")
 def read_one(here: Here, key: Key) -> RecordEntry:
-    """What is known of one record."""
+    """One record in full."""
     return RecordEntry(
         key=key, about=plain(record_sources.described(here.data, key)), note=written.notes(here.data).get(key, "")
     )
@@ -145,16 +145,16 @@ def write_note(here: Here, note: Note) -> Note:
 async def take(
     here: Here,
     request: Request,
-    name: Annotated[str, InPath(max_length=100, description="The file's name; its suffix says the format.")],
+    name: Annotated[str, InPath(max_length=100, description="The file's name; its suffix gives the format.")],
     unit: Annotated[list[str], Query(default_factory=list, max_length=8, description="Such as displacement=mm.")],
     column: Annotated[list[str], Query(default_factory=list, max_length=8, description="Such as force=Load cell.")],
     voltage: Annotated[float | None, Query(allow_inf_nan=False, description="V, constant, at the coil.")] = None,
     current: Annotated[float | None, Query(allow_inf_nan=False, description="A, constant.")] = None,
 ) -> Taken:
-    """Take a record in: it is read in a process with limits and kept as an .h5 file in the folder ``uploads``."""
+    """Upload a record: it is read in a process with limits and saved as an .h5 file in the folder ``uploads``."""
     said = {"voltage": voltage, "current": current, "units": _pairs(unit), "columns": _pairs(column)}
     if not safe_paths.is_name(name) or Path(name).suffix.lower() not in record_sources.SUFFIXES:
-        raise InputError(f"{name!r} is no name of a record; it ends in {', '.join(record_sources.SUFFIXES)}")
+        raise InputError(f"{name!r} is not a valid record name; it must end in {', '.join(record_sources.SUFFIXES)}")
     target = safe_paths.inside(here.data, f"{UPLOADS}/{Path(name).stem}.h5")
     if target.exists():
         raise HTTPException(409, f"there is a record {target.stem!r} already; rename the file, and upload it again")
@@ -221,7 +221,7 @@ def _describe_record(data: Path, key: str, note: str) -> RecordEntry:
 def _pairs(given: list[str]) -> dict[str, str]:
     for pair in given:
         if "=" not in pair or len(pair) > 120:
-            raise InputError(f"{pair[:60]!r} is no pair; write it as in displacement=mm")
+            raise InputError(f"{pair[:60]!r} is not a pair; write it as in displacement=mm")
     return dict(pair.split("=", 1) for pair in given)
 
 

@@ -1,7 +1,7 @@
 // The shell: navigation, one page at a time, light and dark.
-import { get } from "./house/api.js";
-import { h } from "./house/dom.js";
-import { say } from "./house/notice.js";
+import { get } from "./lib/api.js";
+import { h } from "./lib/dom.js";
+import { say } from "./lib/notice.js";
 
 const main = document.getElementById("main");
 let leave = null;
@@ -67,7 +67,7 @@ function themes() {
     try {
       localStorage.setItem("theme", next);
     } catch {
-      // a browser that keeps nothing forgets it
+      // a browser without storage forgets it
     }
     tell();
   });
@@ -83,7 +83,7 @@ async function start() {
     document.getElementById("pages").append(
       ...pages.map((one) => h("a", { href: `#/${one.name}`, "data-name": one.name }, one.title)),
     );
-    if (pages.some((one) => one.name === "bench")) (await import("./house/abort.js")).begin(document.getElementById("aside"));
+    if (pages.some((one) => one.name === "bench")) (await import("./lib/abort.js")).begin(document.getElementById("aside"));
     document.querySelector(".brand").title = `dampyr ${about.version}`;
   } catch (problem) {
     say(problem.message, "bad");

@@ -1,12 +1,12 @@
-// The bench: a rig, live, and who works with it.
-import { get, query as asQuery } from "../house/api.js";
-import { ask, bench, jog, listen } from "../house/bench.js";
-import { button, choice, field, h, number, section, tick } from "../house/dom.js";
-import { live } from "../house/live.js";
-import { table } from "../house/table.js";
+// The bench: a rig, its live readings, and who has control.
+import { get, query as asQuery } from "../lib/api.js";
+import { ask, bench, jog, listen } from "../lib/bench.js";
+import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
+import { live } from "../lib/live.js";
+import { table } from "../lib/table.js";
 
-const PUSH = 100; // ms between two wishes of a jog that is held
-const WORDS = { watching: "watching", acted: "has acted", off: "not watching" };
+const PUSH = 100; // ms between two requests of a jog that is held
+const WORDS = { watching: "watching", acted: "tripped", off: "not watching" };
 
 export async function show(root, query) {
   const [rigs, files] = await Promise.all([get("bench/rigs"), get("campaigns/files")]);
@@ -18,7 +18,7 @@ export async function show(root, query) {
       h("div", { class: "side" }, parts.rig, parts.campaign, parts.motion, parts.cell),
       h("div", {}, charts.element, parts.tests)),
   );
-  const told = (frame) => {
+  const take = (frame) => {
     if (frame?.strips) charts.take(frame.strips);
     if (frame === null || frame.state || parts.held !== bench.holds) {
       parts.held = bench.holds;
@@ -26,7 +26,7 @@ export async function show(root, query) {
     }
   };
   charts.take(await get(`bench/strips?${asQuery({ seconds: 12 })}`));
-  const end = listen(told);
+  const end = listen(take);
   refresh(parts, bench.state);
   return () => {
     jog(0);
@@ -39,7 +39,7 @@ function head() {
   const who = h("span", {});
   const take = button("Take control", () => ask("control"), { id: "take" });
   const note = h("p", { class: "verdict", role: "status", id: "note" });
-  const rings = h("ul", { class: "rings", "aria-label": "The three rings of safety" });
+  const rings = h("ul", { class: "rings", "aria-label": "The three safety layers" });
   return { control: h("div", {}, h("div", { class: "row" }, who, take), note), who, take, note, rings };
 }
 
@@ -52,10 +52,10 @@ function connecting(rigs) {
   const leave = button("Disconnect", () => ask("disconnect"), { id: "disconnect" });
   const arm = button("Arm", () => ask("arm"), { class: "main", id: "arm" });
   const disarm = button("Disarm", () => ask("disarm"), { id: "disarm" });
-  const known = h("p", { class: "soft" });
+  const identity = h("p", { class: "soft" });
   const form = h("div", {}, field("Rig", which), h("div", { class: "row" }, simulate, go));
-  const on = h("div", {}, known, h("div", { class: "row" }, arm, disarm, leave));
-  return { rig: section("Rig", form, on), connectForm: form, connected: on, known, go, leave, arm, disarm };
+  const on = h("div", {}, identity, h("div", { class: "row" }, arm, disarm, leave));
+  return { rig: section("Rig", form, on), connectForm: form, connected: on, identity, go, leave, arm, disarm };
 }
 
 function moving() {
@@ -63,13 +63,13 @@ function moving() {
   const away = held("← compress", -1, speed, "jog-in");
   const out = held("extend →", 1, speed, "jog-out");
   const home = button("Home by the index", () => ask("home"), { id: "home" });
-  const here = button("The middle is here", () => ask("home", { here: true }), { id: "here" });
+  const here = button("Set the centre here", () => ask("home", { here: true }), { id: "here" });
   const place = section("Motion", h("div", { class: "row" }, home, here), field("Jog at mm/s", speed, "moves while a button is held"),
     h("div", { class: "row" }, away, out));
   return { motion: place, home, here, away, out, speed };
 }
 
-/** A dead man's handle: held by pointer or key it asks again and again; let go, or out of sight, it stops. */
+/** A hold-to-run button: while it is held by pointer or key, its request repeats; when it is released or hidden, the motion stops. */
 function held(words, sign, speed, id) {
   let timer = 0;
   const push = () => jog((sign * Number(speed.value)) / 1000);
@@ -96,21 +96,21 @@ function held(words, sign, speed, id) {
 function calibrating() {
   const zero = button("Zero", () => ask("zero"), { id: "zero" });
   const begin = button("Calibrate…", () => ask("calibration"), { id: "calibrate" });
-  const told = h("p", { class: "soft" });
+  const message = h("p", { class: "soft" });
   const load = h("input", { type: "text", value: "20 kg", id: "load", maxlength: "40" });
   const shunt = h("input", { type: "text", value: "100 kohm", id: "shunt", maxlength: "40" });
   const step = (name, from) => () => ask("calibration/step", { step: name, load: from?.value ?? "" });
   const unloaded = button("Read without load", step("unloaded"), { id: "read-unloaded" });
   const loaded = button("Read under the load", step("loaded", load), { id: "read-loaded" });
   const shunted = button("Read with the shunt", step("shunted", shunt), { id: "read-shunted" });
-  const found = h("p", { id: "calibrated" });
-  const keep = button("Keep", () => ask("calibration/end", { keep: true }), { class: "main", id: "keep" });
-  const forget = button("Forget", () => ask("calibration/end", { keep: false }), { id: "forget" });
+  const reading = h("p", { id: "calibrated" });
+  const keep = button("Save", () => ask("calibration/end", { keep: true }), { class: "main", id: "keep" });
+  const forget = button("Discard", () => ask("calibration/end", { keep: false }), { id: "forget" });
   const steps = h("ol", { class: "steps", id: "steps" },
     h("li", {}, "Take all load off the cell.", h("div", { class: "row" }, unloaded)),
     h("li", {}, "Load it, or switch a shunt in.", h("div", { class: "fields" }, field("Load", load), field("Shunt", shunt)), h("div", { class: "row" }, loaded, shunted)),
-    h("li", {}, "Look at what was found.", found, h("div", { class: "row" }, keep, forget)));
-  return { cell: section("Load cell", told, h("div", { class: "row" }, zero, begin), steps), zero, begin, scale: told, steps, unloaded, loaded, shunted, found, keep, forget };
+    h("li", {}, "Check the result.", reading, h("div", { class: "row" }, keep, forget)));
+  return { cell: section("Load cell", message, h("div", { class: "row" }, zero, begin), steps), zero, begin, scale: message, steps, unloaded, loaded, shunted, reading, keep, forget };
 }
 
 function running(files, chosen) {
@@ -121,11 +121,11 @@ function running(files, chosen) {
   name();
   const start = button("Start", () => ask("start", { campaign: which.value, folder: folder.value }), { class: "main", id: "start" });
   const pause = button("Pause", () => ask("pause"), { id: "pause" });
-  const resume = button("Go on", () => ask("resume"), { class: "main", id: "resume" });
+  const resume = button("Resume", () => ask("resume"), { class: "main", id: "resume" });
   const stop = button("Stop", () => ask("stop"), { id: "stop" });
   const bar = h("progress", { max: "1", value: "0", "aria-label": "Progress of the campaign" });
   const facts = h("dl", { class: "facts", id: "run" });
-  const form = h("div", {}, field("Campaign", which), field("Folder of its records", folder, "a folder that holds a part of it is gone on with"),
+  const form = h("div", {}, field("Campaign", which), field("Folder of its records", folder, "a folder with a part of this campaign is continued"),
     h("div", { class: "row" }, start));
   const none = h("p", { class: "soft" }, "No campaign is saved yet: ", h("a", { href: "#/campaigns" }, "make one"), ".");
   const place = section("Campaign", files.length ? form : none, h("div", { class: "row" }, pause, resume, stop), bar, facts);
@@ -141,7 +141,7 @@ function refresh(parts, state) {
   }
   const { phase, rig, run } = state;
   const mine = bench.holds;
-  parts.who.textContent = mine ? `This page holds control${others(state)}.` : state.holder ? `${state.holder} holds control; this page looks on.` : "Nobody holds control.";
+  parts.who.textContent = mine ? `This page holds control${others(state)}.` : state.holder ? `${state.holder} holds control; this page only watches.` : "Nobody holds control.";
   parts.take.hidden = mine;
   parts.note.textContent = state.note;
   parts.note.hidden = !state.note;
@@ -151,7 +151,7 @@ function refresh(parts, state) {
   parts.connectForm.hidden = Boolean(rig);
   parts.connected.hidden = !rig;
   if (rig) {
-    parts.known.textContent = `${rig.name}${rig.simulated ? ", simulated" : ""}: ${rig.identity}, ${number(rig.rate)} samples/s`;
+    parts.identity.textContent = `${rig.name}${rig.simulated ? ", simulated" : ""}: ${rig.identity}, ${number(rig.rate)} samples/s`;
     parts.scale.textContent = `${number(rig.scale)} N/V, no force at ${number(rig.zero)} V (${rig.calibrated})`;
     parts.speed.max = String(rig.jog_speed * 1000);
     if (Number(parts.speed.value) > rig.jog_speed * 1000) parts.speed.value = parts.speed.max;
@@ -162,7 +162,7 @@ function refresh(parts, state) {
   progress(parts, run, phase);
 }
 
-const others = (state) => (state.clients > 1 ? `; ${state.clients - 1} more look on` : "");
+const others = (state) => (state.clients > 1 ? `; ${state.clients - 1} more watch` : "");
 
 function ring(one) {
   const kind = one.state === "acted" ? "bad" : one.state === "watching" ? "good" : "";
@@ -185,15 +185,15 @@ function allow(parts, { phase, run }, mine) {
   parts.runForm.hidden = phase === "campaign";
 }
 
-function guided(parts, found) {
-  parts.steps.hidden = !found;
-  parts.begin.hidden = Boolean(found);
-  if (!found) return;
-  parts.loaded.disabled ||= !found.zeroed;
-  parts.shunted.disabled ||= !found.zeroed;
-  parts.keep.disabled ||= !found.zeroed;
-  const zero = found.zeroed ? `No force at ${number(found.zero)} V, noise ${number(found.noise, 2)} N rms. ` : "Nothing was read yet.";
-  parts.found.textContent = zero + (found.scaled ? `Scale ${number(found.scale, 5)} N/V. ${found.doubt}` : "");
+function guided(parts, reading) {
+  parts.steps.hidden = !reading;
+  parts.begin.hidden = Boolean(reading);
+  if (!reading) return;
+  parts.loaded.disabled ||= !reading.zeroed;
+  parts.shunted.disabled ||= !reading.zeroed;
+  parts.keep.disabled ||= !reading.zeroed;
+  const zero = reading.zeroed ? `No force at ${number(reading.zero)} V, noise ${number(reading.noise, 2)} N rms. ` : "No reading yet.";
+  parts.reading.textContent = zero + (reading.scaled ? `Scale ${number(reading.scale, 5)} N/V. ${reading.doubt}` : "");
 }
 
 function readings(parts, state) {
@@ -225,12 +225,12 @@ function progress(parts, run, phase) {
 const clock = (seconds) => `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")} min`;
 
 async function tests(parts, folder) {
-  let found;
+  let states;
   try {
-    found = await get(`bench/tests?${asQuery({ folder })}`);
+    states = await get(`bench/tests?${asQuery({ folder })}`);
   } catch {
     return; // its journal is not there yet
   }
-  const rows = found.map((one) => [one.name, one.state, one.attempt, one.reason]);
+  const rows = states.map((one) => [one.name, one.state, one.attempt, one.reason]);
   parts.tests.replaceChildren(section("Tests", table({ caption: `The tests of ${folder}`, columns: [{ name: "test" }, { name: "state" }, { name: "try" }, { name: "reason" }], rows })));
 }

@@ -1,42 +1,42 @@
-// Building: what stands in which earthquake on the left; how it moved on the right. Responses and ensembles are jobs.
-import { get, post, query as asQuery } from "../house/api.js";
-import { before } from "../house/before.js";
-import { chart, COLOURS } from "../house/chart.js";
-import { button, choice, field, h, number, section, tick } from "../house/dom.js";
-import { watch } from "../house/jobs.js";
-import { attempt, say } from "../house/notice.js";
-import { storeys } from "../house/storeys.js";
-import { table } from "../house/table.js";
+// Building: building, motion and damper on the left, the response on the right. Responses and ensembles are jobs.
+import { get, post, query as asQuery } from "../lib/api.js";
+import { before } from "../lib/before.js";
+import { chart, COLOURS } from "../lib/chart.js";
+import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
+import { watch } from "../lib/jobs.js";
+import { attempt, say } from "../lib/notice.js";
+import { storeys } from "../lib/storeys.js";
+import { table } from "../lib/table.js";
 
 const G = 9.80665;
 const TIME = { words: "time", unit: "s" };
 const KINDS = ["respond", "ensemble"];
 
 export async function show(root, query) {
-  const known = await get("building/choices");
+  const choices = await get("building/choices");
   let stop = null;
   let live = [];
   const progress = h("div");
   const sheet = h("div");
   const past = before("building", KINDS, follow);
-  const form = asking(known);
+  const form = asking(choices);
   root.append(h("div", { class: "split" },
     h("div", { class: "side" }, form.element,
-      h("div", { class: "row" }, button("Shake it", () => start("building/responses", form.response), { class: "main" })),
+      h("div", { class: "row" }, button("Simulate", () => start("building/responses", form.response), { class: "main" })),
       h("details", {}, h("summary", {}, "Many earthquakes"), form.many, h("div", { class: "row" }, button("Run the ensemble", () => start("building/ensembles", form.ensemble)))),
       past.element),
     h("div", {}, progress, sheet)));
   if (query.get("job")) follow(query.get("job"));
-  else sheet.append(h("p", { class: "blank" }, "Choose a building, a motion and a damper, then shake it. The response stands here."));
+  else sheet.append(h("p", { class: "blank" }, "Choose a building, a motion and a damper, then simulate. The response appears here."));
 
   async function start(path, question) {
-    let asked;
+    let request;
     try {
-      asked = question();
+      request = question();
     } catch (problem) {
       return say(problem.message, "bad");
     }
-    const job = await attempt(() => post(path, asked));
+    const job = await attempt(() => post(path, request));
     if (job) {
       follow(job.id);
       past.look();
@@ -85,7 +85,7 @@ export async function show(root, query) {
       lines.replaceChildren(over("displacement", k, "displacement", "mm", 1e3), over("acceleration", k, "acceleration", "m/s²", 1), over("drift", k, `drift of storey ${k + 1}`, "mm", 1e3));
     };
     const energies = () => energy.replaceChildren(plot({ label: `Energies over time, ${chosen.value}`, x: TIME, y: { words: "energy", unit: "J" }, height: 260, zero: true,
-      series: Object.entries(curves.cases[chosen.value].energy).map(([name, line]) => ({ name: { input: "put in by the ground", viscous: "taken by viscous damping", dampers: "taken by the damper", moving: "still in motion" }[name], ...line })) }));
+      series: Object.entries(curves.cases[chosen.value].energy).map(([name, line]) => ({ name: { input: "input", viscous: "viscous damping", dampers: "damper", moving: "kinetic and strain" }[name], ...line })) }));
     const damped = names.filter((name) => curves.cases[name].loops.length);
     const ruled = damped.filter((name) => new Set(curves.cases[name].inputs[0].y).size > 1);
     sheet.replaceChildren(
@@ -97,7 +97,7 @@ export async function show(root, query) {
       ruled.length ? plot({ label: `Input over time, ${ruled.join(", ")}`, x: TIME, y: { words: "input", unit: r.unit }, height: 340,
         series: ruled.map((name) => ({ name, always: true, colour: COLOURS[damped.indexOf(name)], ...curves.cases[name].inputs[0] })) }) : null)) : "",
       section("Energy", field("Case", chosen), energy, energyTable(r)),
-      section("The ground", plot({ label: "Ground acceleration over time", x: TIME, y: { words: "acceleration", unit: "m/s²" }, height: 180, series: [{ name: "ground", colour: "muted", ...curves.ground }] })));
+      section("Ground motion", plot({ label: "Ground acceleration over time", x: TIME, y: { words: "acceleration", unit: "m/s²" }, height: 180, series: [{ name: "ground", colour: "muted", ...curves.ground }] })));
     histories();
     energies();
   }
@@ -115,7 +115,7 @@ export async function show(root, query) {
         h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dashed: 90 % bands over the motions; points: the shares that were counted.`),
         shown({ ...r.table, caption: "Median and spread of each curve" }, 4), r.remarks.map((one) => h("p", {}, `${one}.`)), h("div", { class: "row" }, page(id))),
       section("Peaks", shown({ ...r.peaks, caption: "Across motions, of the worst storey and floor" }, 4)),
-      section("How far to trust it", r.trust.map((one) => h("p", {}, one))));
+      section("Accuracy", r.trust.map((one) => h("p", {}, one))));
   }
 
   return () => {
@@ -130,42 +130,42 @@ function peaks(r) {
     one.peak_force.length ? Math.max(...one.peak_force) : null, one.mean_input.length ? one.mean_input[0] : null, -100 * (1 - one.peak_displacement.at(-1) / r.cases[0].peak_displacement.at(-1)) || null]);
   return table({ caption: "Peaks inside the step; displacements relative to the ground, accelerations absolute", rows,
     columns: [{ name: "case" }, ...r.floors.map((name) => ({ name: `floor ${name}`, unit: "mm" })), { name: "largest drift", unit: "mm" }, { name: "largest acceleration", unit: "m/s²" }, { name: "base shear", unit: "N" },
-      { name: "damper force", unit: "N" }, { name: "mean input", unit: r.unit }, { name: "top against bare", unit: "%", digits: 3 }] });
+      { name: "damper force", unit: "N" }, { name: "mean input", unit: r.unit }, { name: "top floor, change", unit: "%", digits: 3 }] });
 }
 
 function energyTable(r) {
-  return table({ caption: "Where the energy went by the end; the residual is the error of the balance", rows: r.cases.map(({ name, energy: e }) => [name, e.input, e.viscous, e.dampers, e.moving, e.residual]),
-    columns: [{ name: "case" }, ...["input", "viscous", "damper", "still in motion", "residual"].map((name) => ({ name, unit: "J" }))] });
+  return table({ caption: "Energies at the end; the residual is the error of the energy balance", rows: r.cases.map(({ name, energy: e }) => [name, e.input, e.viscous, e.dampers, e.moving, e.residual]),
+    columns: [{ name: "case" }, ...["input", "viscous", "damper", "kinetic and strain", "residual"].map((name) => ({ name, unit: "J" }))] });
 }
 
-/** The form, and the questions that it holds. */
-function asking(known) {
+/** The form, and the requests that it makes. */
+function asking(choices) {
   const text = (value, more = {}) => h("input", { type: "text", inputmode: "decimal", value, ...more });
   const building = choice([["two_storey", "two storeys (chapter 5)"], ["shear", "a shear building"]], { onchange: () => (own.hidden = building.value !== "shear") });
   const masses = text("1000 1000 1000");
   const stiffnesses = text("1e6 1e6 1e6");
   const damping = text("3");
   const own = h("div", { class: "fields", hidden: true }, field("Masses, kg", masses, "from the ground up"), field("Stiffnesses, N/m", stiffnesses), field("Damping, %", damping));
-  const motion = choice([["el_centro", "El Centro 1940, NS"], ["kanai_tajimi", "synthetic, by a seed"], ...known.motions.map((file) => [`file:${file}`, file])], { onchange: () => shift() });
-  const pga = text("", { placeholder: "as it is" });
+  const motion = choice([["el_centro", "El Centro 1940, NS"], ["kanai_tajimi", "synthetic, by seed"], ...choices.motions.map((file) => [`file:${file}`, file])], { onchange: () => shift() });
+  const pga = text("", { placeholder: "unscaled" });
   const seed = text("1");
-  const unit = choice([["", "as the file says"], ["g", "g"], ["m/s^2", "m/s²"], ["cm/s^2", "cm/s²"]]);
+  const unit = choice([["", "from the file"], ["g", "g"], ["m/s^2", "m/s²"], ["cm/s^2", "cm/s²"]]);
   const seeded = field("Seed", seed);
   const united = field("Unit of the file", unit);
   const shift = () => ((seeded.hidden = motion.value !== "kanai_tajimi"), (united.hidden = !motion.value.startsWith("file:")));
   shift();
-  const damper = choice(known.dampers.map((one) => [one.name, one.title]), { onchange: () => told() });
+  const damper = choice(choices.dampers.map((one) => [one.name, one.title]), { onchange: () => describeRange() });
   const storey = text("1");
   const inputs = text("0 1.98");
   const range = h("p", { class: "soft" });
-  const laws = known.laws.map((name) => [name, tick(name.replaceAll("_", " "))]);
-  const beyond = tick("beyond the calibrated range");
-  const told = () => {
-    const one = known.dampers.find(({ name }) => name === damper.value);
+  const laws = choices.laws.map((name) => [name, tick(name.replaceAll("_", " "))]);
+  const beyond = tick("extrapolate beyond the calibrated range");
+  const describeRange = () => {
+    const one = choices.dampers.find(({ name }) => name === damper.value);
     range.textContent = one ? `Calibrated from ${number(one.low)} to ${number(one.high)} ${one.unit}.` : "";
     if (one) inputs.value = [one.low, number((one.low + one.high) / 2, 3), number(one.high)].join(" ");
   };
-  told();
+  describeRange();
   const count = text("30");
   const scales = text("0.1 0.2 0.3 0.4 0.5 0.7 1 1.3 1.6 2 2.5 3");
   const quantity = choice([["drift", "drift, mm"], ["acceleration", "acceleration, g"]]);
@@ -179,31 +179,31 @@ function asking(known) {
 
   const common = () => {
     const file = motion.value.startsWith("file:") ? motion.value.slice(5) : "";
-    const found = { kind: file ? "file" : motion.value, file, unit: file ? unit.value : "", seed: one("Seed", seed) };
-    if (pga.value.trim()) found.pga = G * one("Peak", pga);
+    const chosen = { kind: file ? "file" : motion.value, file, unit: file ? unit.value : "", seed: one("Seed", seed) };
+    if (pga.value.trim()) chosen.pga = G * one("Peak", pga);
     return {
       building: building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: one("Damping", damping) / 100 } : {},
-      motion: found,
+      motion: chosen,
       damper: { name: damper.value, storey: one("Storey", storey), inputs: several("Inputs", inputs), laws: laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name), allow_extrapolation: beyond.firstChild.checked },
     };
   };
   const ensemble = () => {
-    const asked = common();
-    if (asked.motion.kind === "el_centro") asked.motion.kind = "kanai_tajimi";
+    const request = common();
+    if (request.motion.kind === "el_centro") request.motion.kind = "kanai_tajimi";
     const factor = quantity.value === "drift" ? 1e-3 : G;
-    return { ...asked, motions: one("Synthetic motions", count), scales: several("Scales", scales), quantity: quantity.value, limit: factor * one("Limit", limit), seed: one("Seed", seed) };
+    return { ...request, motions: one("Synthetic motions", count), scales: several("Scales", scales), quantity: quantity.value, limit: factor * one("Limit", limit), seed: one("Seed", seed) };
   };
   return { element, many, response: common, ensemble };
 }
 
 function several(words, control) {
-  const found = control.value.trim().split(/[\s;]+/).filter(Boolean).map((part) => Number(part.replace(",", ".").replace("−", "-")));
-  if (found.some(Number.isNaN)) throw new Error(`${words}: ${control.value} is not numbers; write them with spaces between.`);
-  return found;
+  const values = control.value.trim().split(/[\s;]+/).filter(Boolean).map((part) => Number(part.replace(",", ".").replace("−", "-")));
+  if (values.some(Number.isNaN)) throw new Error(`${words}: ${control.value} must be numbers separated by spaces.`);
+  return values;
 }
 
 function one(words, control) {
-  const found = several(words, control);
-  if (found.length !== 1) throw new Error(`${words}: ${control.value || "nothing"} is not one number.`);
-  return found[0];
+  const values = several(words, control);
+  if (values.length !== 1) throw new Error(`${words}: ${control.value || "nothing"} must be one number.`);
+  return values[0];
 }

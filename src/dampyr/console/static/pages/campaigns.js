@@ -1,15 +1,15 @@
-// The editor of campaigns: a grid or its text, the rig's envelope, and the dry run beside it.
-import { get, post, put, query as asQuery } from "../house/api.js";
-import { button, choice, field, h, number, section, tick } from "../house/dom.js";
-import { drafts } from "../house/drafts.js";
-import { envelope } from "../house/envelope.js";
-import { attempt, say } from "../house/notice.js";
-import { table } from "../house/table.js";
+// The editor of campaigns: a grid or its text, the rig's envelope, and the dry run next to it.
+import { get, post, put, query as asQuery } from "../lib/api.js";
+import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
+import { drafts } from "../lib/drafts.js";
+import { envelope } from "../lib/envelope.js";
+import { attempt, say } from "../lib/notice.js";
+import { table } from "../lib/table.js";
 
-const LATER = 350; // ms after the last key until the plan is made anew
+const LATER = 350; // ms after the last key until the plan is updated
 const FIRST = { name: "", operator: "", note: "", amplitude: [2, 4, 8], frequency: [0.5, 1, 2], voltage: [0, 0.8712, 1.98], cycles: 20, repeats: 1, random: false, seed: 0 };
 const COLUMNS = [{ name: "test" }, { name: "duration", unit: "s" }, { name: "peak speed", unit: "mm/s" }, { name: "position", unit: "mm" },
-  { name: "force", unit: "N" }, { name: "coil", unit: "V" }, { name: "", words: "the rig's answer", plain: true }];
+  { name: "force", unit: "N" }, { name: "coil", unit: "V" }, { name: "", words: "accepted by the rig", plain: true }];
 
 export async function show(root, query) {
   const [files, rigs] = await Promise.all([get("campaigns/files"), get("bench/rigs")]);
@@ -17,12 +17,12 @@ export async function show(root, query) {
   const source = h("textarea", { class: "source", spellcheck: "false", id: "source", maxlength: "65536" });
   const rig = choice(rigs.map((one) => [one.name, one.title]), { id: "plan-rig" });
   const name = h("input", { type: "text", id: "file", maxlength: "100", required: true });
-  const open = choice([["", "a new one"], ...files], { id: "open" });
+  const open = choice([["", "new campaign"], ...files], { id: "open" });
   const beyond = h("p", { class: "soft", hidden: true }, "This campaign is more than a grid of sines: edit its text.");
   const plan = h("div", { id: "plan", "aria-live": "polite" });
-  const run = h("a", { class: "button", href: "#/bench", hidden: true, id: "to-bench" }, "To the bench");
+  const run = h("a", { class: "button", href: "#/bench", hidden: true, id: "to-bench" }, "Run on the bench");
   const unsaved = drafts("campaign");
-  const restored = h("div", { class: "row", id: "restored", role: "status", hidden: true }, h("span", {}, "Unsaved changes from before are back."),
+  const restored = h("div", { class: "row", id: "restored", role: "status", hidden: true }, h("span", {}, "Unsaved changes were restored."),
     button("Discard them", () => (unsaved.drop(open.value), load()), { id: "discard" }));
   let timer = 0;
   let turn = 0;
@@ -34,11 +34,11 @@ export async function show(root, query) {
   };
 
   async function fromGrid() {
-    const asked = form.read();
+    const request = form.read();
     const mine = ++turn;
-    if (typeof asked === "string") return wrong(asked);
+    if (typeof request === "string") return wrong(request);
     try {
-      const made = await post("campaigns/text", asked);
+      const made = await post("campaigns/text", request);
       if (mine !== turn) return undefined;
       source.value = made.text;
     } catch (problem) {
@@ -50,14 +50,14 @@ export async function show(root, query) {
   async function dryRun() {
     const mine = ++turn;
     try {
-      const found = await post("campaigns/plan", { text: source.value, rig: rig.value });
-      if (mine === turn) plan.replaceChildren(...told(found));
+      const result = await post("campaigns/plan", { text: source.value, rig: rig.value });
+      if (mine === turn) plan.replaceChildren(...planned(result));
     } catch (problem) {
       if (mine === turn) wrong(problem.message);
     }
   }
 
-  /** Keep what is not saved yet; what does not differ from the file is no work. */
+  /** Store the unsaved draft. */
   function keep() {
     unsaved.keep(open.value, { text: source.value, name: name.value, rig: rig.value, grid: form.element.hidden ? null : form.texts() });
   }
@@ -79,7 +79,7 @@ export async function show(root, query) {
     const file = open.value ? await attempt(() => get(`campaigns/files/${encodeURIComponent(open.value)}`)) : { text: "", grid: FIRST };
     if (file) take(file);
     saved = file?.text ?? "";
-    const before = unsaved.found(open.value);
+    const before = unsaved.read(open.value);
     restored.hidden = !before;
     if (before) return again(before);
     return open.value ? dryRun() : fromGrid();
@@ -100,19 +100,19 @@ export async function show(root, query) {
     if (!name.reportValidity()) return;
     clearTimeout(timer);
     const replaces = name.value === open.value ? saved : "";
-    const kept = await attempt(() => put(`campaigns/files/${encodeURIComponent(name.value)}`, { text: source.value, rig: rig.value, replaces }));
-    if (!kept) return;
+    const written = await attempt(() => put(`campaigns/files/${encodeURIComponent(name.value)}`, { text: source.value, rig: rig.value, replaces }));
+    if (!written) return;
     unsaved.drop(open.value);
-    unsaved.drop(kept.name);
-    saved = kept.text;
+    unsaved.drop(written.name);
+    saved = written.text;
     restored.hidden = true;
-    if (![...open.options].some((one) => one.value === kept.name)) open.append(h("option", { value: kept.name }, kept.name));
-    open.value = kept.name;
-    history.replaceState(null, "", `#/campaigns?${asQuery({ open: kept.name })}`);
-    run.href = `#/bench?campaign=${encodeURIComponent(kept.name)}`;
+    if (![...open.options].some((one) => one.value === written.name)) open.append(h("option", { value: written.name }, written.name));
+    open.value = written.name;
+    history.replaceState(null, "", `#/campaigns?${asQuery({ open: written.name })}`);
+    run.href = `#/bench?campaign=${encodeURIComponent(written.name)}`;
     run.hidden = false;
-    take(kept);
-    say(`saved: ${kept.name}`);
+    take(written);
+    say(`saved: ${written.name}`);
     dryRun();
   }
 
@@ -134,8 +134,8 @@ export async function show(root, query) {
     h("div", { class: "side" }, files_, h("div", { class: "row" }, button("Save", save, { class: "main", id: "save" }), run), restored, form.element, beyond,
       h("details", { open: true }, h("summary", {}, "As TOML"), field("Text", source, "what is planned, saved and run"))),
     plan));
-  const asked = query.get("open");
-  if (asked && files.includes(asked)) open.value = asked;
+  const request = query.get("open");
+  if (request && files.includes(request)) open.value = request;
   await load();
   return () => clearTimeout(timer);
 }
@@ -155,19 +155,19 @@ function gridForm() {
       field("Cycles", parts.cycles), field("Repeats", parts.repeats), field("Seed", parts.seed), field("Name", parts.name), field("Operator", parts.operator), field("Note", parts.note)),
     h("div", { class: "row" }, random));
 
-  /** The grid, or a sentence of what is wrong. */
+  /** The grid, or a sentence that says what is wrong. */
   function read() {
-    const found = { random: box.checked };
-    for (const key of ["name", "operator", "note"]) found[key] = parts[key].value;
+    const result = { random: box.checked };
+    for (const key of ["name", "operator", "note"]) result[key] = parts[key].value;
     for (const key of ["amplitude", "frequency", "voltage"]) {
-      found[key] = parts[key].value.split(/[\s,;]+/).filter(Boolean).map(Number);
-      if (!found[key].length || found[key].some((one) => !Number.isFinite(one))) return `${key} must be numbers parted by commas, such as 2, 4, 8`;
+      result[key] = parts[key].value.split(/[\s,;]+/).filter(Boolean).map(Number);
+      if (!result[key].length || result[key].some((one) => !Number.isFinite(one))) return `${key} must be numbers separated by commas, such as 2, 4, 8`;
     }
     for (const key of ["cycles", "repeats", "seed"]) {
       if (!parts[key].value || !parts[key].checkValidity()) return `${key} must be a whole number from ${parts[key].min} to ${parts[key].max}`;
-      found[key] = Number(parts[key].value);
+      result[key] = Number(parts[key].value);
     }
-    return found;
+    return result;
   }
 
   function write(grid) {
@@ -175,7 +175,7 @@ function gridForm() {
     box.checked = grid.random;
   }
 
-  /** What is typed, right or wrong, and back. */
+  /** The entries as they are typed, valid or not. */
   const texts = () => ({ ...Object.fromEntries(Object.entries(parts).map(([key, part]) => [key, part.value])), random: box.checked });
 
   function put(texts) {
@@ -185,17 +185,17 @@ function gridForm() {
   return { element, read, write, texts, put };
 }
 
-function told(plan) {
+function planned(plan) {
   const minutes = plan.duration_s >= 60 ? `${number(plan.duration_s / 60)} min` : `${number(plan.duration_s)} s`;
   const refused = plan.refusals.length;
-  const verdict = refused ? `The rig cannot do ${refused === 1 ? "one thing" : `${refused} things`} of this campaign; nothing of it would run.`
-    : `The rig can do all of it: ${plan.tests.length} tests, ${minutes}.`;
+  const verdict = refused ? `The rig refuses ${refused === 1 ? "one item" : `${refused} items`} of this campaign, so nothing would run.`
+    : `The rig can run all ${plan.tests.length} tests, ${minutes}.`;
   const rows = plan.tests.map((one) => [{ key: one.name, show: h("span", {}, one.name, h("small", { class: "under" }, one.words)) }, one.duration_s, one.speed_mm_s, one.position_mm, one.force_N, one.voltage_V,
-    { key: one.refusal ? 1 : 0, show: h("span", { class: `badge ${one.refusal ? "bad" : "good"}` }, one.refusal ? "refused" : "can") }]);
+    { key: one.refusal ? 1 : 0, show: h("span", { class: `badge ${one.refusal ? "bad" : "good"}` }, one.refusal ? "refused" : "accepted") }]);
   return [
     h("p", { class: `verdict ${refused ? "bad" : "good"}`, id: "verdict" }, verdict),
     refused ? h("ul", { class: "refusals" }, plan.refusals.map((one) => h("li", {}, one))) : "",
-    plan.tests.some((one) => one.frequency_Hz > 0) ? section("Within what the rig can do", envelope(plan)) : "",
+    plan.tests.some((one) => one.frequency_Hz > 0) ? section("Limits of the rig", envelope(plan)) : "",
     section("Dry run", table({ caption: `${plan.tests.length} tests on ${plan.rig}, ${minutes}, in the order in which they run`, columns: COLUMNS, rows })),
     ...plan.notes.map((one) => h("p", { class: "soft" }, one)),
   ];

@@ -1,12 +1,12 @@
-// Identify: records and a model on the left, what was found on the right. A fit is a job: it goes on without the page.
-import { get, post, query as asQuery } from "../house/api.js";
-import { before } from "../house/before.js";
-import { chart } from "../house/chart.js";
-import { button, choice, field, h, number, section, tick } from "../house/dom.js";
-import { watch } from "../house/jobs.js";
-import { attempt, say } from "../house/notice.js";
-import { picker } from "../house/picker.js";
-import { table } from "../house/table.js";
+// Identify: records and a model on the left, the result on the right. A fit is a job that continues without the page.
+import { get, post, query as asQuery } from "../lib/api.js";
+import { before } from "../lib/before.js";
+import { chart } from "../lib/chart.js";
+import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
+import { watch } from "../lib/jobs.js";
+import { attempt, say } from "../lib/notice.js";
+import { picker } from "../lib/picker.js";
+import { table } from "../lib/table.js";
 
 const FORCE = { words: "force", unit: "N" };
 
@@ -28,22 +28,22 @@ export async function show(root, query) {
       records.element,
       h("fieldset", {}, h("legend", {}, "Model"), field("Hysteresis", model),
         h("div", { class: "row", role: "group", "aria-label": "Added to it" }, ons.map(([, box]) => box))),
-      h("details", {}, h("summary", {}, "How it is fitted"), h("div", { class: "fields" }, field("Loss", loss), field("Validate", predict, "on records left out"), field("Velocity bandwidth, Hz", bandwidth, "derived; empty takes the recorded"))),
+      h("details", {}, h("summary", {}, "Fit options"), h("div", { class: "fields" }, field("Loss", loss), field("Validate", predict, "on records left out"), field("Velocity bandwidth, Hz", bandwidth, "derived; empty takes the recorded"))),
       h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried: minutes" })),
       past.element),
     h("div", {}, progress, sheet)));
   const open = query.get("job");
   if (open) follow(open);
-  else sheet.append(h("p", { class: "blank" }, "Choose records and a model, then identify. What was found stands here."));
+  else sheet.append(h("p", { class: "blank" }, "Choose records and a model, then identify. The result appears here."));
 
   const composed = () => [model.value, ...ons.filter(([, box]) => box.firstChild.checked).map(([name]) => name)].join(" + ");
 
   async function start(wanted) {
-    const asked = { records: records.chosen(), model: wanted, loss: loss.value, predict: predict.value };
+    const request = { records: records.chosen(), model: wanted, loss: loss.value, predict: predict.value };
     const width = bandwidth.value.trim().replace(",", ".");
-    if (width) asked.bandwidth = Number(width);
-    if (!asked.records.length) return say("Choose one record or more first.", "bad");
-    const job = await attempt(() => post("identify/jobs", asked));
+    if (width) request.bandwidth = Number(width);
+    if (!request.records.length) return say("Choose one record or more first.", "bad");
+    const job = await attempt(() => post("identify/jobs", request));
     if (job) {
       follow(job.id);
       past.look();
@@ -57,7 +57,7 @@ export async function show(root, query) {
     sheet.replaceChildren();
     stop = watch(progress, id, (job) => {
       past.look();
-      if (job.state === "done") found(job);
+      if (job.state === "done") showResult(job);
     });
   }
 
@@ -66,11 +66,11 @@ export async function show(root, query) {
     charts = [];
   }
 
-  function found({ id, result: r }) {
+  function showResult({ id, result: r }) {
     const name = h("input", { type: "text", maxlength: "80", value: r.model.replaceAll(" + ", "-") });
     const keep = async () => {
-      const kept = await attempt(() => post(`identify/jobs/${id}/card`, { name: name.value }));
-      if (kept) say(`The card ${kept.name} is kept.`);
+      const saved = await attempt(() => post(`identify/jobs/${id}/card`, { name: name.value }));
+      if (saved) say(`Saved the card ${saved.name}.`);
     };
     const plots = h("div");
     const which = choice(r.records, { onchange: () => draw(which.value) });
@@ -86,8 +86,8 @@ export async function show(root, query) {
       section("Measured and modelled", field("Record", which), plots),
       section("Parameters", table({
         caption: r.parameters.caption, columns: r.parameters.columns.map((words) => ({ name: words })), rows: r.parameters.rows })),
-      section("How well it describes each record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: "From 2 s after the motion starts, each record's own offset taken" })),
-      section("What the model leaves", r.findings.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`))),
+      section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: "From 2 s after the motion starts, each record's own offset taken" })),
+      section("Residuals", r.findings.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`))),
     );
     draw(which.value);
 
@@ -99,7 +99,7 @@ export async function show(root, query) {
         { name: "measured", colour: "muted", width: 2.4, ...scaled(lines[over].measured, factor) }, { name: r.model, colour: "vermillion", ...scaled(lines[over].model, factor) }]);
       plots.replaceChildren(
         pair("time", "time", "s", 1, 260),
-        plot({ words: "time", unit: "s" }, { words: "residual", unit: "N" }, `What the model leaves of the force of ${record}`, 150, [{ name: "measured less modelled", colour: "blue", always: true, ...lines.residual }]),
+        plot({ words: "time", unit: "s" }, { words: "residual", unit: "N" }, `Residual force of ${record}`, 150, [{ name: "measured minus modelled", colour: "blue", always: true, ...lines.residual }]),
         h("div", { class: "charts" }, pair("displacement", "displacement", "mm", 1e3, 340), pair("velocity", "velocity", "mm/s", 1e3, 340)));
     }
   }

@@ -1,12 +1,12 @@
-// Records: a list to choose from, and what is chosen, overlaid.
-import { acceptance, forAddress, fromAddress } from "../house/acceptance.js";
-import { get, put, query as asQuery, remove, upload } from "../house/api.js";
-import { chart, COLOURS } from "../house/chart.js";
-import { button, choice, field, h, number, section } from "../house/dom.js";
-import { attempt, say } from "../house/notice.js";
-import { table } from "../house/table.js";
+// Records: a list to choose from, and the chosen ones overlaid.
+import { acceptance, forAddress, fromAddress } from "../lib/acceptance.js";
+import { get, put, query as asQuery, remove, upload } from "../lib/api.js";
+import { chart, COLOURS } from "../lib/chart.js";
+import { button, choice, field, h, number, section } from "../lib/dom.js";
+import { attempt, say } from "../lib/notice.js";
+import { table } from "../lib/table.js";
 
-const MOST = COLOURS.length;
+const MAX_OPEN = COLOURS.length;
 const TIME = { words: "time", unit: "s" };
 const FORCE = { words: "force", unit: "N" };
 const DISPLACEMENT = { words: "displacement", unit: "mm" };
@@ -14,9 +14,9 @@ const VELOCITY = { words: "velocity", unit: "mm/s" };
 const TABS = { time: "Time", loops: "Loops", spectra: "Spectra", cycles: "Cycles", acceptance: "Acceptance", about: "About" };
 
 export async function show(root, query) {
-  const state = { source: query.get("source"), open: query.getAll("open").slice(0, MOST), tab: query.get("tab") ?? "time", filter: "", role: "" };
-  const asked = fromAddress(query);
-  const kept = new Map();
+  const state = { source: query.get("source"), open: query.getAll("open").slice(0, MAX_OPEN), tab: query.get("tab") ?? "time", filter: "", role: "" };
+  const request = fromAddress(query);
+  const cached = new Map();
   let listed = [];
   let charts = [];
   const sources = await get("records/sources");
@@ -26,11 +26,11 @@ export async function show(root, query) {
   const sheet = h("div");
   const source = choice(sources.map((one) => [one.name, one.title]), { value: state.source, onchange: () => ((state.source = source.value), load()) });
   const filter = h("input", { type: "search", oninput: () => ((state.filter = filter.value.toLowerCase()), fill()) });
-  const role = choice([["", "all"], ["fit", "for fits"], ["validation", "for validation"], ["notes", "to look at"]], { onchange: () => ((state.role = role.value), fill()) });
+  const role = choice([["", "all"], ["fit", "fit"], ["validation", "validation"], ["notes", "with remarks"]], { onchange: () => ((state.role = role.value), fill()) });
   root.append(
     h("div", { class: "split wide" },
       h("div", { class: "side" },
-        h("div", { class: "fields sources" }, field("From", source), field("Filter", filter), field("Which", role)),
+        h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter), field("Role", role)),
         list,
         uploads((key) => ((state.source = source.value = "data"), (state.open = [key]), load(true)))),
       sheet),
@@ -52,10 +52,10 @@ export async function show(root, query) {
         m || seen ? 1e3 * (m?.peak_speed ?? seen.peak_speed) : null];
     });
     list.replaceChildren(table({
-      caption: `${shown.length} of ${listed.length} records; up to ${MOST} are overlaid`,
+      caption: `${shown.length} of ${listed.length} records; up to ${MAX_OPEN} are overlaid`,
       columns: [{ words: "Shown", plain: true }, { name: "record" }, { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "peak speed", unit: "mm/s" }],
       rows,
-      empty: state.source === "data" ? "No records are here yet; upload one below, or run a campaign." : "Nothing passes the filter.",
+      empty: state.source === "data" ? "No records are here yet; upload one below, or run a campaign." : "No record matches the filter.",
     }));
   }
 
@@ -73,9 +73,9 @@ export async function show(root, query) {
   }
 
   function toggle(key, box) {
-    if (box.checked && state.open.length >= MOST) {
+    if (box.checked && state.open.length >= MAX_OPEN) {
       box.checked = false;
-      say(`${MOST} records are overlaid already; take one away first.`);
+      say(`${MAX_OPEN} records are overlaid already; remove one first.`);
       return;
     }
     state.open = box.checked ? [...state.open, key] : state.open.filter((one) => one !== key);
@@ -83,7 +83,7 @@ export async function show(root, query) {
   }
 
   function keepAddress() {
-    history.replaceState(null, "", `#/records?${asQuery({ source: state.source, open: state.open, tab: state.tab, ...forAddress(asked) })}`);
+    history.replaceState(null, "", `#/records?${asQuery({ source: state.source, open: state.open, tab: state.tab, ...forAddress(request) })}`);
   }
 
   async function draw() {
@@ -122,60 +122,60 @@ export async function show(root, query) {
 
   async function curves(keys) {
     return Promise.all(keys.map(async (key) => {
-      if (!kept.has(key)) kept.set(key, await get(`records/curves?${asQuery({ key })}`));
-      return kept.get(key);
+      if (!cached.has(key)) cached.set(key, await get(`records/curves?${asQuery({ key })}`));
+      return cached.get(key);
     }));
   }
 
-  function overlay(found, which, x, y, label, { fx = 1, fy = 1, ...more } = {}) {
-    const series = found.map((one, k) => ({ name: one.name, x: times(one[which].x, fx), y: times(one[which].y, fy), colour: COLOURS[k], always: true }));
-    const made = chart({ label: `${label} of ${found.map((one) => one.name).join(", ")}`, x, y, series, ...more });
+  function overlay(loaded, which, x, y, label, { fx = 1, fy = 1, ...more } = {}) {
+    const series = loaded.map((one, k) => ({ name: one.name, x: times(one[which].x, fx), y: times(one[which].y, fy), colour: COLOURS[k], always: true }));
+    const made = chart({ label: `${label} of ${loaded.map((one) => one.name).join(", ")}`, x, y, series, ...more });
     charts.push(made);
     return made.element;
   }
 
   const VIEWS = {
     async time(keys) {
-      const found = await curves(keys);
+      const loaded = await curves(keys);
       return [
-        overlay(found, "displacement", TIME, DISPLACEMENT, "Displacement over time", { fy: 1e3, height: 220 }),
-        overlay(found, "velocity", TIME, VELOCITY, "Velocity over time", { fy: 1e3, height: 220 }),
-        overlay(found, "force", TIME, FORCE, "Force over time", { height: 260 }),
+        overlay(loaded, "displacement", TIME, DISPLACEMENT, "Displacement over time", { fy: 1e3, height: 220 }),
+        overlay(loaded, "velocity", TIME, VELOCITY, "Velocity over time", { fy: 1e3, height: 220 }),
+        overlay(loaded, "force", TIME, FORCE, "Force over time", { height: 260 }),
         hint(),
       ];
     },
     async loops(keys) {
-      const found = await curves(keys);
+      const loaded = await curves(keys);
       return [h("div", { class: "charts" },
-        overlay(found, "force_displacement", DISPLACEMENT, FORCE, "Force over displacement", { fx: 1e3, height: 420 }),
-        overlay(found, "force_velocity", VELOCITY, FORCE, "Force over velocity", { fx: 1e3, height: 420 })), hint()];
+        overlay(loaded, "force_displacement", DISPLACEMENT, FORCE, "Force over displacement", { fx: 1e3, height: 420 }),
+        overlay(loaded, "force_velocity", VELOCITY, FORCE, "Force over velocity", { fx: 1e3, height: 420 })), hint()];
     },
     async spectra(keys) {
-      const found = await curves(keys);
-      return [overlay(found, "spectrum", { words: "frequency", unit: "Hz" }, { words: "amplitude of the force", unit: "N" }, "Amplitudes of the force by frequency", { height: 360, zero: true }), hint()];
+      const loaded = await curves(keys);
+      return [overlay(loaded, "spectrum", { words: "frequency", unit: "Hz" }, { words: "amplitude of the force", unit: "N" }, "Amplitudes of the force by frequency", { height: 360, zero: true }), hint()];
     },
     async cycles(keys) {
-      const found = await Promise.all(keys.map((key) => get(`records/cycles?${asQuery({ key })}`)));
+      const loaded = await Promise.all(keys.map((key) => get(`records/cycles?${asQuery({ key })}`)));
       const names = keys.map(short);
       const pickup = chart({
-        label: `Force at peak velocity of every cycle of ${names.join(", ")}`, x: { ...VELOCITY, words: "peak velocity", pad: 0.08 }, y: { words: "force less its mean", unit: "N" }, height: 340,
-        series: found.map((all, k) => ({ name: names[k], points: true, colour: COLOURS[k], always: true,
+        label: `Force at peak velocity of every cycle of ${names.join(", ")}`, x: { ...VELOCITY, words: "peak velocity", pad: 0.08 }, y: { words: "force minus its mean", unit: "N" }, height: 340,
+        series: loaded.map((all, k) => ({ name: names[k], points: true, colour: COLOURS[k], always: true,
           x: all.flatMap((one) => [1e3 * one.speed_out, 1e3 * one.speed_in]), y: all.flatMap((one) => [one.force_out, one.force_in]) })),
       });
       charts.push(pickup);
-      const rows = found.flatMap((all, k) => all.map((one, i) => [names[k], i + 1, one.start_s, 1 / one.period_s, 1e3 * one.stroke_m, one.least_force, one.largest_force, one.energy,
+      const rows = loaded.flatMap((all, k) => all.map((one, i) => [names[k], i + 1, one.start_s, 1 / one.period_s, 1e3 * one.stroke_m, one.least_force, one.largest_force, one.energy,
         1e3 * one.speed_out, one.force_out, 1e3 * one.speed_in, one.force_in]));
       return [section("Peak-velocity pick-up", pickup.element), section("Every whole cycle", table({
-        caption: "Forces at peak velocity are less the record's mean force", rows,
+        caption: "Forces at peak velocity, minus the record's mean force", rows,
         columns: [{ name: "record" }, { name: "cycle" }, { name: "start", unit: "s" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "least force", unit: "N" },
           { name: "largest force", unit: "N" }, { name: "energy", unit: "J" }, { name: "peak velocity, out", unit: "mm/s" }, { name: "force there", unit: "N" },
           { name: "peak velocity, in", unit: "mm/s" }, { name: "force there", unit: "N" }],
       }))];
     },
-    acceptance: (keys) => acceptance(keys, asked, keepAddress, charts),
+    acceptance: (keys) => acceptance(keys, request, keepAddress, charts),
     async about(keys) {
-      const found = await Promise.all(keys.map((key) => get(`records/one?${asQuery({ key })}`)));
-      return found.map((one) => about(one));
+      const loaded = await Promise.all(keys.map((key) => get(`records/one?${asQuery({ key })}`)));
+      return loaded.map((one) => about(one));
     },
   };
 
@@ -184,18 +184,18 @@ export async function show(root, query) {
     const m = a.measured;
     const q = a.quality;
     const facts = [
-      ["role", a.role === "fit" ? "for fits" : "for validation"], ["input", inputOf(a)?.show ?? "not known"],
+      ["role", a.role], ["input", inputOf(a)?.show ?? "unknown"],
       ["duration", `${number(a.duration_s)} s, ${q.samples} samples, every ${number(1e3 * q.dt)} ms`],
       ...(m ? [["whole cycles", `${m.cycles} from ${number(m.motion_start)} s on`], ["frequency", `${number(m.frequency_hz)} Hz`], ["peak to peak", `${number(1e3 * m.peak_to_peak_m)} mm`],
         ["peak speed", `${number(1e3 * m.peak_speed)} mm/s`], ["mean force", `${number(m.mean_force)} N`], ["energy per cycle", `${number(m.energy_per_cycle)} J`], ["drift", `${number(1e3 * m.drift_m_per_s, 3)} mm/s`],
-        ["third harmonic", `${number(100 * m.harmonics[3], 2)} %`]] : [["whole stroke", `${number(1e3 * a.overview.stroke_m)} mm`], ["peak speed", `${number(1e3 * a.overview.peak_speed)} mm/s`]]),
+        ["third harmonic", `${number(100 * m.harmonics[3], 2)} %`]] : [["overall stroke", `${number(1e3 * a.overview.stroke_m)} mm`], ["peak speed", `${number(1e3 * a.overview.peak_speed)} mm/s`]]),
       ...Object.entries(q.quantum).map(([channel, step]) => [`${channel} step`, `${number(step, 3)} ${{ displacement: "m", velocity: "m/s", force: "N" }[channel] ?? ""}`]),
-      ...Object.entries(a.provenance), ...a.history.map((step) => ["done", step]),
+      ...Object.entries(a.provenance), ...a.history.map((step) => ["processing", step]),
     ];
     const text = h("textarea", { value: one.note, maxlength: "2000" });
     const keep = async () => {
       if (await attempt(() => put("records/notes", { key, text: text.value }))) {
-        say("The note is kept.");
+        say("The note is saved.");
         const there = listed.find((other) => other.key === key);
         if (there) there.note = text.value.trim();
         fill();
@@ -205,10 +205,10 @@ export async function show(root, query) {
       h("a", { class: "button", href: `/api/records/export?${asQuery({ key, format })}`, download: "" }, { csv: "CSV", mat: "MAT", h5: "HDF5", png: "PNG" }[format]));
     const away = key.startsWith("data/uploads/") ? button("Delete the record", () => drop(key), { class: "quiet" }) : null;
     return section(a.name,
-      h("p", {}, a.notes.length ? a.notes.map((note) => h("span", { class: "badge bad" }, note)) : h("span", { class: "badge good" }, "nothing to complain of")),
+      h("p", {}, a.notes.length ? a.notes.map((note) => h("span", { class: "badge bad" }, note)) : h("span", { class: "badge good" }, "no remarks")),
       h("div", { class: "row" }, h("span", { class: "label" }, "Save as"), exports, away),
       h("dl", { class: "facts" }, facts.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)])),
-      field("Note", text), h("div", { class: "row" }, button("Keep the note", keep)));
+      field("Note", text), h("div", { class: "row" }, button("Save the note", keep)));
   }
 
   async function drop(key) {
@@ -223,7 +223,7 @@ export async function show(root, query) {
   return () => charts.forEach((one) => one.clear());
 }
 
-/** Take files in: what they do not say themselves is said here. */
+/** The upload form: a file, and what the file does not state itself. */
 function uploads(taken) {
   const file = h("input", { type: "file", accept: ".csv,.txt,.mat,.h5" });
   const voltage = h("input", { type: "text", inputmode: "decimal" });
@@ -231,26 +231,26 @@ function uploads(taken) {
   const columns = h("input", { type: "text", placeholder: "force=Load cell; time=Clock" });
   const go = h("button", { type: "submit", class: "main" }, "Upload");
   const form = h("form", {}, field("File", file, "CSV, text, MAT (version 5) or HDF5, at most 64 MiB"),
-    h("div", { class: "fields" }, field("Voltage at the coil, V", voltage, "where the file does not say"), field("Units", units, "where the header does not say"), field("Columns", columns, "where the names are not known")),
+    h("div", { class: "fields" }, field("Voltage at the coil, V", voltage, "where the file does not state it"), field("Units", units, "where the header does not state them"), field("Columns", columns, "where the names are not recognised")),
     h("div", { class: "row" }, go));
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     if (!file.files.length) return say("Choose a file first.", "bad");
     go.disabled = true;
     const said = asQuery({ voltage: voltage.value.trim().replace(",", "."), unit: units.value.split(/[\s;]+/).filter(Boolean), column: columns.value.split(";").map((one) => one.trim()).filter(Boolean) });
-    const found = await attempt(() => upload(`records/uploads/${encodeURIComponent(file.files[0].name)}?${said}`, file.files[0]));
+    const loaded = await attempt(() => upload(`records/uploads/${encodeURIComponent(file.files[0].name)}?${said}`, file.files[0]));
     go.disabled = false;
-    if (found) {
-      say(`${short(found.key)} is here.`);
+    if (loaded) {
+      say(`Uploaded ${short(loaded.key)}.`);
       form.reset();
-      taken(found.key);
+      taken(loaded.key);
     }
   });
   return h("details", {}, h("summary", {}, "Upload a record"), form);
 }
 
 const times = (values, factor) => (factor === 1 ? values : values.map((value) => factor * value));
-const hint = () => h("p", { class: "soft" }, "Drag over a chart to look closer; a double click shows all again.");
+const hint = () => h("p", { class: "soft" }, "Drag over a chart to zoom in; double-click to show all.");
 export const short = (key) => key.split("/").at(-1).replace(/\.(mat|csv|txt|h5)$/, "");
 
 const nameOf = (one) => ({ key: one.key, show: h("span", { class: "named", title: one.key }, short(one.key), flags(one)) });
@@ -264,7 +264,7 @@ export function inputOf(about) {
 function flags(one) {
   const marks = [];
   if (one.problem) marks.push(h("span", { class: "badge bad", title: one.problem }, "cannot be read"));
-  else if (one.about.notes.length) marks.push(h("span", { class: "badge bad", title: one.about.notes.join("; ") }, `look: ${one.about.notes.length}`));
+  else if (one.about.notes.length) marks.push(h("span", { class: "badge bad", title: one.about.notes.join("; ") }, `remarks: ${one.about.notes.length}`));
   if (one.about?.role === "validation") marks.push(h("span", { class: "badge" }, "validation"));
   if (one.note) marks.push(h("span", { class: "badge", title: one.note }, "note"));
   return marks;

@@ -1,4 +1,4 @@
-// Asking the console. What goes wrong comes as an Error whose message is one sentence for a person.
+// Requests to the console. A failure is an Error whose message is one sentence for a person.
 
 export class Refused extends Error {
   constructor(status, message) {
@@ -15,13 +15,13 @@ async function ask(method, path, body, headers = {}, signal = undefined) {
     throw new Refused(0, "the console does not answer; is `dampyr console` still running?");
   }
   if (answer.ok) return answer;
-  let told = {};
+  let answered = {};
   try {
-    told = await answer.json();
+    answered = await answer.json();
   } catch {
     // an answer without a sentence
   }
-  throw new Refused(answer.status, told.detail ?? `the console answered ${answer.status}`);
+  throw new Refused(answer.status, answered.detail ?? `the console answered ${answer.status}`);
 }
 
 const inJson = { "content-type": "application/json" };
@@ -36,13 +36,13 @@ export const upload = async (path, file) =>
 
 /** Query text of an object: lists repeat, what is undefined or empty is left out. */
 export function query(values) {
-  const found = new URLSearchParams();
+  const parameters = new URLSearchParams();
   for (const [name, value] of Object.entries(values)) {
     for (const one of Array.isArray(value) ? value : [value]) {
-      if (one !== undefined && one !== null && one !== "") found.append(name, one);
+      if (one !== undefined && one !== null && one !== "") parameters.append(name, one);
     }
   }
-  return found.toString();
+  return parameters.toString();
 }
 
 /** The address of a WebSocket of the console. */

@@ -107,8 +107,8 @@ const padded = (share, zero) => (_, low, high) => {
   if (low === null || high === null || low === undefined) return [0, 1];
   const from = zero ? Math.min(0, low) : low;
   const to = zero ? Math.max(0, high) : high;
-  const room = (to - from) * share || (to === from ? Math.abs(to) * 0.1 || 1 : 0);
-  return [from - (zero && from === 0 ? 0 : room), to + room];
+  const margin = (to - from) * share || (to === from ? Math.abs(to) * 0.1 || 1 : 0);
+  return [from - (zero && from === 0 ? 0 : margin), to + margin];
 };
 
 const SHAPES = {

@@ -1,4 +1,4 @@
-// A building that moves: floors and columns of each case side by side, as much larger than life as the picture allows.
+// A building that moves: floors and columns of each case side by side, magnified to fill the picture.
 import { button, h, number } from "./dom.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -17,19 +17,19 @@ export function storeys({ time, cases }) {
   const scale = REACH / most;
   const drawn = Object.entries(cases).map(([name, floors]) => frame(name, floors));
   const slide = h("input", { type: "range", min: "0", max: String(time.length - 1), value: "0", "aria-label": "Time", oninput: () => (stop(), at(Number(slide.value))) });
-  const told = h("span", { class: "stage" });
+  const clock = h("span", { class: "stage" });
   const play = button("Play", () => (running ? stop() : start()));
   const element = h("div", { class: "moving" },
     h("div", { class: "frames" }, drawn.map((one) => h("figure", {}, one.svg, h("figcaption", {}, one.name)))),
-    h("div", { class: "row" }, play, h("div", { class: "slide" }, slide), told),
-    h("p", { class: "soft" }, `Relative to the ground and larger than life: the largest displacement is ${number(1e3 * most, 3)} mm.`));
+    h("div", { class: "row" }, play, h("div", { class: "slide" }, slide), clock),
+    h("p", { class: "soft" }, `Displacements relative to the ground, magnified; the largest is ${number(1e3 * most, 3)} mm.`));
   let running = 0;
   let begun = 0;
 
   function at(k) {
     slide.value = String(k);
-    told.textContent = `${number(time[k], 3)} s`;
-    slide.setAttribute("aria-valuetext", told.textContent);
+    clock.textContent = `${number(time[k], 3)} s`;
+    slide.setAttribute("aria-valuetext", clock.textContent);
     for (const one of drawn) one.move(k, scale);
   }
 

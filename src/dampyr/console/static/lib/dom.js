@@ -21,9 +21,9 @@ export function field(label, control, hint = "") {
   control.id ||= `c${++counted}`;
   const parts = [h("label", { for: control.id }, label), control];
   if (hint) {
-    const told = h("small", { id: `${control.id}-hint` }, hint);
-    control.setAttribute("aria-describedby", told.id);
-    parts.push(told);
+    const note = h("small", { id: `${control.id}-hint` }, hint);
+    control.setAttribute("aria-describedby", note.id);
+    parts.push(note);
   }
   return h("div", { class: "field" }, parts);
 }

@@ -1,4 +1,4 @@
-// Long work as it goes on: a bar, its stage, a button to cancel. It goes on without the page, and is found again after a reload.
+// Progress of a job: a bar, its stage, a button to cancel. The job continues without the page, and is shown again after a reload.
 import { get, post } from "./api.js";
 import { button, h } from "./dom.js";
 import { attempt } from "./notice.js";
@@ -12,7 +12,7 @@ export function watch(root, id, ended) {
   const bar = h("progress", { max: 1, "aria-label": "Progress" });
   const words = h("span", { class: "stage" }, "waiting");
   const cancel = button("Cancel", () => attempt(() => post(`jobs/${id}/cancel`)), { class: "quiet" });
-  const shown = h("div", { class: "job", role: "group", "aria-label": "Work in progress" }, bar, words, cancel);
+  const shown = h("div", { class: "job", role: "group", "aria-label": "Job in progress" }, bar, words, cancel);
   root.replaceChildren(shown);
   if (shown.getBoundingClientRect().top > innerHeight) shown.scrollIntoView(); // on a phone it stands below the form
 
@@ -26,7 +26,7 @@ export function watch(root, id, ended) {
     }
     if (job.state === "waiting") bar.removeAttribute("value");
     else bar.value = job.progress;
-    words.textContent = job.state === "waiting" ? "waiting for other work" : `${job.stage} ${Math.round(100 * job.progress)} %`;
+    words.textContent = job.state === "waiting" ? "waiting for other jobs" : `${job.stage} ${Math.round(100 * job.progress)} %`;
     if (ENDED.includes(job.state)) {
       on = false;
       root.replaceChildren();

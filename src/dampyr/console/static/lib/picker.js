@@ -16,7 +16,7 @@ export async function picker(start, changed) {
   const filter = h("input", { type: "search", oninput: fill });
   const list = h("div");
   const count = h("span", { class: "soft", role: "status" });
-  const element = h("div", {}, h("div", { class: "fields sources" }, field("From", source), field("Filter", filter)),
+  const element = h("div", {}, h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter)),
     h("div", { class: "row" }, button("All shown", () => mark(true)), button("None", () => mark(false)), count), list);
 
   const shown = () => listed.filter((one) => !one.problem && `${one.key} ${one.about.input_value} ${one.about.role}`.toLowerCase().includes(filter.value.toLowerCase()));

@@ -1,12 +1,12 @@
-// Abort, on every page: a button in the head and the Escape key. What it did is said.
+// Abort, on every page: a button in the head and the Escape key. A notice reports what it did.
 import { abort, bench, listen, open } from "./bench.js";
 import { button, h } from "./dom.js";
 import { say } from "./notice.js";
 
 export function begin(place) {
-  const told = h("span", { class: "badge", id: "bench-state" }, "bench");
+  const badge = h("span", { class: "badge", id: "bench-state" }, "bench");
   const knob = button([h("span", {}, "Abort"), h("kbd", {}, "Esc")], now, { class: "abort", "aria-keyshortcuts": "Escape" });
-  place.append(told, knob);
+  place.append(badge, knob);
   addEventListener("keydown", (event) => {
     if (event.key !== "Escape" || event.repeat) return;
     event.preventDefault();
@@ -14,9 +14,9 @@ export function begin(place) {
   }, { capture: true });
   listen(() => {
     const words = !bench.connected ? "no connection" : bench.state?.phase ?? "bench";
-    if (told.textContent !== words) told.textContent = words;
+    if (badge.textContent !== words) badge.textContent = words;
     const hot = bench.connected && bench.state?.armed;
-    told.classList.toggle("bad", Boolean(hot) || !bench.connected);
+    badge.classList.toggle("bad", Boolean(hot) || !bench.connected);
   });
   open();
 }

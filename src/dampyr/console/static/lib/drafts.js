@@ -1,14 +1,14 @@
-// Work that is not saved yet, kept by this browser: a reload, another page or a closed window does not lose it.
+// Unsaved drafts in this browser's storage: a reload, another page or a closed window does not lose them.
 
-/** drafts("campaign"): found(name), keep(name, value), drop(name). What is kept is one value for each name. */
+/** drafts("campaign"): read(name), keep(name, value), drop(name); one value for each name. */
 export function drafts(kind) {
   const place = (name) => `draft ${kind} ${name}`;
   return {
-    found(name) {
+    read(name) {
       try {
         return JSON.parse(localStorage.getItem(place(name)));
       } catch {
-        return null; // a browser that keeps nothing
+        return null; // a browser without storage
       }
     },
     keep(name, value) {
@@ -23,7 +23,7 @@ export function drafts(kind) {
       try {
         localStorage.removeItem(place(name));
       } catch {
-        // nothing was kept
+        // nothing was stored
       }
     },
   };

@@ -1,4 +1,4 @@
-// What a rig can do: the largest amplitude of a sine over its frequency at several forces, and the tests of a plan in it.
+// Limits of a rig: the largest amplitude of a sine over its frequency at several forces, and the tests of a plan in it.
 import { h, number } from "./dom.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -32,10 +32,10 @@ function scale([low, high], [from, to]) {
 }
 
 function ticks([low, high]) {
-  const found = [];
+  const values = [];
   for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++)
-    for (const step of STEPS) found.push(step * 10 ** power);
-  return found.filter((one) => one >= low && one <= high);
+    for (const step of STEPS) values.push(step * 10 ** power);
+  return values.filter((one) => one >= low && one <= high);
 }
 
 function grid(x, y) {

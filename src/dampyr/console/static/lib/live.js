@@ -27,8 +27,8 @@ export function live() {
   /** Take the new bins of a frame. */
   function take(strips) {
     if (strips) {
-      const known = data.time.at(-1) ?? -1;
-      const from = strips.time.findIndex((t, k) => t > known || strips.force_low[k] === null);
+      const latest = data.time.at(-1) ?? -1;
+      const from = strips.time.findIndex((t, k) => t > latest || strips.force_low[k] === null);
       if (from >= 0) for (const name of NAMES) data[name].push(...strips[name].slice(from));
       const last = data.time.at(-1) ?? 0;
       let drop = 0;
@@ -65,18 +65,18 @@ export function live() {
 
   /** Speeds at a quarter and at three quarters of each bin. */
   function speeds(from) {
-    const found = [];
+    const values = [];
     for (let k = from; k < data.time.length; k++) {
       const now = data.velocity[k];
-      for (const other of [data.velocity[k - 1] ?? now, data.velocity[k + 1] ?? now]) found.push(now === null ? null : 0.75 * now + 0.25 * (other ?? now));
+      for (const other of [data.velocity[k - 1] ?? now, data.velocity[k + 1] ?? now]) values.push(now === null ? null : 0.75 * now + 0.25 * (other ?? now));
     }
-    return found;
+    return values;
   }
 
   function pairs(first, second, from) {
-    const found = [];
-    for (let k = from; k < data.time.length; k++) found.push(data[first][k], data[second][k]);
-    return found;
+    const values = [];
+    for (let k = from; k < data.time.length; k++) values.push(data[first][k], data[second][k]);
+    return values;
   }
 
   function clear() {

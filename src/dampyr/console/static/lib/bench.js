@@ -1,10 +1,10 @@
-// This page's stream of the bench: one for all pages, so that abort is at hand everywhere and control is kept.
+// This page's stream of the bench: one for all pages, so that abort works everywhere and control is not lost.
 import { post, socket } from "./api.js";
 import { say } from "./notice.js";
 
-const AGAIN = 1000; // ms until a lost stream is opened anew
-const SILENT = 500; // ms after which an abort that the stream did not answer goes another way
-const LONGEST = 3000; // ms that it may take there
+const AGAIN = 1000; // ms until a lost stream is reopened
+const SILENT = 500; // ms after which an abort without an answer on the stream is sent over HTTP
+const LONGEST = 3000; // ms that the abort over HTTP may take
 const listeners = new Set();
 const signs = new Map();
 let link = null;
@@ -16,18 +16,18 @@ export const bench = { state: null, holds: false, connected: false, strips: null
 export const client = (() => {
   const made = () => [...crypto.getRandomValues(new Uint8Array(12))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
   try {
-    const kept = sessionStorage.getItem("client") ?? made();
-    sessionStorage.setItem("client", kept);
-    return kept;
+    const id = sessionStorage.getItem("client") ?? made();
+    sessionStorage.setItem("client", id);
+    return id;
   } catch {
     return made();
   }
 })();
 
-/** Hear of every frame: told(frame), or told(null) when the stream is lost. Returns a function that ends it. */
-export function listen(told) {
-  listeners.add(told);
-  return () => listeners.delete(told);
+/** Call listener(frame) for every frame, listener(null) when the stream is lost. Returns a function that ends it. */
+export function listen(listener) {
+  listeners.add(listener);
+  return () => listeners.delete(listener);
 }
 
 export function open() {
@@ -37,32 +37,32 @@ export function open() {
   link.addEventListener("close", () => {
     bench.connected = false;
     bench.holds = false;
-    for (const told of listeners) told(null);
+    for (const listener of listeners) listener(null);
     setTimeout(open, AGAIN);
   });
 }
 
-function take(told) {
-  if ("aborted" in told) {
-    signs.get(told.aborted)?.(performance.now());
-    signs.delete(told.aborted);
+function take(message) {
+  if ("aborted" in message) {
+    signs.get(message.aborted)?.(performance.now());
+    signs.delete(message.aborted);
     return;
   }
-  if ("refused" in told) {
-    say(told.refused, "bad");
+  if ("refused" in message) {
+    say(message.refused, "bad");
     return;
   }
-  bench.state = told.state ?? bench.state;
-  bench.holds = told.holds;
-  for (const heard of listeners) heard(told);
-  send({ heard: told.frame });
+  bench.state = message.state ?? bench.state;
+  bench.holds = message.holds;
+  for (const listener of listeners) listener(message);
+  send({ heard: message.frame });
 }
 
-function send(told) {
-  if (link?.readyState === WebSocket.OPEN) link.send(JSON.stringify(told));
+function send(message) {
+  if (link?.readyState === WebSocket.OPEN) link.send(JSON.stringify(message));
 }
 
-/** Do something on the bench; what it refuses is said. */
+/** Send a command to the bench; a refusal is shown as a notice. */
 export async function ask(what, more = {}) {
   try {
     await post(`bench/${what}`, { client, ...more });

@@ -1,9 +1,9 @@
-// Work of this kind that was asked for, by this page or another; it is looked for anew every few seconds.
+// Recent jobs of this kind, of this page or another; the list is refreshed every few seconds.
 import { get } from "./api.js";
 import { h, section } from "./dom.js";
 
 const EVERY = 2000;
-const MOST = 8;
+const MAX_SHOWN = 8;
 
 /** before(kinds, follow): { element, look, clear }; `follow(id)` is called when one is chosen. */
 export function before(page, kinds, follow) {
@@ -14,15 +14,15 @@ export function before(page, kinds, follow) {
   async function look() {
     let jobs;
     try {
-      jobs = (await get("jobs")).filter((one) => kinds.includes(one.kind)).slice(0, MOST);
+      jobs = (await get("jobs")).filter((one) => kinds.includes(one.kind)).slice(0, MAX_SHOWN);
     } catch {
-      return; // the head of the page tells when the console is gone
+      return; // the head of the page shows when the console does not answer
     }
     const now = JSON.stringify(jobs.map(({ id, state }) => [id, state]));
     if (now === shown) return;
     shown = now;
     const focused = element.contains(document.activeElement) ? document.activeElement.getAttribute("href") : null;
-    element.replaceChildren(...(jobs.length ? [section("Before", h("ul", { class: "before" }, jobs.map(line)))] : []));
+    element.replaceChildren(...(jobs.length ? [section("Recent jobs", h("ul", { class: "before" }, jobs.map(line)))] : []));
     if (focused) element.querySelector(`a[href="${CSS.escape(focused)}"]`)?.focus();
   }
 

@@ -1,4 +1,4 @@
-// Records judged by a reference damper: what is asked, the band with the points in it, and what lies outside.
+// Records judged by a reference damper: the request, the band with its points, and the points outside.
 import { get, query as asQuery } from "./api.js";
 import { chart, COLOURS } from "./chart.js";
 import { choice, field, h, number, section, tick } from "./dom.js";
@@ -12,62 +12,62 @@ const SHAPES = [[true, "circle"], [false, "cross"], [null, "square"]];
 const BADGES = { passed: "badge good", failed: "badge bad", "not judged": "badge" };
 const short = (key) => key.split("/").at(-1).replace(/\.(mat|csv|txt|h5|toml)$/, "");
 
-/** What is asked, from an address. */
+/** The request in an address. */
 export function fromAddress(query) {
   const judge = query.getAll("judge").filter((one) => QUANTITIES.includes(one));
   const said = Object.fromEntries(Object.keys(START).map((name) => [name, query.get(name) ?? START[name]]));
   return { ...said, judge: judge.length ? judge : [...QUANTITIES] };
 }
 
-/** What is asked, for an address: what stands as it starts is left out. */
-export function forAddress(asked) {
-  const kept = Object.entries(asked).filter(([name, value]) => String(value) !== String(START[name]));
-  return Object.fromEntries(kept);
+/** The request for an address, without defaults. */
+export function forAddress(request) {
+  const changed = Object.entries(request).filter(([name, value]) => String(value) !== String(START[name]));
+  return Object.fromEntries(changed);
 }
 
-/** acceptance(keys of the records, asked, kept): elements; `asked` is changed by the form, which then calls `kept()`. */
-export async function acceptance(keys, asked, kept, charts) {
+/** acceptance(keys of the records, request, changed): elements; `request` is changed by the form, which then calls `changed()`. */
+export async function acceptance(keys, request, changed, charts) {
   const dampers = await get("records/references");
   const result = h("div");
   let last = 0;
 
   async function judge() {
     const mine = ++last;
-    kept();
-    if (!asked.reference) return result.replaceChildren(h("p", { class: "blank" }, "Choose a reference: a card, a published damper, or a record of a reference damper."));
-    const question = asQuery(asWanted(keys, asked));
+    changed();
+    if (!request.reference) return result.replaceChildren(h("p", { class: "blank" }, "Choose a reference: a card, a published damper, or a record of a reference damper."));
+    const question = asQuery(asWanted(keys, request));
     if (!result.children.length) result.append(h("p", { class: "soft" }, "Judging …"));
-    const found = await attempt(() => get(`records/acceptance?${question}`));
+    const judgement = await attempt(() => get(`records/acceptance?${question}`));
     if (mine !== last) return undefined;
     for (const one of charts.splice(0)) one.clear();
-    return result.replaceChildren(...(found ? shown(found, question, charts) : []));
+    return result.replaceChildren(...(judgement ? shown(judgement, question, charts) : []));
   }
 
-  const form = asking(keys, dampers, asked, judge);
+  const form = asking(keys, dampers, request, judge);
   judge();
   return [form, result];
 }
 
-function asking(keys, dampers, asked, changed) {
+function asking(keys, dampers, request, changed) {
   const reference = h("select", { onchange: () => take("reference", reference.value) }, h("option", { value: "" }, "choose …"));
   const groups = [
     ["Cards", dampers.filter((one) => one.name.startsWith("cards/")).map((one) => [one.name, one.title])],
     ["Published dampers", dampers.filter((one) => !one.name.startsWith("cards/")).map((one) => [one.name, one.title.replace("published: ", "")])],
     ["Records shown", [...(keys.length > 1 ? [[OTHERS, "each by the others"]] : []), ...keys.map((key) => [key, short(key)])]],
   ];
-  const known = groups.flatMap(([, all]) => all.map(([value]) => value));
-  if (asked.reference && !known.includes(asked.reference)) groups[2][1].push([asked.reference, short(asked.reference)]);
+  const offered = groups.flatMap(([, all]) => all.map(([value]) => value));
+  if (request.reference && !offered.includes(request.reference)) groups[2][1].push([request.reference, short(request.reference)]);
   for (const [label, all] of groups) {
     if (all.length) reference.append(h("optgroup", { label }, all.map(([value, words]) => h("option", { value }, words))));
   }
-  reference.value = asked.reference;
+  reference.value = request.reference;
   const take = (name, value) => {
-    asked[name] = value;
+    request[name] = value;
     changed();
   };
-  const box = (name, extra = {}) => h("input", { type: "text", inputmode: "decimal", value: asked[name], onchange: (event) => take(name, event.target.value.trim().replace(",", ".")), ...extra });
-  const ticks = QUANTITIES.map((name) => tick(name, { checked: asked.judge.includes(name), onchange: (event) => {
-    const judged = QUANTITIES.filter((one) => (one === name ? event.target.checked : asked.judge.includes(one)));
+  const box = (name, extra = {}) => h("input", { type: "text", inputmode: "decimal", value: request[name], onchange: (event) => take(name, event.target.value.trim().replace(",", ".")), ...extra });
+  const ticks = QUANTITIES.map((name) => tick(name, { checked: request.judge.includes(name), onchange: (event) => {
+    const judged = QUANTITIES.filter((one) => (one === name ? event.target.checked : request.judge.includes(one)));
     if (judged.length) take("judge", judged);
     else event.target.checked = true;
   } }));
@@ -77,44 +77,44 @@ function asking(keys, dampers, asked, changed) {
     h("div", { class: "row", role: "group", "aria-label": "What is judged" }, h("span", { class: "label" }, "Judge"), ticks));
 }
 
-/** The question as the API takes it; what is no number is sent as it is, and refused in a sentence. */
-function asWanted(keys, asked) {
-  const share = Number(asked.tolerance);
-  const reference = asked.reference === OTHERS ? keys : [asked.reference];
-  return { key: keys, reference, tolerance: asked.tolerance !== "" && Number.isFinite(share) ? share / 100 : asked.tolerance, force: asked.force, energy: asked.energy, offset: asked.offset, judge: asked.judge };
+/** The request as the API takes it; text that is not a number is sent unchanged, and refused in a sentence. */
+function asWanted(keys, request) {
+  const share = Number(request.tolerance);
+  const reference = request.reference === OTHERS ? keys : [request.reference];
+  return { key: keys, reference, tolerance: request.tolerance !== "" && Number.isFinite(share) ? share / 100 : request.tolerance, force: request.force, energy: request.energy, offset: request.offset, judge: request.judge };
 }
 
-function shown(found, question, charts) {
-  const names = found.records.map((one) => one.name);
+function shown(judgement, question, charts) {
+  const names = judgement.records.map((one) => one.name);
   const forces = chart({
     label: `Forces at peak velocity of ${names.join(", ")} in the band about the reference`, height: 380,
     x: { words: "peak velocity", unit: "mm/s", pad: 0.06 }, y: { words: "force", unit: "N" },
-    series: [...found.bands.flatMap(asBand), ...found.records.flatMap((one, k) => asPoints(one, k, one.points.filter((p) => p.quantity !== "energy"), (p, i) => [1e3 * p.speed[i], p.measured[i]]))],
+    series: [...judgement.bands.flatMap(asBand), ...judgement.records.flatMap((one, k) => asPoints(one, k, one.points.filter((p) => p.quantity !== "energy"), (p, i) => [1e3 * p.speed[i], p.measured[i]]))],
   });
-  const cycles = Math.max(1, ...found.records.flatMap((one) => one.points.flatMap((p) => p.cycle)));
+  const cycles = Math.max(1, ...judgement.records.flatMap((one) => one.points.flatMap((p) => p.cycle)));
   const used = chart({
-    label: `How much of its band every cycle of ${names.join(", ")} uses`, height: 260,
-    x: { words: "cycle", pad: 0.04 }, y: { words: "off by", unit: "half bands" },
+    label: `Deviation within the band, every cycle of ${names.join(", ")} uses`, height: 260,
+    x: { words: "cycle", pad: 0.04 }, y: { words: "off by", unit: "half-widths" },
     series: [{ name: "edges of the band", x: [0, cycles + 1, null, 0, cycles + 1], y: [1, 1, null, -1, -1], colour: "ink", dash: [6, 5], width: 1, always: true },
-      ...found.records.flatMap((one, k) => asPoints(one, k, one.points, (p, i) => (p.used[i] === null ? null : [p.cycle[i], p.used[i]])))],
+      ...judgement.records.flatMap((one, k) => asPoints(one, k, one.points, (p, i) => (p.used[i] === null ? null : [p.cycle[i], p.used[i]])))],
   });
   charts.push(forces, used);
-  const judged = found.records.some((one) => one.judged);
-  const any = found.records.some((one) => one.count);
+  const judged = judgement.records.some((one) => one.judged);
+  const any = judgement.records.some((one) => one.count);
   return [
-    h("p", { class: "verdict", role: "status" }, inShort(found.records)),
-    summary(found.records),
+    h("p", { class: "verdict", role: "status" }, inShort(judgement.records)),
+    summary(judgement.records),
     h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/acceptance/page?${question}`, download: "acceptance.html" }, "Save the page")),
-    any ? section("Forces at peak velocity", forces.element, h("p", { class: "soft" }, "● inside, ✕ outside, □ not judged. Extension above, compression below; the band goes through the mean of points of one speed.")) : null,
-    judged ? section("How much of the band is used", used.element, h("p", { class: "soft" }, "All that is judged, in halves of the band: 0 is the reference, 1 and −1 are the edges; above 0 the damper is stronger, in either direction.")) : null,
-    outside(found.records),
-    open(found.records),
+    any ? section("Forces at peak velocity", forces.element, h("p", { class: "soft" }, "● inside, ✕ outside, □ not judged. Extension above, compression below; the band is drawn through the means of points of equal speed.")) : null,
+    judged ? section("Deviation within the band", used.element, h("p", { class: "soft" }, "Deviation in half-widths of the band: 0 is the reference, 1 and −1 are the edges; above 0 the damper is stronger, in either direction.")) : null,
+    outside(judgement.records),
+    open(judgement.records),
   ].filter(Boolean);
 }
 
 function inShort(records) {
-  const told = Object.keys(BADGES).map((verdict) => [verdict, records.filter((one) => one.verdict === verdict).length]).filter(([, count]) => count);
-  return `${told.map(([verdict, count]) => `${count} ${verdict}`).join(", ")}.`;
+  const counts = Object.keys(BADGES).map((verdict) => [verdict, records.filter((one) => one.verdict === verdict).length]).filter(([, count]) => count);
+  return `${counts.map(([verdict, count]) => `${count} ${verdict}`).join(", ")}.`;
 }
 
 function summary(records) {
