@@ -209,7 +209,7 @@ def test_published_dampers_judge_their_own_runs():
         (lambda: Tolerance(0.1, force=-1.0), "force = -1 N is not allowed"),
         (lambda: Tolerance(0.1, energy=float("inf")), "energy = inf J"),
         (lambda: accept(run(), CARD, quantities=["rebound"]), "'rebound' is not among the quantities; choose from ext"),
-        (lambda: accept(run(), CARD, quantities=[]), "no quantity is asked for"),
+        (lambda: accept(run(), CARD, quantities=[]), "no quantity is given"),
         (lambda: accept(run(), CARD, Tolerance(0.0, force=9.0)), "band of the energy has no width"),
         (lambda: accept(run(), []), "neither a damper nor records"),
         (lambda: accept(run(), "card.toml"), "neither a damper nor records"),

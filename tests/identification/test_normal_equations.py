@@ -4,19 +4,27 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import least_squares, lsq_linear
+from scipy.optimize import least_squares
 from tests.identification.synthetic import sine
 
-from dampyr.identification.bounded_least_squares import solve_bounded
 from dampyr.identification.fit import fit, prepared
 from dampyr.identification.initial_guess import begin
-from dampyr.identification.normal_equations import eliminated, linearise, modelled_force, products
+from dampyr.identification.normal_equations import (
+    NormalEquations,
+    Step,
+    eliminated,
+    linearise,
+    modelled_force,
+    products,
+    step_point,
+)
 from dampyr.identification.problem import Point, Problem, independent_blocks
 from dampyr.identification.variable_projection import levenberg_marquardt, search
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 
 VOLTS = (0.0, 2.0)
+DAHL = Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": 55.0, "dahl.rho": 2500.0})
 LAWS = {
     "dahl.kx": Interpolation(VOLTS, (800.0, 2500.0)),
     "dahl.kw": Interpolation(VOLTS, (50.0, 380.0)),
@@ -125,18 +133,6 @@ def test_elimination_leaves_the_steps_of_the_joint_problem() -> None:
     np.testing.assert_allclose(left.nuisances(theta).ravel(), joint[G:], rtol=1e-4, atol=1e-6)
 
 
-def test_a_step_inside_the_limits_is_that_of_scipy() -> None:
-    for seed in range(40):
-        rng = np.random.default_rng(seed)
-        A, b = rng.normal(size=(30, 7)) @ np.diag(10.0 ** rng.uniform(-2, 2, 7)), rng.normal(size=30)
-        low, high = -rng.uniform(0, 0.3, 7), rng.uniform(0, 0.3, 7)
-        low[rng.random(7) < 0.2], high[rng.random(7) < 0.2] = -np.inf, 0.0
-        theirs = lsq_linear(A, b, (low, np.maximum(high, low + 1e-9)), method="bvls", tol=1e-14).x
-        ours = solve_bounded(np.column_stack((A.T @ A, A.T @ b)), 0.0, low, high, np.ones(7, dtype=bool))
-        assert np.all((ours >= low) & (ours <= high))
-        assert np.linalg.norm(A @ ours - b) <= np.linalg.norm(A @ theirs - b) * (1 + 1e-9)
-
-
 def test_records_at_inputs_of_their_own_are_searched_apart_to_the_same_end() -> None:
     problem = prepared("dahl", records())
     assert [len(block.records) for block in independent_blocks(problem)] == [3, 3]
@@ -182,3 +178,27 @@ def test_two_parts_that_say_nearly_the_same_do_not_stop_the_search() -> None:
         problem, replace(fit_result.outcome.point, theta=fit_result.outcome.point.theta * 1.3), tolerance=1e-11
     )
     assert again.cost == pytest.approx(fit_result.outcome.cost, rel=1e-6)
+
+
+def test_gain_and_what_is_left_are_those_of_the_quadratic() -> None:
+    rng = np.random.default_rng(1)
+    tables = [rng.normal(size=(30, 6)) for _ in range(3)]  # two nuisances, three coefficients, the residual
+    sums = np.stack([table.T @ table for table in tables])
+    nothing = np.zeros(3, dtype=bool)
+    here = NormalEquations(sums, nothing, nothing[:2], *np.zeros((2, 3)), np.zeros((3, 2)), np.zeros((3, 2)))
+    step = Step(rng.normal(size=3), rng.normal(size=(3, 2)))
+    left = [a[:, 5] - a[:, :5] @ np.concatenate((d, step.theta)) for a, d in zip(tables, step.local, strict=True)]
+    cost = 0.5 * sum(float(r @ r) for r in left)
+    there = here.after(step)
+    assert there.cost == pytest.approx(cost, rel=1e-12)
+    assert here.reduction(step) == pytest.approx(here.cost - cost, rel=1e-12)
+    for k in range(3):
+        np.testing.assert_allclose(there.sums[k, :5, 5], tables[k][:, :5].T @ left[k], rtol=1e-10, atol=1e-10)
+
+
+def test_a_step_of_a_logarithm_is_a_factor() -> None:
+    problem = prepared("dahl", [sine(DAHL, 0.0, noise=1.0)])
+    point = begin(problem)
+    moved_on = step_point(problem, point, Step(np.array([3.0, -4.0, 0.5]), np.zeros((1, 2))))
+    np.testing.assert_allclose(moved_on.theta, point.theta * [1, 1, np.exp(0.5)] + [3.0, 0.0, 0.0], atol=1e-8)
+    assert moved_on.theta[1] >= 0.0

@@ -174,7 +174,7 @@ def test_a_tied_parameter_takes_the_law_of_the_other_and_is_counted_once() -> No
         ({"tied": {"dahl.kw": "dahl.kx"}, "fixed": {"dahl.kw": 3.0}}, "fixed and tied"),
         ({"loss": "cubes"}, "'cubes' is an unknown loss; choose squares, huber, l1"),
         ({"nuisances": ("offset", "weather")}, "'weather' is an unknown nuisance"),
-        ({"nuisances": ("gain",)}, "only record at 0 V, so its gain cannot be told"),
+        ({"nuisances": ("gain",)}, "only record at 0 V, so its gain cannot be distinguished"),
         ({"starts": 0}, "starts = 0 is not allowed"),
     ],
 )

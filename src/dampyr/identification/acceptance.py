@@ -5,7 +5,7 @@ pick-up of a damper dynamometer), and the energy that it dissipates. With the re
 
 .. math:: e \pm (r |e| + a)
 
-with a relative share r and a slack a in N or J. One cycle outside is outside. A cycle of which the reference says nothing
+with a relative share r and a slack a in N or J. One cycle outside is outside. A cycle without a reference value
 (another input, faster, a wider stroke) is not judged, and the reason is kept; nothing is extrapolated.
 
 The band of 15 % that stands as the default is what a maker of friction dampers promises of each specimen, of its force and of
@@ -119,7 +119,7 @@ class Acceptance:
 
     @property
     def judged(self) -> tuple[Point, ...]:
-        """The points that the reference says something of."""
+        """The points that have a reference value."""
         return tuple(p for p in self.points if p.inside is not None)
 
     @property
@@ -135,9 +135,9 @@ class Acceptance:
 
     @property
     def passed(self) -> bool | None:
-        """True or False, or None where too little was judged to say.
+        """True or False, or None where too little was judged.
 
-        False: a judged point lies outside. True: none does, and of every quantity that was asked for at least half of the
+        False: a judged point lies outside. True: none does, and of every requested quantity at least half of the
         cycles were judged. None: nothing lies outside, but of some quantity fewer were judged.
         """
         if self.outside:
@@ -192,7 +192,7 @@ def accept(
 
     From the forces of every record, and of the damper's run, its own mean over whole cycles is taken, since a load cell's zero
     and the gas force are not the damper's work. A force that is larger in one direction only moves that mean, so half of the
-    excess shows in each direction; where the zero is known, say it: ``offset`` in N is then taken from the measured forces,
+    excess shows in each direction; where the zero is known, give it: ``offset`` in N is then taken from the measured forces,
     and a damper's force stays as it is. ``allow_extrapolation`` judges beyond what a damper was calibrated on, with a warning.
 
     Raises :class:`~dampyr.errors.InputError` for an argument that is wrong. What cannot be judged is a value with a reason.
@@ -225,7 +225,7 @@ def _checked_quantities(quantities: Iterable[Quantity], band: Tolerance) -> tupl
     given = tuple(dict.fromkeys([quantities] if isinstance(quantities, str) else quantities))
     unknown = [q for q in given if q not in QUANTITIES]
     if unknown or not given:
-        what = f"{unknown[0]!r} is not among the quantities" if unknown else "no quantity is asked for"
+        what = f"{unknown[0]!r} is not among the quantities" if unknown else "no quantity is given"
         raise InputError(f"{what}; choose from {', '.join(QUANTITIES)}")
     narrow = [q for q in given if band.half(q, 0.0) == 0.0 and band.relative == 0.0]
     if narrow:

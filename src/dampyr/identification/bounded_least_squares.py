@@ -57,7 +57,7 @@ def active_set(
     """The kernel of `solve_bounded`, one limit at a time; False where H is near singular on the ``free`` unknowns.
 
     ``work`` (2 n + 3, n) holds H, its factor, the scale, the residual g - H s and the direction of the next step. With
-    ``resume`` it continues with the direction that stands there.
+    ``resume`` it continues with the direction in ``work``.
     """
     n = s.size
     H, R, scale, residual, direction = work[:n], work[n : 2 * n], work[2 * n], work[2 * n + 1], work[2 * n + 2]

@@ -38,7 +38,7 @@ SHEETS: dict[str, tuple[Promise, ...]] = {
 
 
 def contradictions(damper: Damper, sheet: str = "RD-8041-1", resistance: float = COIL) -> list[str]:
-    """Which promises of a data sheet ``damper`` breaks, each in a sentence; empty where it keeps all that can be looked at.
+    """Which promises of a data sheet ``damper`` breaks, each in a sentence; empty where it keeps all that can be checked.
 
     ``resistance`` [ohm] makes volts of the sheet's currents for a damper over voltage. A promise outside the damper's
     calibrated range of input is not looked at: nothing is extrapolated.

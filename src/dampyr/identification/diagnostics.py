@@ -139,7 +139,7 @@ def _memory(residuals: Residuals) -> str:
 
 
 def _count(number: float) -> str:
-    """Two digits are enough for an estimate, and thousands stand apart."""
+    """Two digits are enough for an estimate, with a space between thousands."""
     rounded = number if isinstance(number, int) else float(f"{number:.2g}")
     return f"{rounded:,.0f}".replace(",", "\N{NO-BREAK SPACE}")
 

@@ -45,7 +45,7 @@ def begin(problem: Problem) -> Point:
 
 
 def _from_rigid(problem: Problem) -> Point:
-    """The fit without what stretches, and a stretch that is small beside the stroke."""
+    """The fit without what stretches, and a stretch that is small against the stroke."""
     soft = [p.name for p in problem.composition.parts if p.stretch]
     chosen = [k for k, c in enumerate(problem.columns) if c.name.partition(".")[0] not in soft]
     inner = Composition(tuple(name for name in problem.composition.names if name not in soft))

@@ -161,22 +161,22 @@ def leaderboard(
         raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
     check_count(len(listed))
     begun = time.perf_counter()
-    tell = progress or (lambda what, done: None)
+    report = progress or (lambda what, done: None)
     bandwidth = options.pop("bandwidth", None)
     if bandwidth is not None:
         check_bandwidth(listed, bandwidth)
-    tell("choosing the velocity", 0.0)
+    report("choosing the velocity", 0.0)
     if bandwidth is None:
         bandwidth = chosen_bandwidth(listed, options)
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
     allowed, left_out = _allowed(add_ons, listed)
     bases = list(models) if models else [*(name for name in names() if not part(name).add_on), *PAIRS]
-    screened = screen_all(bases, small, allowed, seed, options, executor, lambda done: tell("screening models", done))
+    screened = screen_all(bases, small, allowed, seed, options, executor, lambda done: report("screening models", done))
     best = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
     if not best:
-        raise InputError(f"no model could be fitted; the first said: {screened[0].bare.reason}")
+        raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
     finals = [partial(judge, one.model, listed, seed, options | {"bandwidth": bandwidth}) for one in best[:finalists]]
-    entries = parallel.run_all(finals, executor, lambda done: tell("validating the best", done))
+    entries = parallel.run_all(finals, executor, lambda done: report("validating the best", done))
     ranked = with_criteria(sorted(entries, key=lambda one: (one.error, one.model)))
     return Leaderboard(tuple(ranked), tuple(screened), bandwidth, left_out, time.perf_counter() - begun)
 
@@ -188,7 +188,7 @@ def check_count(records: int) -> None:
 
 
 def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The add-ons that these records can tell about, and why others are left out."""
+    """The add-ons that these records can identify, and why others are left out."""
     varies = any(isinstance(r.voltage if r.input == "V" else r.current, np.ndarray) for r in records)
     if "lag" in add_ons and not varies:
         remaining = tuple(a for a in add_ons if a != "lag")

@@ -7,7 +7,7 @@ On the loading branch of a limit cycle, from the smallest displacement at 0 to t
           \rho = \frac{a - \theta'(x_{*1})}{\theta(x_{*1})}, \quad k_w = \frac a\rho .
 
 For a sine both velocities in (2.5) are zero at the turning points, so kx is 0/0: it lives on the sampled velocities not being
-at the turning points. Where they are, `limit_cycle` refuses and asks for ``kx`` (see `plastic_region`).
+at the turning points. Where they are, `limit_cycle` requires ``kx`` (see `plastic_region`).
 
 The method takes one point of the loop for a and one for rho. Here the slope is that of a polynomial through the samples
 around the point, so nothing depends on where a sample happens to fall; ``nearest=True`` takes the nearest sample and a

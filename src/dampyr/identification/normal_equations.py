@@ -2,7 +2,7 @@
 
 The sums are taken while the kernel integrates along a record, so the derivatives are never stored; what is lost against an
 orthogonal factorisation are directions whose derivatives agree to one part in a million, which the records do not determine
-anyway (see `dampyr.identification.uncertainty`). The unknowns of one record meet those of another only through the
+anyway (see `dampyr.identification.uncertainty`). The unknowns of one record are coupled to those of another only by the
 coefficients, so a record's nuisances are eliminated from its own sums (a Schur complement), and the joint problem is never
 larger than the coefficients. What is done in each step of a search for every unknown is compiled by numba (`KERNELS`).
 """
@@ -45,7 +45,7 @@ Bools = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 LAG_STEP = 1e-6  # s, of the difference that gives the derivative by a lag
 MAX_TURNS = 12  # of letting nuisances go to their limits and back
-RIDGE = 1e-13  # of each record's nuisances, so that two that say the same share their step
+RIDGE = 1e-13  # of each record's nuisances, so that two with the same derivatives share their step
 
 
 def products(problem: Problem, point: Point, by_cluster: bool = False) -> list[Array]:
@@ -234,7 +234,7 @@ class NormalEquations:
         return eliminated(self.sums, free, np.zeros_like(self.local_low))
 
     def _to_release(self, step: Step, free: Bools, only_linear: bool) -> Bools:
-        """Which nuisances stand at a limit that they would leave to lower the cost."""
+        """Which nuisances are at a limit that they would leave to lower the cost."""
         if only_linear or np.all(free):
             return np.zeros_like(free)
         d = self._rows(step)
@@ -285,7 +285,7 @@ class Eliminated:
     by_theta: Array
 
     def nuisances(self, theta: Array) -> Array:
-        """The nuisances' best step (M, L) beside the coefficients' step."""
+        """The nuisances' best step (M, L) for a step of the coefficients."""
         return np.asarray(self.own - self.by_theta @ theta)
 
 

@@ -19,16 +19,18 @@ def refuse_forks(executor: Executor | None) -> None:
         )
 
 
-def run_all(jobs: Sequence[Callable[[], Any]], executor: Executor | None, tell: Callable[[float], None]) -> list[Any]:
+def run_all(
+    jobs: Sequence[Callable[[], Any]], executor: Executor | None, progress: Callable[[float], None]
+) -> list[Any]:
     """The jobs' results in their order, whatever the order in which they come."""
-    tell(0.0)
+    progress(0.0)
     if executor is None:
         results = []
         for k, job in enumerate(jobs):
             results.append(job())
-            tell((k + 1) / len(jobs))
+            progress((k + 1) / len(jobs))
         return results
     futures: list[Future[Any]] = [executor.submit(job) for job in jobs]
     for k, _ in enumerate(as_completed(futures)):
-        tell((k + 1) / len(jobs))
+        progress((k + 1) / len(jobs))
     return [future.result() for future in futures]

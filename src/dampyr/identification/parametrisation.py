@@ -99,7 +99,7 @@ def columns(
 
     ``inputs`` are those of the records (a number, or an array where it varies during the test). ``laws`` is a kind for all
     parameters, or one per flat name: ``"constant"``, ``"interpolation"`` (the default where inputs differ) or
-    ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 unless said). ``tied`` parameters take the law of
+    ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 by default). ``tied`` parameters take the law of
     another.
     """
     tied = dict(tied or {})
@@ -114,7 +114,7 @@ def columns(
     made = []
     for name, quantity in composition.quantities.items():
         wanted = laws if isinstance(laws, str) else (laws or {}).get(name)
-        if name == lag:  # it says how the input follows, and follows no input
+        if name == lag:  # the delay of the input does not depend on the input
             wanted = "constant"
         kind, knots = _kind(name, wanted, distinct, varying)
         value = fixed.get(name)

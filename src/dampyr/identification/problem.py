@@ -33,7 +33,7 @@ class SummationPlan:
     """Which columns the kernel sums for a record.
 
     ``source`` (C,) and ``factor`` (1 or n, C) as in `dampyr.models.path_integration.products_along`; ``parameter`` (C,)
-    says which parameter a column belongs to, or -1; ``to_unknowns`` (C + 1, L + G + 1) how the unknowns' columns come of
+    is the parameter that a column belongs to, or -1; ``to_unknowns`` (C + 1, L + G + 1) makes the unknowns' columns of
     them.
     """
 
@@ -249,7 +249,7 @@ def independent_blocks(problem: Problem) -> list[Block]:
 
 
 def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Sequence[str]) -> tuple[str, ...]:
-    """``wanted`` in order; :class:`~dampyr.errors.InputError` where the records cannot tell them from the damper."""
+    """``wanted`` in order; :class:`~dampyr.errors.InputError` where the records cannot distinguish them from the damper."""
     requested = (wanted,) if isinstance(wanted, str) else tuple(wanted)
     unknown = [name for name in requested if name not in NUISANCES]
     if unknown:
@@ -265,11 +265,11 @@ def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Seq
 
 
 def _check_shared_inputs(pieces: list[Piece], name: str) -> None:
-    """A record alone at its input cannot tell its own factor from the damper's parameters."""
+    """Refuse a factor of a record that is alone at its input: it would be one with the damper's parameters."""
     levels = [round(float(np.mean(p.u)), 6) for p in pieces]
     for one, level in zip(pieces, levels, strict=True):
         if levels.count(level) < 2:
             raise InputError(
-                f"{one.name} is the only record at {level:g} {one.unit}, so its {name} cannot be told from the damper; add "
-                f"records at this input or leave {name!r} out"
+                f"{one.name} is the only record at {level:g} {one.unit}, so its {name} cannot be distinguished from the damper; "
+                f"add records at this input or leave {name!r} out"
             )

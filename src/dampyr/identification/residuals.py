@@ -7,7 +7,7 @@ free runs are treated alike. Definitions, for one record of n samples at the med
 - **autocorrelation** :math:`\rho_k = \sum_i r_i r_{i+k} / \sum_i r_i^2`, the record's mean taken off.
 - **correlation time** :math:`\tau = \Delta t\,(1 + 2\sum_{k \ge 1} \rho_k)`, the sum of pairs :math:`\rho_{2m} + \rho_{2m+1}`
   ended where the first is not positive [Geyer1992]_, never below one interval. White noise has :math:`\tau = \Delta t`.
-- **effective samples** :math:`n \Delta t / \tau`: as many independent ones would tell the mean as well. An upper bound, as
+- **effective samples** :math:`n \Delta t / \tau`: as many independent ones give the mean as well. An upper bound, as
   what repeats from cycle to cycle returns after the sum has ended.
 - **repeats**: :math:`\rho` at one period of the motion, unbiased: the share of the residual's variance that comes again in
   each cycle. Noise does not; a model's wrong shape does.

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Nuisance:
     """The random effects of a record: the offset of its force in N, the hysteretic states at the start of its motion, and the
-    factors of its load cell and of its viscosity where the fit was asked for them."""
+    factors of its load cell and of its viscosity where the fit has them."""
 
     offset: float
     states: dict[str, float]
@@ -42,13 +42,13 @@ class Fit:
 
     ``damper`` carries the laws, their covariance and the calibrated ranges, or is None where ``reason`` says why the numbers
     make no damper. ``parameters``, ``stderr`` and ``naive_stderr`` are in SI units, by labels such as ``dahl.kx @ 1.98 V``;
-    an infinite error means that the records do not determine the number, NaN that it stands at its limit.
+    an infinite error means that the records do not determine the number, NaN that it is at its limit.
     ``correlation`` (m, m) follows the same order. ``converged`` and ``reason`` say how the search ended;
     ``notes`` what a reader should know besides. ``clusters`` are what the errors were clustered by ("record", "cycle", or
     "record and cycle"), ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that
     determine it. ``within_records`` holds the labels that only one or two records determine, and how many: their errors are by
     cycle, hold within these records only and give no interval.
-    ``starts`` says from how many starts was searched, and how many of them ended in the same optimum.
+    ``starts`` is the number of starts, and how many of them ended in the same optimum.
     """
 
     damper: Damper | None
@@ -83,7 +83,7 @@ class Fit:
 
         Estimate and standard error with Student's t of ``freedom``. They hold the truth where the model does; where it misses
         the damper's behaviour they describe the fit. Infinite where the records do not determine the number, NaN where it
-        stands at its limit and where one or two records alone determine it (``within_records``): how records differ is not
+        is at its limit and where one or two records alone determine it (``within_records``): how records differ is not
         estimated from so few.
         """
         if not 0.0 < level < 1.0:

@@ -63,7 +63,7 @@ class Screened:
 def chosen_bandwidth(records: list[Record], options: dict[str, Any]) -> float | None:
     """That of the derived velocity, or None for the velocity as recorded, whichever lets the probe predict better.
 
-    Records without a velocity, sampled so differently that no bandwidth serves all of them, keep each its own: None.
+    Records without a velocity, sampled so differently that no bandwidth serves all of them, use their own bandwidths: None.
     """
     fastest = round(max(default_bandwidth(record) for record in records), 1)
     derived: float | None = fastest
@@ -84,7 +84,7 @@ def screen_all(
     seed: int,
     options: dict[str, Any],
     executor: Executor | None,
-    tell: Callable[[float], None],
+    progress: Callable[[float], None],
 ) -> list[Screened]:
     """Every model bare and with each add-on; then, round by round, those in contention with one more."""
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
@@ -93,11 +93,11 @@ def screen_all(
     for k in range(rounds):
         plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
         tasks = [partial(trial, model, small, seed, options) for models in plan.values() for model in models]
-        results = iter(parallel.run_all(tasks, executor, lambda done, k=k: tell((k + done) / rounds)))  # type: ignore[misc]
+        results = iter(parallel.run_all(tasks, executor, lambda done, k=k: progress((k + done) / rounds)))  # type: ignore[misc]
         for base, models in plan.items():
             trials[base] += [next(results) for _ in models]
         going = _still_going(going, trials, ends)
-    tell(1.0)
+    progress(1.0)
     return [Screened(base, tuple(trials[base])) for base in bases]
 
 

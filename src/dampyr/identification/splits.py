@@ -61,7 +61,7 @@ def _enough(records: list[Record], folds: int) -> None:
 
 
 def _by_record(records: list[Record], folds: int, seed: int) -> list[list[int]]:
-    """Random parts; the records of each input are dealt out in turn, so that no part takes all of one."""
+    """Random parts; the records of each input are distributed in turn, so that no part holds all of one."""
     _enough(records, folds)
     shuffled = np.random.default_rng(seed).permutation(len(records))
     order = sorted((int(i) for i in shuffled), key=lambda i: records[i].input_value or 0.0)
