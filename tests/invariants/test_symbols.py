@@ -39,7 +39,7 @@ for name in sys.argv[1:]:
     P = len(c.parameters)
     given = (np.linspace(1.0, 2.0, P), np.zeros(c.n_states), np.sin(t), np.ones(200), np.arange(P), np.ones((1, P)), 1.0)
     sums = path_integration.products_along(c, path, *given, np.array([200]))
-    hits = path_integration.bind(path_integration.march_products, (c,)).stats.cache_hits
+    hits = path_integration.bind(path_integration.sum_products, (c,)).stats.cache_hits
     print(repr(float(sums.sum())), sum(hits.values()))
 """
 
@@ -65,11 +65,11 @@ def test_kernels_that_processes_kept_apart_are_right_together(tmp_path: Path) ->
 def kernels() -> Iterator[Any]:
     """Of every kind that is kept, those of several dampers."""
     drivers = [
-        path_integration.march,
-        path_integration.march_columns,
-        path_integration.march_products,
-        path_integration.march_products_delayed,
-        path_integration.march_laws,
+        path_integration.integrate_force,
+        path_integration.integrate_jacobian,
+        path_integration.sum_products,
+        path_integration.sum_products_delayed,
+        path_integration.integrate_law_jacobian,
     ]
     dampers = [
         *(name for name in names() if part(name).force),

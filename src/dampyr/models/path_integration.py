@@ -1,4 +1,4 @@
-"""Walking along a measured path: the force, and how it changes with every parameter.
+"""Integration along a measured path: the force, and its derivatives by every parameter.
 
 The path is the polygon through the samples. Along each side the motion is monotone, so a part whose state depends on the
 path alone is exact there, whatever the step.
@@ -21,11 +21,11 @@ def _unbound(*_: Any) -> Any:
     raise TypeError("a driver runs only after dampyr.models.codegen.kernels.bind has given it a composition")
 
 
-BLOCK = 128  # rows that are kept while their products are summed
-advance = force = columns = spread = walk = _unbound
+BLOCK = 128  # samples whose columns are stored while their products are summed: a multiple of 8, to which counts are rounded up
+advance = force = advance_tangents = jacobian = step_block = _unbound
 
 
-def march(t, x, v, a, p, s, out):
+def integrate_force(t, x, v, a, p, s, out):
     """Fill ``out`` with the force along the path; ``p`` has one row, or one per sample."""
     last = p.shape[0] - 1
     out[0] = force(0, s, x[0], v[0], a[0], p[0])
@@ -35,38 +35,38 @@ def march(t, x, v, a, p, s, out):
         out[i] = force(0, s, x[i], v[i], a[i], q)
 
 
-def march_columns(t, x, v, a, p, s, D, out, J):
-    """As `march`, and ``J[i]`` = the derivatives of the force by the parameters and the initial states."""
+def integrate_jacobian(t, x, v, a, p, s, D, out, J):
+    """As `integrate_force`, and ``J[i]`` = the derivatives of the force by the parameters and the initial states."""
     last = p.shape[0] - 1
     out[0] = force(0, s, x[0], v[0], a[0], p[0])
-    columns(0, s, D, x[0], v[0], a[0], p[0], J[0])
+    jacobian(0, s, D, x[0], v[0], a[0], p[0], J[0])
     for i in range(1, t.size):
         q = p[min(i, last)]
-        spread(0, s, D, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
+        advance_tangents(0, s, D, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
         out[i] = force(0, s, x[i], v[i], a[i], q)
-        columns(0, s, D, x[i], v[i], a[i], q, J[i])
+        jacobian(0, s, D, x[i], v[i], a[i], q, J[i])
 
 
-def march_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, workspace, rows, block, products):
+def sum_products(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, workspace, rows, block, products):
     """Fill ``products[g]`` with the sums of products of all columns over the samples up to ``ends[g]``.
 
-    A column of `march_columns`, or the force, or 1, is picked by ``source``, times ``factor`` and the weight ``w``; the last
-    is the weighted residual, ``f`` less ``gain`` times the force. Only a block of samples is ever stored, each column in one
-    stretch of ``rows``.
+    A column of `integrate_jacobian`, or the force, or 1, is selected by ``source``, times ``factor`` and the weight ``w``; the
+    last is the weighted residual, ``f`` less ``gain`` times the force. Only a block of samples is ever stored, each column
+    contiguous in ``rows``.
     """
     first = 0
     for group in range(ends.size):
         while first < ends[group]:
             count = min(rows.shape[1], ends[group] - first)
-            walked(first, count, t, x, v, a, p, s, D, workspace, rows)
-            picked(first, count, rows, f, w, source, factor, gain, block)
-            summed(block, (count + 7) // 8 * 8, products[group])
+            step_samples(first, count, t, x, v, a, p, s, D, workspace, rows)
+            weigh_columns(first, count, rows, f, w, source, factor, gain, block)
+            add_products(block, (count + 7) // 8 * 8, products[group])
             first += count
-        mirrored(products[group])
+        symmetrise(products[group])
 
 
-def walked(first, count, t, x, v, a, p, s, D, workspace, rows):
-    """Walk over ``count`` samples from ``first`` on: together where the parameters are constant, else one by one."""
+def step_samples(first, count, t, x, v, a, p, s, D, workspace, rows):
+    """Step through ``count`` samples from ``first`` on: together where the parameters are constant, else one by one."""
     m = 0
     while m < count:
         at = first + m
@@ -74,17 +74,15 @@ def walked(first, count, t, x, v, a, p, s, D, workspace, rows):
         size = count - m if p.shape[0] == 1 and still == 0 else 1
         lo, hi = at - 1 + still, at + size + still
         q = p[min(at, p.shape[0] - 1)]
-        walk(0, still, t[lo:hi], x[lo:hi], v[lo:hi], a[lo:hi], q, s, D, workspace, rows[:, m:])
+        step_block(0, still, t[lo:hi], x[lo:hi], v[lo:hi], a[lo:hi], q, s, D, workspace, rows[:, m:])
         m += size
 
 
-def march_products_delayed(
-    t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, block, products, k, tau, lo, hi
-):
-    """As `march_products` with everything ``tau`` later; ``k`` is where the derivative by tau stands."""
+def sum_products_delayed(t, x, v, a, p, f, w, source, factor, gain, ends, s, D, rows, block, products, k, tau, lo, hi):
+    """As `sum_products` with everything ``tau`` later; ``k`` is the index of the derivative by tau."""
     first = j = 0
-    reach(0, t, x, v, a, p, s, D, lo)
-    reach(1, t, x, v, a, p, s, D, hi)
+    step_to(0, t, x, v, a, p, s, D, lo)
+    step_to(1, t, x, v, a, p, s, D, hi)
     for group in range(ends.size):
         while first < ends[group]:
             count = min(rows.shape[1], ends[group] - first)
@@ -94,24 +92,24 @@ def march_products_delayed(
                     j += 1
                     for c in range(lo.size):
                         lo[c] = hi[c]
-                    reach(j + 1, t, x, v, a, p, s, D, hi)
-                between(t[j], t[j + 1], at, t[0], k, lo, hi, rows[:, m])
-            picked(first, count, rows, f, w, source, factor, gain, block)
-            summed(block, (count + 7) // 8 * 8, products[group])
+                    step_to(j + 1, t, x, v, a, p, s, D, hi)
+                interpolate_row(t[j], t[j + 1], at, t[0], k, lo, hi, rows[:, m])
+            weigh_columns(first, count, rows, f, w, source, factor, gain, block)
+            add_products(block, (count + 7) // 8 * 8, products[group])
             first += count
-        mirrored(products[group])
+        symmetrise(products[group])
 
 
-def reach(i, t, x, v, a, p, s, D, row):
-    """Walk to sample ``i``: its derivatives and, last but one, its force."""
+def step_to(i, t, x, v, a, p, s, D, row):
+    """Step to sample ``i``: its derivatives and, last but one, its force."""
     q = p[min(i, p.shape[0] - 1)]
     if i > 0:
-        spread(0, s, D, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
+        advance_tangents(0, s, D, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
     row[row.size - 2] = force(0, s, x[i], v[i], a[i], q)
-    columns(0, s, D, x[i], v[i], a[i], q, row)
+    jacobian(0, s, D, x[i], v[i], a[i], q, row)
 
 
-def between(t0, t1, at, start, k, lo, hi, row):
+def interpolate_row(t0, t1, at, start, k, lo, hi, row):
     """The row at the time ``at``, and the derivative of its force by the delay."""
     part = min(max((at - t0) / (t1 - t0), 0.0), 1.0)
     for c in range(row.size):
@@ -120,8 +118,8 @@ def between(t0, t1, at, start, k, lo, hi, row):
     row[k] = -(hi[last] - lo[last]) / (t1 - t0) if at > start else 0.0
 
 
-def picked(first, count, rows, f, w, source, factor, gain, block):
-    """The columns that are asked for, and the residual, of ``count`` rows, each column in one stretch; zeros after."""
+def weigh_columns(first, count, rows, f, w, source, factor, gain, block):
+    """The selected columns, and the residual, of ``count`` rows, each column contiguous; zeros after."""
     C, last, each = source.size, rows.shape[0] - 2, w.size > 1 or factor.shape[0] > 1
     for c in range(C):
         column, scale = source[c], w[0] * factor[0, c]
@@ -142,7 +140,7 @@ def picked(first, count, rows, f, w, source, factor, gain, block):
             block[c, m] = 0.0
 
 
-def summed(block, full, total):
+def add_products(block, full, total):
     """Add the products of a block's columns, two by two: each is read half as often."""
     last = total.shape[0] - 1
     for c in range(0, last + 1, 2):
@@ -164,14 +162,14 @@ def summed(block, full, total):
                 total[e, g] += eg
 
 
-def mirrored(total):
-    """Products are the same both ways."""
+def symmetrise(total):
+    """Copy the upper triangle to the lower one."""
     for c in range(total.shape[0]):
         for d in range(c):
             total[c, d] = total[d, c]
 
 
-summed.reordered = True  # type: ignore[attr-defined]  # its sums may be taken in lanes
+add_products.reordered = True  # type: ignore[attr-defined]  # its sums may be vectorised
 
 
 def products_along(
@@ -201,18 +199,18 @@ def products_along(
     k = composition.delay
     if k is None:
         workspace = np.empty((composition.workspace_rows, BLOCK))
-        bind(march_products, (composition,))(*given, workspace, rows, block, products)
+        bind(sum_products, (composition,))(*given, workspace, rows, block, products)
     else:
         lo = rows[:, 0].copy()
-        bind(march_products_delayed, (composition,))(*given, rows, block, products, k, float(p[0, k]), lo, lo.copy())
+        bind(sum_products_delayed, (composition,))(*given, rows, block, products, k, float(p[0, k]), lo, lo.copy())
     return products
 
 
-def march_laws(t, x, v, a, p, source, factor, s, saved, D, none, out, row, base, J):
+def integrate_law_jacobian(t, x, v, a, p, source, factor, s, saved, D, none, out, row, base, J):
     """Fill ``J[i, c]`` with the derivative by a coefficient that moves parameter ``source[c]`` by ``factor[i, c]``.
 
     The tangent of a state is linear in what it was and in the parameter's share of the piece; ``none`` holds that share, from
-    a walk without a past, and each coefficient takes ``factor`` of it where the input was when the state passed.
+    a step with zero tangents at its start, and each coefficient takes ``factor`` of it at the input of that step.
     """
     last, S = source.size, s.size
     for i in range(t.size):
@@ -223,7 +221,7 @@ def march_laws(t, x, v, a, p, source, factor, s, saved, D, none, out, row, base,
                     saved[j] = s[j]
                 s[j] = saved[j]
             here = D[c] if c >= 0 else none
-            spread(0, s, here, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
+            advance_tangents(0, s, here, x[i - 1], x[i], v[i - 1], v[i], t[i] - t[i - 1], q)
             for j in range(S):
                 if c >= 0:
                     D[c, j, source[c]] += (f[c] - 1.0) * none[j, source[c]]
@@ -231,9 +229,9 @@ def march_laws(t, x, v, a, p, source, factor, s, saved, D, none, out, row, base,
         for j in range(S):
             for k in range(none.shape[1]):
                 none[j, k] = 0.0
-        columns(0, s, none, x[i], v[i], a[i], q, base)
+        jacobian(0, s, none, x[i], v[i], a[i], q, base)
         for c in range(last):
-            columns(0, s, D[c], x[i], v[i], a[i], q, row)
+            jacobian(0, s, D[c], x[i], v[i], a[i], q, row)
             J[i, c] = row[source[c]] + (f[c] - 1.0) * base[source[c]]
 
 
@@ -242,13 +240,13 @@ def along_with_laws(
 ) -> tuple[Array, Array]:
     """The force (n,) and its derivatives (n, C) by coefficients of laws whose input varies along the path; not delayed.
 
-    Coefficient c moves the parameter ``source[c]`` by ``factor[i, c]`` at sample i: the states remember what it was.
+    Coefficient c moves the parameter ``source[c]`` by ``factor[i, c]`` at sample i: the states depend on all earlier ones.
     """
     P, S, C = len(composition.parameters), composition.n_states, source.size
     D, none, saved = np.zeros((C, S, P + S)), np.zeros((S, P + S)), np.zeros(S)
     out, row, base, J = np.empty(t.size), np.zeros(P + S), np.zeros(P + S), np.zeros((t.size, C))
     given = (t, x, v, acceleration(composition, t, v), _rows(values), source, factor, _start(composition, state0))
-    bind(march_laws, (composition,))(*given, saved, D, none, out, row, base, J)
+    bind(integrate_law_jacobian, (composition,))(*given, saved, D, none, out, row, base, J)
     return out, J
 
 
@@ -256,7 +254,7 @@ def along(composition: Composition, t: Array, x: Array, v: Array, values: Array,
     """The force in N along a path: t [s], x [m], v [m/s] of shape (n,), ``values`` (P,) or (n, P); not delayed."""
     out = np.empty(t.size)
     s = _start(composition, state0)
-    bind(march, (composition,))(t, x, v, acceleration(composition, t, v), _rows(values), s, out)
+    bind(integrate_force, (composition,))(t, x, v, acceleration(composition, t, v), _rows(values), s, out)
     return out
 
 
@@ -270,12 +268,12 @@ def along_with_columns(
     D = np.zeros((composition.n_states, width))
     for j in range(composition.n_states):
         D[j, len(composition.parameters) + j] = 1.0
-    bind(march_columns, (composition,))(t, x, v, acceleration(composition, t, v), _rows(values), s, D, out, J)
+    bind(integrate_jacobian, (composition,))(t, x, v, acceleration(composition, t, v), _rows(values), s, D, out, J)
     return out, J
 
 
 def acceleration(composition: Composition, t: Array, v: Array) -> Array:
-    """The acceleration by central differences of the velocity, or zeros where no part asks for it."""
+    """The acceleration by central differences of the velocity, or zeros where no part needs it."""
     needed = any(p.needs_acceleration for p in composition.parts)
     return np.asarray(np.gradient(v, t)) if needed else np.zeros_like(t)
 

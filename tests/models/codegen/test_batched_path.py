@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dampyr.models import compose
-from dampyr.models.codegen.batched_path import write_walk
+from dampyr.models.codegen.batched_path import write_step_block
 from dampyr.models.part import REGISTRY, part
 from dampyr.models.path_integration import along_with_columns, products_along
 from dampyr.registry import names
@@ -43,8 +43,8 @@ def test_sums_of_products_are_those_of_the_stored_columns(name: str, varying: bo
 
 
 def test_what_no_state_enters_is_computed_ahead() -> None:
-    called, walk, _ = write_walk(compose("dahl + hyperbolic_tangent").layout)
-    text = "\n".join([*called, walk.python()])
+    called, step_block, _ = write_step_block(compose("dahl + hyperbolic_tangent").layout)
+    text = "\n".join([*called, step_block.python()])
     assert text.count("quick_exp(") == 1
     assert text.count("quick_tanh(") == 1
     assert "exp(" not in text.replace("quick_exp(", "")

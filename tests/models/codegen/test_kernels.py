@@ -19,7 +19,7 @@ from dampyr.models.codegen.kernels import bind
 from dampyr.models import path_integration
 d = Damper("dahl", {"dahl.kx": 0.0, "dahl.kw": 1.0, "dahl.rho": 100.0})
 f = d.force(np.array([0.0, 1.0]), np.array([0.0, 0.01]), voltage=0.0, velocity=np.zeros(2))
-stats = bind(path_integration.march, (d.composition,)).stats
+stats = bind(path_integration.integrate_force, (d.composition,)).stats
 print(repr(float(f[-1])), sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
 """
 

@@ -1,11 +1,12 @@
-"""The text of ``walk``: a composition's force and derivatives at several samples of a path at once.
+"""The text of ``step_block``: a composition's force and derivatives at several samples of a path at once.
 
-``spread``, ``force`` and ``columns`` take one sample at a time. ``walk`` takes what it can out of the recurrence: exponentials
-that no state enters are computed before it, the states and their tangents walk alone, and the columns are filled after it.
-All but the recurrence itself are loops over samples that do not wait for each other, so that the compiler takes several
-samples at once (see `dampyr.models.numerics.fast_math`). In series nothing can be taken out, and the walk is sample by sample.
+``advance_tangents``, ``force`` and ``jacobian`` take one sample at a time. ``step_block`` takes what it can out of the
+recurrence: exponentials that no state enters are computed before it, the states and their tangents are advanced alone, and
+the Jacobian is filled after it. All but the recurrence itself are loops over samples that do not wait for each other, so that
+the compiler takes several samples at once (see `dampyr.models.numerics.fast_math`). In series nothing can be taken out, and
+the samples are taken one by one.
 
-Its argument ``still`` is 1 to fill the columns of the first sample without a step, 0 to step from the first sample to all
+Its argument ``still`` is 1 to fill the Jacobian of the first sample without a step, 0 to step from the first sample to all
 others.
 """
 
@@ -23,27 +24,27 @@ SAMPLE = {"x": "x_at[m]", "v": "v_at[m]", "a": "a_at[m]"}
 LOOP = "for m in range(x.size - 1):"
 
 
-def write_walk(layout: Layout) -> tuple[list[str], Function, int]:
-    """The functions that ``walk`` calls, as text, ``walk`` itself, and how many rows of workspace it needs."""
+def write_step_block(layout: Layout) -> tuple[list[str], Function, int]:
+    """The functions that ``step_block`` calls, as text, ``step_block`` itself, and how many rows of workspace it needs."""
     if layout.in_series:
         return [], _sample_by_sample(layout), 0
     writer = Writer(layout)
-    walk = writer.walk()
-    return writer.functions, walk, writer.workspace_rows
+    step_block = writer.step_block()
+    return writer.functions, step_block, writer.workspace_rows
 
 
 def _sample_by_sample(layout: Layout) -> Function:
     x, v, a = SAMPLE.values()
-    moved = ["if still == 0:", f"    spread{SITE}s, D, {', '.join(PIECE.values())}, p)"]
+    moved = ["if still == 0:", f"    advance_tangents{SITE}s, D, {', '.join(PIECE.values())}, p)"]
     filled = [
         f"rows[{layout.width}, m] = force{SITE}s, {x}, {v}, {a}, p)",
-        f"columns{SITE}s, D, {x}, {v}, {a}, p, rows[:, m])",
+        f"jacobian{SITE}s, D, {x}, {v}, {a}, p, rows[:, m])",
     ]
-    return _walk(_loop(*moved, *filled))
+    return _step_block(_loop(*moved, *filled))
 
 
 class Writer:
-    """Writes ``walk`` of one composition; ``workspace`` (rows, BLOCK) holds what passes from one of its loops to the next."""
+    """Writes ``step_block`` of one composition; ``workspace`` (rows, BLOCK) passes values from one of its loops to the next."""
 
     def __init__(self, layout: Layout) -> None:
         self.slots = layout.slots
@@ -53,41 +54,41 @@ class Writer:
         self.workspace_rows = 0
         self.stored: dict[str, str] = {}
 
-    def walk(self) -> Function:
-        """``walk``; the functions that it calls are then in ``functions``."""
+    def step_block(self) -> Function:
+        """``step_block``; the functions that it calls are then in ``functions``."""
         lines = [f"p{k} = p[{k}]" for k in range(self.offset)]
         for slot in self.slots:
             lines += self._states(slot, slot.part.advance) if slot.part.advance else []
         for slot in self.slots:
             lines += self._columns(slot, slot.part.force) if slot.part.force else []
-        return _walk(lines)
+        return _step_block(lines)
 
     def _row(self) -> str:
         self.workspace_rows += 1
         return f"workspace[{self.workspace_rows - 1}, m]"
 
     def _states(self, slot: Slot, formula: Formula) -> list[str]:
-        """The lines that walk a part's states and their tangents, and keep them in ``workspace``."""
+        """The lines that advance a part's states and their tangents, and store them in ``workspace``."""
         units = {n: k for n, k in slot.values.items() if n in formula.arguments}
         columns = [*units.values(), *(self.offset + k for k in slot.states.values())]
-        homes = {f"s{k}": f"s[{k}]" for k in slot.states.values()}
-        homes |= {f"D{k}_{c}": f"D[{k}, {c}]" for c in columns for k in slot.states.values()}
+        initial = {f"s{k}": f"s[{k}]" for k in slot.states.values()}
+        initial |= {f"D{k}_{c}": f"D[{k}, {c}]" for c in columns for k in slot.states.values()}
         used = [n for n in slot.states if n in formula.arguments]
         seeds = [f"D{slot.states[n]}_{c}" for c in columns for n in used]
         places = PIECE | slot.value_places("p{}") | slot.state_places("s{}")
         ahead, lines = self._ahead(formula, [n for n in formula.arguments if n not in slot.states], places)
-        text = tangents(formula, f"walked_{formula.name}", used, [*units, *(None for _ in slot.states)])
+        text = tangents(formula, f"moved_{formula.name}", used, [*units, *(None for _ in slot.states)])
         called = self._called(text, formula, places, seeds, ahead)
-        keep = {name: self._row() for name in homes}
-        self.stored |= keep
-        store_lines = [f"{row} = {name}" for name, row in keep.items()]
-        lines += [f"{name} = {home}" for name, home in homes.items()]
+        rows = {name: self._row() for name in initial}
+        self.stored |= rows
+        store_lines = [f"{row} = {name}" for name, row in rows.items()]
+        lines += [f"{name} = {home}" for name, home in initial.items()]
         lines += ["if still == 1:", *(f"    {line.replace(', m]', ', 0]')}" for line in store_lines), "else:"]
-        lines += [f"    {line}" for line in _loop(f"{', '.join(homes)} = {called}", *store_lines)]
-        return [*lines, *(f"{home} = {name}" for name, home in homes.items())]
+        lines += [f"    {line}" for line in _loop(f"{', '.join(initial)} = {called}", *store_lines)]
+        return [*lines, *(f"{home} = {name}" for name, home in initial.items())]
 
     def _columns(self, slot: Slot, formula: Formula) -> list[str]:
-        """The lines that fill a part's columns and add its force."""
+        """The lines that fill a part's columns of the Jacobian and add its force."""
         used = {n: k for n, k in slot.states.items() if n in formula.arguments}
         places = SAMPLE | slot.value_places("p{}") | {n: self.stored[f"s{k}"] for n, k in used.items()}
         units: dict[int, str | None] = {}
@@ -124,9 +125,9 @@ class Writer:
         return call(formula, places, *seeds, *ahead.values(), name=name)
 
 
-def _walk(lines: list[str]) -> Function:
+def _step_block(lines: list[str]) -> Function:
     at = [f"{n}_at = {n}[1 - still:]" for n in SAMPLE if any(f"{n}_at[" in line for line in lines)]
-    return Function("walk", SIGNATURES["walk"], [*at, *lines, "return"])
+    return Function("step_block", SIGNATURES["step_block"], [*at, *lines, "return"])
 
 
 def _loop(*lines: str) -> list[str]:
@@ -134,7 +135,7 @@ def _loop(*lines: str) -> list[str]:
 
 
 def _calls(formula: Formula, available: Iterable[str]) -> list[ast.Call]:
-    """The calls of `QUICK` outside branches whose arguments are ``known``: the outer before the inner."""
+    """The calls of `QUICK` outside branches whose arguments are ``available``: the outer before the inner."""
     calls = []
     assigned = {n.id for n in ast.walk(formula.tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     allowed = set(available) - assigned | {"abs", "log"}

@@ -139,13 +139,13 @@ class Composition:
         return series.functions(self.layout) if self.in_series else parallel.functions(self.layout)
 
     @cached_property
-    def _walk(self) -> tuple[list[str], Function, int]:
-        return batched_path.write_walk(self.layout)
+    def _step_block(self) -> tuple[list[str], Function, int]:
+        return batched_path.write_step_block(self.layout)
 
     @property
     def workspace_rows(self) -> int:
-        """How many rows of workspace ``walk`` needs (see `dampyr.models.codegen.batched_path`)."""
-        return self._walk[2]
+        """How many rows of workspace ``step_block`` needs (see `dampyr.models.codegen.batched_path`)."""
+        return self._step_block[2]
 
     def source(self, site: int = 0) -> str:
         """The Python text of this composition's functions, their names ending in ``_{site}``."""
@@ -153,9 +153,9 @@ class Composition:
         for p in self.parts:
             texts.update(parallel.derivatives(p))
             texts.update(series.derivatives(p) if self.in_series else {})
-        called, walk, _ = self._walk
+        called, step_block, _ = self._step_block
         whole = [f.python(f"_{site}") for f in self.functions()]
-        return "\n\n".join([*texts.values(), *whole, *called, walk.python(f"_{site}")])
+        return "\n\n".join([*texts.values(), *whole, *called, step_block.python(f"_{site}")])
 
 
 def compose(names: str | Iterable[str]) -> Composition:

@@ -1,11 +1,11 @@
-"""Compiling a driver for a composition of parts, and keeping what was compiled.
+"""Compilation of a driver for a composition of parts, and the cache of compiled code.
 
 A *driver* is a plain function in a real file (`dampyr.models.path_integration`, the coupling in ``dampyr.structures``)
-that walks along a path or through an earthquake. It calls ``advance``, ``force``, ``slopes``, ``columns`` and ``spread``
-by name, and `bind` gives these names the functions of one or several compositions and compiles the whole with numba.
+that integrates along a path or through an earthquake. It calls the functions of a composition (`BOUND`) by name, and `bind`
+gives these names the functions of one or several compositions and compiles the whole with numba.
 
-Compiled code is kept on disk in a folder whose name holds a hash of dampyr's own sources, so that an edited model
-can never be served stale. The folder lies in the user's cache, or where ``DAMPYR_CACHE`` says.
+Compiled code is cached on disk in a folder whose name holds a hash of dampyr's own sources, so that code of an edited model
+is never out of date. The folder lies in the user's cache, or where ``DAMPYR_CACHE`` says.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from dampyr.models.numerics import fast_math
 BOUND = tuple(SIGNATURES)
 MORE = ("decide",)
 QUICK = ("quick_exp", "quick_tanh")
-MAX_CACHE_AGE = 30 * 86400.0
+MAX_CACHE_AGE = 30 * 86400.0  # s: a month in which a version of the sources was not run
 FAST = {"contract", "nsz", "arcp"}
 _MATH = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "tan", "atan", "copysign")
 
 
 @lru_cache(maxsize=1)
 def cache_folder() -> Path:
-    """Where compiled kernels are kept: made if need be; a temporary folder where the user's cache is not writable."""
+    """The folder of compiled kernels, created if need be; a temporary folder where the user's cache is not writable."""
     package = Path(__file__).resolve().parents[2]
     digest = hashlib.sha256()
     for file in sorted(package.rglob("*.py")):
@@ -49,14 +49,14 @@ def cache_folder() -> Path:
     try:
         if not folder.is_dir():
             folder.mkdir(parents=True, exist_ok=True)
-            _forget_old(folder.parent)
+            _remove_old(folder.parent)
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except OSError:
         return Path(tempfile.mkdtemp(prefix="dampyr-kernels-"))
 
 
-def _forget_old(base: Path) -> None:
+def _remove_old(base: Path) -> None:
     """Remove the kernels of sources that have not been run for a month."""
     for other in base.glob("kernels-*"):
         if time.time() - other.stat().st_mtime > MAX_CACHE_AGE:
@@ -74,9 +74,9 @@ def _user_cache() -> Path:
 def jit(
     function: Callable[..., Any], keep: bool = False, reordered: bool = False, flags: Iterable[str] = frozenset(FAST)
 ) -> Any:
-    """``function`` compiled by numba without Python objects; ``keep`` puts the machine code on disk.
+    """``function`` compiled by numba without Python objects; ``keep`` caches the machine code on disk.
 
-    What is not kept is called by kernels only, and has none of the wrappers that Python would call: these took a third of
+    What is not cached is called by kernels only, and has none of the wrappers that Python would call: these took a third of
     the time of compiling. Without numba's reference counting (``_nrt``): the kernels make no arrays, and counting every row
     they look at took half of their time. A driver that did make one would not compile.
     """
@@ -143,7 +143,7 @@ def named(function: FunctionType, module: str, key: str) -> FunctionType:
     """``function`` with a name that no other one has, if ``key`` tells what it computes apart from what others of its name do.
 
     Numba makes a symbol of a function's module, name, arguments and a number that it counts in each process. Where two
-    processes each kept a kernel and a third one loads both, the linker takes functions of the same symbol for one function,
+    processes each cached a kernel and a third one loads both, the linker takes functions of the same symbol for one function,
     and one kernel calls what belongs to the other (https://github.com/numba/numba/issues/10486).
     """
     function.__module__, function.__qualname__ = module, f"{module}.{function.__name__}.{key}"
@@ -195,16 +195,16 @@ def _reaches(function: FunctionType, bound: frozenset[str]) -> bool:
 
 def _called(function: FunctionType) -> Iterator[tuple[str, FunctionType]]:
     """The functions that are bound with ``function``, by the names by which it calls them."""
-    rooms = (function.__module__, *function.__globals__.get("BOUND_WITH", ()))
+    modules = (function.__module__, *function.__globals__.get("BOUND_WITH", ()))
     for name in {
         instruction.argval for instruction in get_instructions(function) if instruction.opname == "LOAD_GLOBAL"
     }:
         called = function.__globals__.get(name)
-        if isinstance(called, FunctionType) and called.__module__ in rooms:
+        if isinstance(called, FunctionType) and called.__module__ in modules:
             yield name, called
 
 
 @lru_cache(maxsize=64)
 def compile_cached(function: Callable[..., Any]) -> Any:
-    """A function that needs no composition, compiled with those of its own module that it calls, and kept on disk."""
+    """A function that needs no composition, compiled with those of its own module that it calls, and cached on disk."""
     return _rebound(function, {}, "alone", _shared, keep=True)

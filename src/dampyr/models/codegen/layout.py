@@ -20,9 +20,9 @@ SIGNATURES = {
     "advance": "s, x0, x1, v0, v1, dt, p",
     "force": "s, x, v, a, p",
     "slopes": "s, x0, x1, v0, v1, dt, p",
-    "columns": "s, D, x, v, a, p, J",
-    "spread": "s, D, x0, x1, v0, v1, dt, p",
-    "walk": "still, t, x, v, a, p, s, D, workspace, rows",
+    "jacobian": "s, D, x, v, a, p, J",
+    "advance_tangents": "s, D, x0, x1, v0, v1, dt, p",
+    "step_block": "still, t, x, v, a, p, s, D, workspace, rows",
 }
 #: Marks a call of another function of the same composition; a suffix for the composition takes its place.
 SITE = "_SITE("

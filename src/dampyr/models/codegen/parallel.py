@@ -8,8 +8,8 @@ from dampyr.models.part import Part
 
 
 def functions(layout: Layout) -> list[Function]:
-    """``advance``, ``force``, ``slopes``, ``columns`` and ``spread``."""
-    return [write(layout) for write in (_advance, _force, _slopes, _columns, _spread)]
+    """``advance``, ``force``, ``slopes``, ``jacobian`` and ``advance_tangents``."""
+    return [write(layout) for write in (_advance, _force, _slopes, _jacobian, _advance_tangents)]
 
 
 def derivatives(p: Part) -> dict[str, str]:
@@ -87,7 +87,7 @@ def _states_and_slopes(slot: Slot) -> str:
     return f"{', '.join(targets)} = {call(p.advance, _places(slot), *zeros, suffix='_and_slopes')}"
 
 
-def _columns(layout: Layout) -> Function:
+def _jacobian(layout: Layout) -> Function:
     """dF/dp_k and dF/ds_j(start), from the tangents D of the states."""
     lines = []
     for slot in layout.slots:
@@ -101,10 +101,10 @@ def _columns(layout: Layout) -> Function:
             suffix = f"_by_{name}" if name in p.force.arguments else "_by_states"
             seeds = [f"D[{j}, {column}]" for j in used]
             lines.append(f"J[{column}] = {call(p.force, _places(slot), *seeds, suffix=suffix)}")
-    return Function("columns", SIGNATURES["columns"], [*lines, "return"])
+    return Function("jacobian", SIGNATURES["jacobian"], [*lines, "return"])
 
 
-def _spread(layout: Layout) -> Function:
+def _advance_tangents(layout: Layout) -> Function:
     """Move the states and their tangents D along one piece."""
     lines = []
     for slot in layout.slots:
@@ -118,4 +118,4 @@ def _spread(layout: Layout) -> Function:
         places = slot.states.values()
         targets = [indexed(places, "s[{}]"), *(indexed(places, f"D[{{}}, {column}]") for column in columns)]
         lines.append(f"{', '.join(targets)} = {call(p.advance, _places(slot), *seeds, suffix='_and_tangents')}")
-    return Function("spread", SIGNATURES["spread"], [*lines, "return"])
+    return Function("advance_tangents", SIGNATURES["advance_tangents"], [*lines, "return"])

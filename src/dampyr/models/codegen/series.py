@@ -28,8 +28,8 @@ UNKNOWN = 1e9  # m/s, faster than anything: the rate of the stretch where the pa
 
 
 def functions(layout: Layout) -> list[Function]:
-    """``phi``, ``solve``, ``advance``, ``force``, ``slopes``, ``columns`` and ``spread``."""
-    return [write(layout) for write in (_phi, _solve, _advance, _force, _slopes, _columns, _spread)]
+    """``phi``, ``solve``, ``advance``, ``force``, ``slopes``, ``jacobian`` and ``advance_tangents``."""
+    return [write(layout) for write in (_phi, _solve, _advance, _force, _slopes, _jacobian, _advance_tangents)]
 
 
 def derivatives(p: Part) -> dict[str, str]:
@@ -323,16 +323,16 @@ def _slopes(layout: Layout) -> Function:
     return Function("slopes", SIGNATURES["slopes"], [*lines, "return fx, fv"])
 
 
-def _columns(layout: Layout) -> Function:
+def _jacobian(layout: Layout) -> Function:
     lines = [f"for m in range({layout.width}):", f"    J[m] = D[{layout.force_state}, m]"]
     for slot, formula in _outer_forces(layout):
         places = {"x": "x", "v": "v", "a": "a"} | slot.value_places()
         zeros = dict.fromkeys([*slot.values, "x", "v", "a"], "0.0")
         lines += [f"J[{k}] += {_towards(formula, places, zeros | {name: '1.0'})}[1]" for name, k in slot.values.items()]
-    return Function("columns", SIGNATURES["columns"], [*lines, "return"])
+    return Function("jacobian", SIGNATURES["jacobian"], [*lines, "return"])
 
 
-def _spread(layout: Layout) -> Function:
+def _advance_tangents(layout: Layout) -> Function:
     last = layout.force_state
     unit = "(1.0 if m == {} else 0.0)"
     place = layout.rate_state
@@ -356,4 +356,4 @@ def _spread(layout: Layout) -> Function:
         f"for m in range({layout.width}):",
     ]
     lines += ["    " + line for line in loop]
-    return Function("spread", SIGNATURES["spread"], [*lines, *_store_lines(layout), "return"])
+    return Function("advance_tangents", SIGNATURES["advance_tangents"], [*lines, *_store_lines(layout), "return"])
