@@ -1,4 +1,4 @@
-"""Write published.md from what the sets say of themselves: ``python docs/reference/make_published.py``."""
+"""Write published.md from the files of the sets: ``python docs/reference/make_published.py``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ about = dp.models.published.about("spencer_1997")  # paper, where, read, device,
 
 The sets are the TOML files of `dampyr/models/published`, with the numbers as printed, and this page is written from these
 files. "Read" says what was read: for all but `tan_agrawal_2004`, whose own files were, it is somebody's
-quotation or program and not the paper, and where it may be wrong the notes say so. Sets that claim the same source and
+quotation or program and not the paper, and the notes name where it may be wrong. Sets that claim the same source and
 differ are all here and name each other. The damper of Raminelli (2020), read in the dissertation itself, is
 `dp.studies.raminelli_2020.damper()`.
 
@@ -51,9 +51,9 @@ def listing() -> str:
 
 
 def section(name: str) -> str:
-    """What one set says of itself, and its numbers as printed."""
+    """The section of one set, with its numbers as printed."""
     about = published.about(name)
-    said = [
+    items = [
         f"**Paper:** {about.paper}; {about.where}.",
         f"**Read:** {about.read}.",
         f"**Device:** {about.device}.",
@@ -64,8 +64,8 @@ def section(name: str) -> str:
     rows = [f"| `{letter}` | {number:.15g} | {unit} |" for letter, (number, unit) in about.printed.items()]
     table = ["| as printed | number | unit |", "|---|---|---|", *rows]
     text = markdown(about.description)
-    items = [fill(item, 118, subsequent_indent="  ", break_long_words=False, initial_indent="- ") for item in said]
-    return "\n".join([f"## `{name}`", "", text, "", *items, "", *table, ""])
+    lines = [fill(item, 118, subsequent_indent="  ", break_long_words=False, initial_indent="- ") for item in items]
+    return "\n".join([f"## `{name}`", "", text, "", *lines, "", *table, ""])
 
 
 def markdown(text: str) -> str:

@@ -60,7 +60,7 @@ def test_a_part_that_is_none_says_what_to_give() -> None:
         Damper([Dahl])
     with pytest.raises(InputError, match=r"spring.k0 is given twice, by its part and in laws; leave it out of laws"):
         Damper([Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)], {"spring.k0": 3.0})
-    with pytest.raises(InputError, match="the part 'spring' stands twice"):
+    with pytest.raises(InputError, match="the part 'spring' is given twice"):
         Damper([Spring(k0=1.0), Spring(k0=2.0)])
     with pytest.raises(InputError, match=r"dahl lacks a law for dahl\.kw, dahl\.kx, dahl\.rho"):
         Damper("dahl")
@@ -162,7 +162,7 @@ def test_a_wrong_initial_state_is_refused() -> None:
         ("dahl", {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 1.0, "dahl.q": 1.0}, r"dahl\.q is no parameter"),
         ("dahl", {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 0.0}, r"dahl\.rho .* greater than 0"),
         ("dahll", {}, "did you mean 'dahl'"),
-        ("dahl + dahl", {}, "stands twice"),
+        ("dahl + dahl", {}, "is given twice"),
         ("delay", {"delay.tau": 0.1}, "makes no force"),
     ],
 )
@@ -174,7 +174,7 @@ def test_wrong_dampers_are_refused(parts: str, laws: dict[str, float], words: st
 def test_bouc_wen_checks_its_shape() -> None:
     with pytest.raises(InputError, match="sigma"):
         BoucWen(1.0, 1.0, 1.0, 1.0, 0.0, 1.0)
-    with pytest.warns(DampyrWarning, match="bulges|bulge"):
+    with pytest.warns(DampyrWarning, match="not dissipative on every path"):
         BoucWen(1.0, 1.0, 1.0, 1.0, 0.3, 1.0)
     laws = {"bouc_wen.c0": 1.0, "bouc_wen.k0": 0.0, "bouc_wen.kw": 9.0, "bouc_wen.rho": 100.0, "bouc_wen.n": 1.0}
     with pytest.warns(DampyrWarning, match=r"bouc_wen\.sigma .* = 0\.3 is below 0\.5"):

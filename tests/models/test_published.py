@@ -21,7 +21,7 @@ from dampyr.models.published._about import read_sets
 from dampyr.models.published._conversion import ratio
 
 Array = NDArray[np.float64]
-BULGING = {"spencer_1997_baig", "eldorado_as_run"}
+NOT_DISSIPATIVE = {"spencer_1997_baig", "eldorado_as_run"}
 PER_METRE = {
     "spencer_1997": 100.0,
     "eldorado_as_noted": 1000.0,
@@ -31,9 +31,9 @@ STEPS = 4000
 
 
 def made(name: str, *without: str) -> Damper:
-    """The damper less some parts, without the warning of the sets that bulge."""
+    """The damper less some parts, without the warning of the sets that are not dissipative."""
     with warnings.catch_warnings():
-        if name in BULGING:
+        if name in NOT_DISSIPATIVE:
             warnings.simplefilter("ignore", DampyrWarning)
         return published.damper(name).without(*without)
 

@@ -1,6 +1,6 @@
-"""The damper in other people's tools.
+"""Export of dampers to other tools.
 
-Each kind of export is one file on the shelf ``dampyr.export.kinds``; `export` writes one of them, `names` lists them.
+Each kind of export is one file of the package ``dampyr.export.kinds``; `export` writes one of them, `names` lists them.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def export(
 ) -> list[Path]:
     """Write ``damper`` as ``to`` (one of `names`) into the folder ``out``; the files written.
 
-    ``name`` is what it is called there. Inputs outside the calibrated range are refused by what is written, unless
+    ``name`` is its name there. Inputs outside the calibrated range are refused by what is written, unless
     ``allow_extrapolation``. Raises :class:`~dampyr.errors.InputError` for an unknown kind or a name that the target
     cannot use.
     """

@@ -14,7 +14,7 @@ from dampyr.errors import FileError, InputError, MissingData
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
 
-SCHEMA = 1
+SCHEMA = 1  # the one that this version writes and reads
 Damper = TypeVar("Damper")
 
 

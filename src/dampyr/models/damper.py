@@ -25,7 +25,7 @@ RANGES = {"displacement": "m", "velocity": "m/s", "frequency": "Hz"}
 
 @dataclass(frozen=True, eq=False)
 class Damper:
-    """A damper, from whatever parts.
+    """A damper, made of one or more parts.
 
     ``parts``
         such as ``"dahl + spring"`` or ``("dahl", "spring")``: names of ``dampyr.models.parts``. Also part objects, as `at`
@@ -38,10 +38,10 @@ class Damper:
     ``ranges``
         what the calibration covered: ``displacement`` (m, peak), ``velocity`` (m/s, peak), ``frequency`` (Hz) -> (low, high).
     ``covariance``
-        of the laws' coefficients in their order, shape (m, m), or None where it is not known.
+        of the laws' coefficients in their order, shape (m, m), or None where it is unknown.
     ``within_records``
-        the fitted numbers, such as ``"dahl.kx @ 1.98 V"``, whose variance holds within the fitted records only: one or two
-        records spoke of each, so how records differ is not in the covariance.
+        the fitted numbers, such as ``"dahl.kx @ 1.98 V"``, whose variance holds within the fitted records only: each was
+        determined by one or two records, so the variance between records is not in the covariance.
     ``bandwidth``
         of the derivative that gives the velocity where none is passed, in Hz; None: plain central differences.
     ``provenance``
@@ -79,7 +79,9 @@ class Damper:
             quantity.doubt(where, low)
         k = composition.lag
         if k is not None and not isinstance(laws[composition.parameters[k]], Constant):
-            raise InputError(f"{composition.parameters[k]} must be a constant: it says how the input itself follows")
+            raise InputError(
+                f"{composition.parameters[k]} must be a constant: it is the time constant of the input itself"
+            )
         self._check_covariance()
 
     composition: Composition = field(init=False, repr=False)
@@ -159,17 +161,17 @@ class Damper:
     def on_brace(self, stiffness: float) -> Damper:
         r"""The damper in series with a brace of ``stiffness`` k [N/m]: the damper feels the motion less F/k.
 
-        The brace is the part ``compliance``, whose s grows by 1/k; a damper that has one already gives way by both. All of
-        the damper stands behind it, its spring too; strokes are then those of damper and brace together. The step of a
+        The brace is the part ``compliance``, whose s grows by 1/k; in a damper that has one already the two add up. All of
+        the damper is in series with it, its spring too; strokes are then those of damper and brace together. The step of a
         response counts to first order only (docs/explanations/building.md). Raises InputError for a part that needs the
-        acceleration (inertia), which would act beside the brace.
+        acceleration (inertia), which would act in parallel with the brace.
         """
         if isinstance(stiffness, bool) or not np.isfinite(stiffness) or stiffness <= 0:
             raise InputError(f"the stiffness of a brace {stiffness!r} N/m is not allowed; it must be greater than 0")
         inertial = [p.name for p in self.composition.parts if p.needs_acceleration]
         if inertial:
             raise InputError(
-                f"{inertial[0]} needs the acceleration and would act beside the brace, not behind it; "
+                f"{inertial[0]} needs the acceleration and would act in parallel with the brace, not in series; "
                 f"leave it out first, with .without({inertial[0]!r})"
             )
         laws = self.all_laws
@@ -317,15 +319,15 @@ class Damper:
     def draws(self, n: int, seed: int) -> list[Self]:
         """``n`` dampers from the distribution of the fit (normal in the coefficients, inadmissible ones drawn again).
 
-        Warns where the covariance holds within the fitted records only: one or two records spoke of a coefficient, and how
-        another record would differ is not in it. Raises InputError without a covariance, where the fit was blind to a
-        coefficient, or where fewer than 1 % of the draws are admissible.
+        Warns where the covariance holds within the fitted records only: where only one or two records determine a coefficient,
+        the difference to another record is not in it. Raises InputError without a covariance, where a coefficient
+        was unidentifiable in the fit, or where fewer than 1 % of the draws are admissible.
         """
         if self.covariance is None:
             raise InputError("this damper has no covariance to draw from; identify it from records first")
         if not np.all(np.isfinite(self.covariance)):
             raise InputError(
-                "the variance of a coefficient is not known (infinite), so there is nothing to draw from; see its fit's notes"
+                "the variance of a coefficient is infinite: the records do not determine it; see its fit's notes"
             )
         if self.within_records:
             warnings.warn(

@@ -1,6 +1,6 @@
 r"""Voltage laws: how a parameter follows the input of the damper.
 
-A law is defined on the range of inputs it was calibrated on, ``low`` to ``high``, and knows its coefficients. The input is
+A law is defined on the range of inputs it was calibrated on, ``low`` to ``high``, and has coefficients. The input is
 the coil's voltage in V, or its current in A, as the damper says.
 """
 

@@ -1,4 +1,4 @@
-"""What one part of a damper is: its parameters, states and formulas, read from its file."""
+"""A part of a damper: its parameters, states and formulas, read from its file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _Class = TypeVar("_Class", bound=type)
 
 @dataclass(frozen=True)
 class Scale:
-    """How large a record's motion is, from where a fit begins: peak-to-peak stroke [m], peak speed [m/s], dt [s]."""
+    """The size of a record's motion, for initial guesses: peak-to-peak stroke [m], peak speed [m/s], dt [s]."""
 
     stroke: float
     speed: float
@@ -27,7 +27,7 @@ class Scale:
 
 
 def quantities(cls: type) -> dict[str, Quantity]:
-    """The parameters of a part's dataclass: name -> what it means and which values are allowed."""
+    """The parameters of a part's dataclass: name -> meaning and allowed values."""
     parameters = {}
     for name, hint in get_type_hints(cls, include_extras=True).items():
         if get_origin(hint) is Annotated:
@@ -52,7 +52,7 @@ def checked(cls: _Class) -> _Class:
 
 @dataclass(frozen=True)
 class Part:
-    """One part: where a composition, a fit and an export look up what its file says."""
+    """One part, as its file describes it to compositions, fits and exports."""
 
     name: str
     cls: type
@@ -81,7 +81,7 @@ class Part:
 
     @property
     def stretch(self) -> Formula | None:
-        """The formula of what gives way in series with the other parts, if the part is such a thing."""
+        """The formula of the stretch in series with the other parts, if the part has one."""
         return read(self.module.stretch, f"{self.name}_stretch") if hasattr(self.module, "stretch") else None
 
     @property
@@ -96,12 +96,12 @@ class Part:
 
     @property
     def add_on(self) -> bool:
-        """Whether the part belongs beside a model of a damper and is none by itself."""
+        """Whether the part complements the model of a damper and is none by itself."""
         return getattr(self.module, "ADD_ON", False)
 
     @property
     def holds(self) -> tuple[str, ...]:
-        """The add-ons that the part has inside already."""
+        """The add-ons that the part includes already."""
         return getattr(self.module, "HOLDS", ())
 
     @property
@@ -111,7 +111,7 @@ class Part:
 
     @property
     def path_only(self) -> bool:
-        """Whether the states depend on the path alone, not on how fast it is walked."""
+        """Whether the states depend on the path alone, not on the speed along it."""
         return self.advance is None or not {"v0", "v1", "dt"} & set(self.advance.arguments)
 
     @property
@@ -121,18 +121,18 @@ class Part:
 
     @property
     def needs_acceleration(self) -> bool:
-        """Whether the force needs the acceleration; in series such a part acts beside the others."""
+        """Whether the force needs the acceleration; in series such a part acts in parallel with the others."""
         return self.force is not None and "a" in self.force.arguments
 
     def starts(self, scale: Scale) -> list[dict[str, float]]:
-        """Values of the parameters that are not linear, from where a fit may begin."""
+        """Values of the parameters that are not linear, as initial guesses of a fit."""
         propose: Callable[[Scale], Iterator[dict[str, float]]] | None = getattr(self.module, "starts", None)
         return list(propose(scale)) if propose else [{}]
 
 
 @lru_cache(maxsize=64)
 def part(name: str) -> Part:
-    """The part called ``name``; :class:`~dampyr.errors.InputError` with the known names if there is none."""
+    """The part called ``name``; :class:`~dampyr.errors.InputError` lists the names if there is none."""
     module = member(REGISTRY, name)
     wanted = name.replace("_", "")
     cls = next(c for n, c in vars(module).items() if isinstance(c, type) and n.lower() == wanted)

@@ -1,4 +1,4 @@
-"""C99: one header and one source without dependencies but libm, for controllers and other people's simulations."""
+"""C99: one header and one source without dependencies but libm, for controllers and other simulations."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def _in_range(damper: Damper, prefix: str, allow_extrapolation: bool) -> str:
 
 
 def _late(damper: Damper, prefix: str) -> str:
-    """The delayed force, from the samples kept; NAN where more samples than are kept lie inside the delay."""
+    """The delayed force, from the stored samples; NAN where the delay is longer than they reach back."""
     return f"""\
 static double {prefix}late({prefix}state *d, double f, double tau)
 {{

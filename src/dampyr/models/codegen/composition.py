@@ -21,7 +21,7 @@ from dampyr.units import Quantity
 
 @dataclass(frozen=True)
 class Composition:
-    """The parts of a damper in their order; hashable, so that what is built from it can be kept."""
+    """The parts of a damper in their order; hashable, so that what is built from it can be cached."""
 
     names: tuple[str, ...]
 
@@ -91,7 +91,7 @@ class Composition:
 
     @cached_property
     def delay(self) -> int | None:
-        """Where in the parameter vector the delay stands, if there is one."""
+        """Index of the delay in the parameter vector, if there is one."""
         for p in self.parts:
             if p.delay:
                 return self.parameters.index(f"{p.name}.{p.delay}")
@@ -99,7 +99,7 @@ class Composition:
 
     @cached_property
     def lag(self) -> int | None:
-        """Where in the parameter vector the lag of the input stands, if there is one."""
+        """Index of the lag of the input in the parameter vector, if there is one."""
         for p in self.parts:
             if p.lag:
                 return self.parameters.index(f"{p.name}.{p.lag}")
@@ -112,13 +112,13 @@ class Composition:
 
     @cached_property
     def static(self) -> tuple[int, ...]:
-        """Where in the parameter vector the static forces stand."""
+        """Indices of the static forces in the parameter vector."""
         flat = [(p, key) for p in self.parts for key in p.parameters]
         return tuple(i for i, (p, _) in enumerate(flat) if p.static)
 
     @cached_property
     def linear(self) -> tuple[int, ...]:
-        """Where the parameters stand to which the force is proportional."""
+        """Indices of the parameters to which the force is proportional."""
         return tuple(i for i, q in enumerate(self.quantities.values()) if q.linear)
 
     def __str__(self) -> str:
@@ -165,7 +165,7 @@ def compose(names: str | Iterable[str]) -> Composition:
         part(name)
     twice = sorted({n for n in listed if listed.count(n) > 1})
     if twice:
-        raise InputError(f"the part {twice[0]!r} stands twice in {' + '.join(listed)}; name each part once")
+        raise InputError(f"the part {twice[0]!r} is given twice in {' + '.join(listed)}; name each part once")
     composition = Composition(tuple(listed))
     if not any(p.force for p in composition.parts):
         raise InputError(f"{composition} makes no force; add a part that does, such as dahl")

@@ -34,8 +34,8 @@ _PARTIALS: dict[Callable[..., float], tuple[Callable[..., float], ...]] = {}
 def intrinsic(*partials: Callable[..., float]) -> Callable[[Callable[..., float]], Callable[..., float]]:
     """Mark a function as an intrinsic with one partial derivative per argument, in their order.
 
-    A partial takes the value of the function and then its arguments. Without partials it is held: its value does not change
-    as far as derivatives go (an iteration whose last step the formula writes out).
+    A partial takes the value of the function and then its arguments. Without partials it counts as constant
+    in derivatives (an iteration whose last step the formula writes out).
     """
 
     def mark(function: Callable[..., float]) -> Callable[..., float]:
@@ -87,7 +87,7 @@ def read(function: Callable[..., Any], name: str) -> Formula:
 
 
 class _Constants(ast.NodeTransformer):
-    """Write the module's numeric constants in place, so that the text stands alone."""
+    """Write the module's numeric constants in place, so that the text is self-contained."""
 
     def __init__(self, namespace: dict[str, Any]) -> None:
         self.namespace = namespace
@@ -150,7 +150,7 @@ class _Tangent:
             elif isinstance(statement, ast.If):
                 lines += self._branch(statement, seeds)
             else:
-                raise TypeError(f"a formula cannot say: {ast.unparse(statement)}")
+                raise TypeError(f"a formula cannot contain: {ast.unparse(statement)}")
         return lines, seeds
 
     def _return(self, value: ast.expr, seeds: list[Seeds]) -> list[str]:
@@ -218,7 +218,7 @@ class _Tangent:
             return self._binary(node, seeds)
         if isinstance(node, ast.Call):
             return self._call(node, seeds)
-        raise TypeError(f"a formula cannot say: {ast.unparse(node)}")
+        raise TypeError(f"a formula cannot contain: {ast.unparse(node)}")
 
     def _binary(self, node: ast.BinOp, seeds: dict[str, str]) -> str | None:
         a, b = ast.unparse(node.left), ast.unparse(node.right)
@@ -236,7 +236,7 @@ class _Tangent:
             return _sum(da and f"{da}/({b})", db and f"(-(({a})/({b}))/({b})*{db})")
         if isinstance(node.op, ast.Pow) and db is None:
             return f"({b})*({a})**(({b}) - 1.0)*{da}"
-        raise TypeError(f"a formula cannot say: {ast.unparse(node)}")
+        raise TypeError(f"a formula cannot contain: {ast.unparse(node)}")
 
     def _call(self, node: ast.Call, seeds: dict[str, str]) -> str | None:
         assert isinstance(node.func, ast.Name)

@@ -5,7 +5,7 @@ that integrates along a path or through an earthquake. It calls the functions of
 gives these names the functions of one or several compositions and compiles the whole with numba.
 
 Compiled code is cached on disk in a folder whose name holds a hash of dampyr's own sources, so that code of an edited model
-is never out of date. The folder lies in the user's cache, or where ``DAMPYR_CACHE`` says.
+is never out of date. The folder lies in the user's cache, or in that of ``DAMPYR_CACHE``.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def jit(
 
     What is not cached is called by kernels only, and has none of the wrappers that Python would call: these took a third of
     the time of compiling. Without numba's reference counting (``_nrt``): the kernels make no arrays, and counting every row
-    they look at took half of their time. A driver that did make one would not compile.
+    they read took half of their time. A driver that did make one would not compile.
     """
     from numba import njit
 
@@ -155,7 +155,7 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more
     """``driver`` compiled with the functions of ``compositions`` in the place of the names in `BOUND`.
 
     ``site`` in the driver's calls says which of the compositions is meant. Functions that it calls are bound with it where they
-    stand in its own module or in one that its module names in ``BOUND_WITH``. ``more`` is the text of further functions, of
+    are in its own module or in one that its module names in ``BOUND_WITH``. ``more`` is the text of further functions, of
     which ``decide`` is given to the driver too.
     """
     text, names = namespace_of(compositions)

@@ -1,4 +1,4 @@
-r"""The functions of a composition whose parts stand in series with something that stretches.
+r"""The functions of a composition whose parts are in series with an element that stretches.
 
 The parts feel the motion less the stretch, which the force itself makes:
 
@@ -6,7 +6,7 @@ The parts feel the motion less the stretch, which the force itself makes:
 
 Phi falls as F rises, wherever the parts resist the motion, so the equation has one root, no farther from F than F - Phi(F).
 It is found by regula falsi with Illinois weights; derivatives are those of the implicit function. The force is a state, the
-last one. A force that needs the acceleration acts beside the whole, at the outer end.
+last one. A force that needs the acceleration acts in parallel with the whole, at the outer end.
 
 A part whose state follows its velocity (``v0`` in its ``advance``) needs the velocity at the start of the step too,
 :math:`v_0 - \dot z_0`. The rate of the stretch at the end of the step before is a state then, the one before the force. Along
@@ -78,7 +78,7 @@ def _shrunk_in_kernel(layout: Layout) -> list[str]:
 
 
 def _past(layout: Layout, form: str, unknown: str) -> str:
-    """What ``form`` says of the rate of the stretch at the start of a step, or ``unknown`` where no step was before."""
+    """The rate of the stretch at the start of a step by ``form``, or ``unknown`` where no step was before."""
     place = layout.rate_state
     return unknown if place is None else f"({unknown} if s[{place}] >= {UNKNOWN} else {form.format(place)})"
 
@@ -197,7 +197,7 @@ class Direction:
 
 
 def _sum(formula: Formula, state: str, seeds: dict[str, str]) -> str:
-    """The tangent of a formula from its partial derivatives, which stand under names of its own."""
+    """The tangent of a formula from its partial derivatives, which have names of their own."""
     terms = [f"{formula.name}{state}_{a}*({seeds[a]})" for a in _active(formula) if seeds[a] != "0.0"]
     return " + ".join(terms) or "0.0"
 

@@ -25,10 +25,10 @@ from dampyr.models.numerics.bouc_wen_taylor import (
     short_step,
 )
 
-TERMS = 4000
-ROUNDING = 1e-17
-SATURATED = 1e-15
-MAX_STEPS = 6
+TERMS = 4000  # an upper limit only: the sums end where a term is below ROUNDING
+ROUNDING = 1e-17  # a term that no longer changes a sum of order 1
+SATURATED = 1e-15  # of 1 - y: a few roundings from the limit, where y stays
+MAX_STEPS = 6  # short ones, which cost a tenth of the phases; the phases take what is left after them
 TOO_FAR = 8.0  # times the first of them: such a step is left to the phases
 NEAR_ZERO = 0.1  # closer to y = 0 the phases are quicker
 

@@ -1,8 +1,8 @@
-r"""A short step of the Bouc-Wen state by its Taylor series, and the integrals that say how it changes with n and c.
+r"""A short step of the Bouc-Wen state by its Taylor series, and the integrals of its derivatives by n and c.
 
 Where a step is short against the way to the next singular point (y = 0, where the power is not smooth), a few terms of the
 series meet the exact flow to rounding at a tenth of its cost. `dampyr.models.numerics.bouc_wen_exact` takes them where
-the last term says that they suffice.
+the last term is small enough.
 
 With :math:`y' = a + b\,y^n`, :math:`y = y_0(1 + \sum r_k)` and :math:`y^n = y_0^n(1 + \sum s_k)` the terms follow each other:
 :math:`k\,s_k = \sum_{j=1}^{k} (j n - k + j)\, r_j s_{k-j}` (Knuth, The Art of Computer Programming 2, 4.7) and
@@ -56,7 +56,7 @@ def short_step(y: float, xi: float, n: float, a: float, b: float) -> float:
 
 
 def short_enough(y: float, n: float, a: float, b: float) -> float:
-    """A path that `short_step` can walk from y."""
+    """A path that `short_step` can take from y."""
     return MAX_STEP * y / max(abs(a + b * y**n), n)
 
 

@@ -13,12 +13,12 @@ Reference: J.-M. Muller, Elementary Functions (2016), chapter 11 (range reductio
 
 import numpy as np
 
-PER_LN2 = 1.4426950408889634
-LN2_HIGH = 6.93147180369123816490e-01
-LN2_LOW = 1.90821492927058770002e-10
+PER_LN2 = 1.4426950408889634  # 1/ln 2
+LN2_HIGH = 6.93147180369123816490e-01  # ln 2 in two parts: the first has trailing zeros, so k times it is exact
+LN2_LOW = 1.90821492927058770002e-10  # the rest of ln 2
 TO_INTEGER = 6755399441055744.0  # 1.5 * 2**52: what is added to it is rounded to an integer
 LOWEST, HIGHEST = -709.3, 709.9  # there the power of two is 0 and infinite
-BIAS = 1023
+BIAS = 1023  # of the exponent of a double
 SATURATED = 40.0  # twice the y beyond which tanh is 1 to rounding
 
 

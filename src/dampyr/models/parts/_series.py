@@ -1,25 +1,25 @@
-r"""A Bouc-Wen element in series with a dashpot: how far it is drawn in one step.
+r"""The extension of a Bouc-Wen element in series with a dashpot, over one step.
 
 Over a step in which the ends move apart by delta (both in units of 1/rho) the element yields xi of it, and
 
 .. math:: \xi + \beta\,(\bar y(\xi) - y) = \delta, \qquad \bar y = \tfrac16\left(y + 4\,y(\xi/2) + y(\xi)\right)
 
-with y(xi) from `dampyr.models.numerics.bouc_wen_exact`: the mean of its force over the step, as if it were drawn at a
+with y(xi) from `dampyr.models.numerics.bouc_wen_exact`: the mean of its force over the step, as if it were extended at a
 constant rate. The left side rises by at least the change of xi, so there is one solution, between 0 and delta.
 """
 
 from dampyr.models.codegen.formula import intrinsic
 from dampyr.models.numerics.bouc_wen_exact import flow, rate
 
-MAX_ITERATIONS = 100
+MAX_ITERATIONS = 100  # halving the bracket alone needs about 53, the bits of a double
 CLOSE = 1e-5  # of a step that converges quadratically; `advance` of `modified_bouc_wen` takes one more
 
 
 @intrinsic()
-def drawn(y: float, delta: float, beta: float, n: float, c: float) -> float:
-    """xi nearly, by Newton's method kept inside its bracket; y from -1 to 1, delta and beta at least 0.
+def extension(y: float, delta: float, beta: float, n: float, c: float) -> float:
+    """xi nearly, by Newton's method inside a bracket; y from -1 to 1, delta and beta at least 0.
 
-    Its derivatives are not asked for: the last step of Newton, taken outside, has those of the implicit function.
+    Its derivatives are not needed: the last step of Newton, taken outside, has those of the implicit function.
     """
     low = 0.0
     high = delta
@@ -32,7 +32,7 @@ def drawn(y: float, delta: float, beta: float, n: float, c: float) -> float:
             high = xi
         else:
             low = xi
-        step = excess / steepness(half, end, beta, n, c)
+        step = excess / slope(half, end, beta, n, c)
         xi = xi - step
         if abs(step) <= CLOSE * xi:
             break
@@ -44,12 +44,12 @@ def drawn(y: float, delta: float, beta: float, n: float, c: float) -> float:
 
 
 @intrinsic()
-def steepness(half: float, end: float, beta: float, n: float, c: float) -> float:
-    """The derivative of the left side by xi, from y half way and at the end; the same held while others are derived."""
+def slope(half: float, end: float, beta: float, n: float, c: float) -> float:
+    """The derivative of the left side by xi, from y half way and at the end; constant as far as derivatives go."""
     return 1.0 + beta * (2.0 * rate(half, n, c) + rate(end, n, c)) / 6.0
 
 
 @intrinsic()
 def held_rate(end: float, n: float, c: float) -> float:
-    """dy/dxi at the end, held likewise."""
+    """dy/dxi at the end, constant likewise."""
     return rate(end, n, c)

@@ -4,11 +4,11 @@ r"""The Bouc-Wen model: spring, dashpot and hysteresis, in the normalised letter
           \dot w = \rho\left(v - \sigma |v|\,|w|^{n-1} w + (\sigma - 1) v |w|^n\right)
 
 w stays in [-1, 1]. The usual seven letters are singular, because z can be scaled at will; these six are not. With n = 1 and
-sigma = 1 the model is `dahl` with a spring. sigma >= 1/2 gives loops that a passive damper can have; below it, down to 0, the
-loop bulges the wrong way and a warning says so; at 0 and below it makes energy and is refused.
+sigma = 1 the model is `dahl` with a spring. With sigma >= 1/2 the element is dissipative, as a passive damper is; below it,
+down to 0, it is not on every path, and a warning is given; at 0 and below it makes energy and is refused.
 
 The step along a monotone path is exact for every n (`dampyr.models.numerics.bouc_wen_exact`).
-The letters of equations (2.1) and (2.2) of Raminelli (2020) come and go with `from_printed` and `to_printed`.
+The letters of equations (2.1) and (2.2) of Raminelli (2020) are converted by `from_printed` and `to_printed`.
 
 Bouc (1971); Wen (1976); the normalised form: Ikhouane and Rodellar (2007).
 """
@@ -23,7 +23,7 @@ from dampyr.models.numerics.bouc_wen_exact import flow
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
-BULGING = "stable, but its loops bulge the wrong way for a damper"
+NOT_DISSIPATIVE = "stable, but the element is not dissipative on every path"
 HOLDS = ("spring",)
 # where sigma is 1000, friction leaves its limit on a thousandth of the path that led there
 MAX_SIGMA = 1000.0
@@ -40,7 +40,7 @@ class BoucWen:
     k0: Annotated[float, Quantity("N/m", linear=True)]
     kw: Annotated[float, Quantity("N", low=0, open_low=True, linear=True)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
-    sigma: Annotated[float, Quantity("", low=0, high=MAX_SIGMA, open_low=True, usual=0.5, words=BULGING)]
+    sigma: Annotated[float, Quantity("", low=0, high=MAX_SIGMA, open_low=True, usual=0.5, words=NOT_DISSIPATIVE)]
     n: Annotated[float, Quantity("", low=1, high=MAX_EXPONENT)]
 
 

@@ -1,4 +1,4 @@
-r"""A compliance in series with the damper: mountings, rods and the fluid's own spring give way under the force.
+r"""A compliance in series with the damper: mountings, rods and the fluid's own spring yield elastically under the force.
 
 .. math:: F(t) = F_\text{other parts}(x - z), \qquad z = s F
 
@@ -22,7 +22,7 @@ ADD_ON = True
 @checked
 @dataclass(frozen=True)
 class Compliance:
-    """The compliance ``s``, one over the stiffness of what stands in series."""
+    """The compliance ``s``, one over the stiffness of the element in series."""
 
     s: Annotated[float, Quantity("m/N", low=0)]
 

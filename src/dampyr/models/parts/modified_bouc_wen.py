@@ -7,7 +7,7 @@ r"""The modified Bouc-Wen model: a Bouc-Wen element in series with a dashpot, be
 y is the node between the two; the dashpot c1 in series rolls the force off where the velocity is small and changes its sign.
 The shape is set by ratios, so that the force is proportional to kw and k1: :math:`v_c = k_w/c_1` is the speed at which
 the dashpot in series carries kw, :math:`r = c_0/c_1`, :math:`\kappa = k_0/k_w`. The states are w in [-1, 1] and the elongation
-e = x - y of the element in m. The letters of the source come and go with `from_printed` and `to_printed`; its x0 is the
+e = x - y of the element in m. The letters of the source are converted by `from_printed` and `to_printed`; its x0 is the
 `offset`.
 
 A step takes e by the trapezoidal rule, with the mean of w along its own exact path
@@ -28,7 +28,7 @@ from dampyr.errors import InputError
 from dampyr.models.numerics.bouc_wen_exact import flow
 from dampyr.models.part import Scale, checked
 from dampyr.models.parts import bouc_wen
-from dampyr.models.parts._series import drawn, held_rate, steepness
+from dampyr.models.parts._series import extension, held_rate, slope
 from dampyr.units import Quantity
 
 HOLDS = ("spring",)
@@ -47,7 +47,7 @@ class ModifiedBoucWen:
     kappa: Annotated[float, Quantity("1/m", low=0)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
     sigma: Annotated[
-        float, Quantity("", low=0, high=bouc_wen.MAX_SIGMA, open_low=True, usual=0.5, words=bouc_wen.BULGING)
+        float, Quantity("", low=0, high=bouc_wen.MAX_SIGMA, open_low=True, usual=0.5, words=bouc_wen.NOT_DISSIPATIVE)
     ]
     n: Annotated[float, Quantity("", low=1, high=bouc_wen.MAX_EXPONENT)]
 
@@ -71,11 +71,11 @@ def advance(
     c = 2.0 * sigma - 1.0
     y = s * w
     beta = gain * vc * dt
-    near = drawn(y, abs(pull), beta, n, c)
+    near = extension(y, abs(pull), beta, n, c)
     half = flow(y, 0.5 * near, n, c)
     end = flow(y, near, n, c)
     excess = near + beta * ((y + 4.0 * half + end) / 6.0 - y) - abs(pull)
-    xi = near - excess / steepness(half, end, beta, n, c)
+    xi = near - excess / slope(half, end, beta, n, c)
     return s * (end + held_rate(end, n, c) * (xi - near)), e + s * xi / rho
 
 

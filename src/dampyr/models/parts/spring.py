@@ -18,7 +18,7 @@ ADD_ON = True
 @checked
 @dataclass(frozen=True)
 class Spring:
-    """Stiffness ``k0``; it may be negative in a fit, where it stands for curvature that the other parts lack."""
+    """Stiffness ``k0``; it may be negative in a fit, where it makes up for curvature that the other parts lack."""
 
     k0: Annotated[float, Quantity("N/m", linear=True)]
 
