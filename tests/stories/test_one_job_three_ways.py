@@ -123,13 +123,13 @@ def test_identify(data: Path, client: TestClient, done: Any) -> None:
         "--save", data / "said.toml", "--report", data / "said.html",
     )  # fmt: skip
     request = {"records": keys(*names), "model": "dahl", "predict": "record", "loss": "huber"}
-    id, asked = done("identify/jobs", request)
-    assert client.post(f"/api/identify/jobs/{id}/card", json={"name": "asked"}).status_code == 201
+    id, request = done("identify/jobs", request)
+    assert client.post(f"/api/identify/jobs/{id}/card", json={"name": "request"}).status_code == 201
 
-    assert said == asked == plain(ours.as_dict())
+    assert said == request == plain(ours.as_dict())
     assert set(said["validation"]) == {"v"}
     assert said["predictions"][0]["split"] == "record"
-    cards = {read(data / name) for name in ("ours.toml", "said.toml", "cards/asked.toml")}
+    cards = {read(data / name) for name in ("ours.toml", "said.toml", "cards/request.toml")}
     pages = {read(data / "ours.html"), read(data / "said.html"), read(client.get(f"/api/identify/jobs/{id}/page").text)}
     assert (len(cards), len(pages)) == (1, 1)
 
@@ -144,10 +144,10 @@ def test_identify_the_best_model(data: Path, client: TestClient, done: Any, monk
     ours.card.save(data / "ours.toml")
     words = [word for model in tried for word in ("--try", model)]
     said = command("identify", *(data / f"{name}.h5" for name in NAMES), *words, "--save", data / "said.toml")
-    id, asked = done("identify/jobs", {"records": keys(*NAMES), "tried": list(tried)})
-    assert client.post(f"/api/identify/jobs/{id}/card", json={"name": "asked"}).status_code == 201
-    assert timeless(said) == timeless(asked) == timeless(plain(ours.as_dict()))
-    texts = [read(data / name) for name in ("ours.toml", "said.toml", "cards/asked.toml")]
+    id, request = done("identify/jobs", {"records": keys(*NAMES), "tried": list(tried)})
+    assert client.post(f"/api/identify/jobs/{id}/card", json={"name": "request"}).status_code == 201
+    assert timeless(said) == timeless(request) == timeless(plain(ours.as_dict()))
+    texts = [read(data / name) for name in ("ours.toml", "said.toml", "cards/request.toml")]
     assert len(set(texts)) == 1
     assert 'chosen = "the lowest validation error, ' in texts[0]
     assert "runner-up = " in texts[0]
@@ -172,11 +172,11 @@ def test_validate(data: Path, client: TestClient, done: Any) -> None:
         "--report",
         data / "said.html",
     )
-    id, asked = done("identify/validations", {"records": keys(*NAMES), "card": "cards/mine.toml"})
+    id, request = done("identify/validations", {"records": keys(*NAMES), "card": "cards/mine.toml"})
     path = str(data / "cards" / "mine.toml")
     assert said == plain(ours.as_dict()) | {"card": path, "forces": []}
-    assert asked == plain(ours.as_dict())
-    assert [one for one, score in asked["scores"].items() if score["fitted_on"]] == ["a", "b"]
+    assert request == plain(ours.as_dict())
+    assert [one for one, score in request["scores"].items() if score["fitted_on"]] == ["a", "b"]
     shown = read(client.get(f"/api/identify/jobs/{id}/page").text)
     assert shown == read(data / "ours.html") == read(data / "said.html").replace(path, "mine.toml")
 
@@ -205,9 +205,9 @@ def test_accept(data: Path, client: TestClient, reference: str) -> None:
         "key": keys(*judged), "reference": keys(*others) if by_records else reference, "tolerance": 0.2, "force": 5.0,
         "judge": ["extension", "energy"],
     }  # fmt: skip
-    asked = client.get("/api/records/acceptance", params=params).json()["data"]
-    assert asked == plain(ours.as_dict())
-    assert said | {"reference": name} == asked
+    request = client.get("/api/records/acceptance", params=params).json()["data"]
+    assert request == plain(ours.as_dict())
+    assert said | {"reference": name} == request
     shown = read(client.get("/api/records/acceptance/page", params=params).text)
     assert shown == read(data / "ours.html") == read(data / "said.html").replace(str(folder), name)
 
@@ -226,8 +226,8 @@ def test_simulate(data: Path, client: TestClient, done: Any) -> None:
         "motion": {"pga": 2.0},
         "damper": {"name": "cards/mine.toml", "storey": 2, "inputs": [0.0, 1.5], "laws": ["on_off:period=10ms"]},
     }
-    id, asked = done("building/responses", request)
-    assert said == asked == plain(ours.as_dict())
+    id, request = done("building/responses", request)
+    assert said == request == plain(ours.as_dict())
     assert list(said) == ["no damper", "0 V", "1.5 V", "on_off 0 to 2 V, period 0.01 s"]
     shown = read(client.get(f"/api/building/jobs/{id}/page").text)
     assert read(data / "ours.html") == read(data / "said.html") == shown
@@ -249,8 +249,8 @@ def test_ensemble(data: Path, client: TestClient, done: Any) -> None:
         "motion": {"kind": "kanai_tajimi", "seed": 3, "duration": 4.0}, "motions": 3, "seed": 3, "scales": [0.5, 1.0, 2.0],
         "limit": 0.01, "damper": {"name": "cards/mine.toml", "inputs": [0.0, 1.5]},
     }  # fmt: skip
-    id, asked = done("building/ensembles", request)
-    assert said == asked == plain(ours.as_dict())
+    id, request = done("building/ensembles", request)
+    assert said == request == plain(ours.as_dict())
     shown = read(client.get(f"/api/building/jobs/{id}/page").text)
     assert read(data / "ours.html") == read(data / "said.html") == shown
 

@@ -11,7 +11,7 @@ from dampyr.structures import ensemble, respond, two_storey
 from dampyr.structures.batch.engine import engine
 from dampyr.structures.ensemble_grid import STEPS, cases
 from dampyr.structures.sites import connections
-from dampyr.structures.step_size import difference_slopes, longest_step
+from dampyr.structures.step_size import difference_slopes, largest_step
 
 Array = np.ndarray
 LIMIT = 1e-3  # of the peak
@@ -29,7 +29,7 @@ def peaks(damper: Damper, given: list[tuple[GroundMotion, float, float]], accura
     """Peak displacements and drifts (cases, 4); of the reference where no accuracy is named."""
     values_by_case = np.empty((len(given), 4))
     sites = [cases(two_storey(), m, damper, [u], [s]).sites_of(0, 0, 0) for m, u, s in given]
-    rules = [longest_step(two_storey(), s, difference_slopes(s), 1.0) for s in sites]
+    rules = [largest_step(two_storey(), s, difference_slopes(s), 1.0) for s in sites]
     steps = [FINEST if accuracy is None else np.ceil(0.02 / (STEPS[accuracy] * rule) - 1e-9) for rule in rules]
     for m in np.unique(steps):
         [members] = np.nonzero(np.array(steps) == m)

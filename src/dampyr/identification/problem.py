@@ -270,6 +270,6 @@ def _check_shared_inputs(pieces: list[Piece], name: str) -> None:
     for one, level in zip(pieces, levels, strict=True):
         if levels.count(level) < 2:
             raise InputError(
-                f"{one.name} is the only record at {level:g} {one.unit}, so its {name} cannot be distinguished from the damper; "
-                f"add records at this input or leave {name!r} out"
+                f"{one.name} is the only record at {level:g} {one.unit}, so its {name} cannot be distinguished from "
+                f"the damper; add records at this input or leave {name!r} out"
             )

@@ -31,7 +31,7 @@ from dampyr.structures.step_size import (
     ACCURACIES,
     difference_slopes,
     halve_until_converged,
-    longest_step,
+    largest_step,
     steps_per_sample,
 )
 
@@ -92,7 +92,7 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         if (b, d, u) not in cached:
             sites = tuple(map(_without_zero_delay, cases.sites_of(b, d, u)))
             share = 1.0 if laws_of(sites) else STEPS[cases.accuracy]  # under laws the step is halved
-            rule = longest_step(cases.buildings[b], sites, difference_slopes(sites), LIMIT)
+            rule = largest_step(cases.buildings[b], sites, difference_slopes(sites), LIMIT)
             cached[b, d, u] = sites, share * rule
         sites, step = cached[b, d, u]
         dt = cases.motions[k].dt

@@ -13,11 +13,11 @@ from dampyr.ground_motions import GroundMotion, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.structures.building import Building
 from dampyr.structures.ensemble import run
-from dampyr.structures.ensemble_coordinates import UNITS
 from dampyr.structures.ensemble_grid import STEPS, Cases, cases
 from dampyr.structures.fragility import Curve, Fragility, fragility
 from dampyr.structures.peaks import INTENSITIES
 from dampyr.structures.simulate import all_inputs, check_inputs, installed
+from dampyr.structures.store import UNITS
 from dampyr.structures.summary import summary
 from dampyr.to_json import plain
 from dampyr.units import STANDARD_GRAVITY

@@ -26,7 +26,7 @@ from dampyr.structures.step_size import (
     given_steps_per_sample,
     halve_until_converged,
     kernel_slopes,
-    longest_step,
+    largest_step,
     run_once,
     steps_per_sample,
     tolerance_of,
@@ -71,7 +71,7 @@ def respond(
     run = runner(building, motion, sites)
     if step is None:
         tolerance = tolerance_of(accuracy)
-        first = 2 * longest_step(
+        first = 2 * largest_step(
             building, sites, kernel_slopes(run, sites), FINAL_LIMIT
         )  # so that the first halving meets it
         best = halve_until_converged(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))

@@ -12,8 +12,9 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import control_law
-from dampyr.structures.respond import ACCURACIES, respond
+from dampyr.structures.respond import respond
 from dampyr.structures.response import Response
+from dampyr.structures.step_size import ACCURACIES
 from dampyr.to_json import plain
 
 BARE = "no damper"

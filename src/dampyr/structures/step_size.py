@@ -32,7 +32,7 @@ MAX_STEP = 0.005  # s; on strong motion the peaks are good to 3e-4 with it
 MAX_STEP_COUNT = 20_000_000  # of one integration: a minute or more
 
 
-def longest_step(building: Building, sites: tuple[Site, ...], slopes: Array, limit: float) -> float:
+def largest_step(building: Building, sites: tuple[Site, ...], slopes: Array, limit: float) -> float:
     """The longest step (s) that the rule allows; ``slopes`` (N, 2) are the greatest of each damper at rest.
 
     The slopes are an argument because they have two sources, which agree to about six digits: `kernel_slopes` where the

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.models.codegen import batched_path, parallel, series
+from dampyr.models.codegen import batched_path, parallel_parts, series
 from dampyr.models.codegen.formula import Formula, read
 from dampyr.models.codegen.layout import SIGNATURES, Function, Layout
 from dampyr.models.part import Part, part
@@ -136,7 +136,7 @@ class Composition:
 
     def functions(self) -> list[Function]:
         """The functions of the whole: ``advance``, ``force`` and their derivatives."""
-        return series.functions(self.layout) if self.in_series else parallel.functions(self.layout)
+        return series.functions(self.layout) if self.in_series else parallel_parts.functions(self.layout)
 
     @cached_property
     def _step_block(self) -> tuple[list[str], Function, int]:
@@ -151,7 +151,7 @@ class Composition:
         """The Python text of this composition's functions, their names ending in ``_{site}``."""
         texts = {f.name: f.source for f in self.formulas()}
         for p in self.parts:
-            texts.update(parallel.derivatives(p))
+            texts.update(parallel_parts.derivatives(p))
             texts.update(series.derivatives(p) if self.in_series else {})
         called, step_block, _ = self._step_block
         whole = [f.python(f"_{site}") for f in self.functions()]

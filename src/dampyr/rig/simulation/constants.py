@@ -8,7 +8,7 @@ from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.plant import Constants
-from dampyr.rig.simulation.specimen import delay_index, input_lag
+from dampyr.rig.simulation.plant_specimen import delay_index, input_lag
 
 DELAYED = 4096  # steps of force history for a specimen with a delay: 0.4 s at the default step
 

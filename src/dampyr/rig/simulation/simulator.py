@@ -28,7 +28,7 @@ from dampyr.rig.simulation.board_signals import (
 from dampyr.rig.simulation.constants import DELAYED, constants_of
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.ground_truth import Truth, TruthLog
-from dampyr.rig.simulation.specimen import add_free_play, force_at_rest, table_of
+from dampyr.rig.simulation.plant_specimen import add_free_play, force_at_rest, table_of
 from dampyr.rig.simulation.timed_command import TimedCommand
 from dampyr.rig.specimen import specimen_of
 
