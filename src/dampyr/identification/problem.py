@@ -84,12 +84,15 @@ class Problem:
     def __post_init__(self) -> None:
         sizes = [c.size for c in self.columns]
         logarithmic = [c.logarithmic for c in self.columns]
-        bases_of = [bases(self.columns, one.u) for one in self.pieces]
+        self.varying = any(np.ndim(p.u) for p in self.pieces)
+        # Records with one constant input share a plan.
+        inputs = [float(r if self.varying else one.u) for r, one in enumerate(self.pieces)]
+        first = {key: inputs.index(key) for key in dict.fromkeys(inputs)}
+        bases_at = {key: bases(self.columns, self.pieces[r].u) for key, r in first.items()}
         self.size, ends = sum(sizes), np.cumsum([0, *sizes])
         self.slices = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
         names, quantities = [c.name for c in self.columns], [c.quantity for c in self.columns]
         self.owners = [names.index(c.tied) if c.tied else k for k, c in enumerate(self.columns)]
-        self.varying = any(np.ndim(p.u) for p in self.pieces)
         self.common = tuple(name for name in ("offset", "gain", "temperature") if name in self.nuisances)
         bounds = list(self.composition.states.values())
         self.states = [bounds[k] for k in self.composition.free_at_start] if "state" in self.nuisances else []
@@ -114,11 +117,12 @@ class Problem:
         for k, owner in enumerate(self.owners):
             fixed = self.columns[owner].fixed
             self.constant[:, k] = 0.0 if fixed is None else fixed
-            for r, each in enumerate(bases_of):
-                basis = each[owner]
+            for r, key in enumerate(inputs):
+                basis = bases_at[key][owner]
                 if not self.varying and basis is not None:
                     self.matrix[r, k, self.slices[owner]] = basis[0]
-        self.plans = [summation_plan(self, each) for each in bases_of]
+        plan_at = {key: summation_plan(self, each) for key, each in bases_at.items()}
+        self.plans = [plan_at[key] for key in inputs]
 
     def inside(self, theta: Array) -> Array:
         """``theta`` inside its limits, which rounding may leave."""
