@@ -32,7 +32,7 @@ def test_it_says_where_it_comes_from(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", published.names())
-def test_what_differs_is_told_by_both(name: str) -> None:
+def test_differences_are_named_by_both(name: str) -> None:
     for other in published.about(name).differs:
         assert other != name
         assert name in published.about(other).differs

@@ -54,7 +54,7 @@ def probed(cache: Path, *names: str) -> list[list[str]]:
     return [line.split() for line in done.stdout.splitlines()]
 
 
-def test_kernels_that_processes_kept_apart_are_right_together(tmp_path: Path) -> None:
+def test_kernels_that_processes_cached_apart_are_right_together(tmp_path: Path) -> None:
     one, other = "dahl", "dahl + spring"
     (first,), (second,) = probed(tmp_path, one), probed(tmp_path, other)
     assert first[1] == second[1] == "0"
@@ -63,7 +63,7 @@ def test_kernels_that_processes_kept_apart_are_right_together(tmp_path: Path) ->
 
 
 def kernels() -> Iterator[Any]:
-    """Of every kind that is kept, those of several dampers."""
+    """Of every kind that is cached, those of several dampers."""
     drivers = [
         path_integration.integrate_force,
         path_integration.integrate_jacobian,

@@ -238,7 +238,7 @@ def test_draws_follow_the_covariance_are_admissible_and_repeat() -> None:
     assert not np.array_equal(numbers[0], damper.draws(1, seed=4)[0].coefficients)
 
 
-def test_nothing_is_drawn_from_what_is_not_known() -> None:
+def test_nothing_is_drawn_from_an_infinite_variance() -> None:
     with pytest.raises(InputError, match="no covariance"):
         published().draws(1, seed=0)
     laws = {"dahl.kx": 800.0, "dahl.kw": 50.0, "dahl.rho": 900.0}

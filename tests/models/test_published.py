@@ -132,7 +132,7 @@ def test_between_the_knots_of_its_laws_too(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [n for n in published.names() if FAMILY.get(n) is not simple])
-def test_a_ratio_of_laws_is_kept_to_a_ten_thousandth(name: str) -> None:
+def test_a_ratio_of_laws_is_right_to_a_ten_thousandth(name: str) -> None:
     damper, p = made(name), published.about(name).numbers
     z_max = np.sqrt(p["A"] / (p["beta"] + p.get("gamma", p.get("gama"))))
     for u in np.linspace(*damper.range, 333):
@@ -203,7 +203,7 @@ def test_a_constant_command_lags_behind_nothing(name: str) -> None:
 LAW = partial(structures.control_law, "on_off", low=0.0, high=2.25)
 
 
-def test_a_control_law_with_a_lag_of_its_own_and_c_code_are_told_to_leave_it_out(tmp_path: Path) -> None:
+def test_a_control_law_with_a_lag_of_its_own_and_c_code_refuse_it(tmp_path: Path) -> None:
     motion, building = ground_motions.el_centro().scaled(0.05), structures.two_storey()
     with pytest.raises(InputError, match="leave one of the two out"):
         structures.respond(building, motion, {1: made("spencer_1997")}, voltage=LAW(lag=1.0 / 190.0))
@@ -295,7 +295,7 @@ def test_the_a_of_the_damper_lab_scales_the_hysteretic_force() -> None:
     assert ratio_of_kw == pytest.approx(np.sqrt(58 / 301), rel=1e-12)
 
 
-def test_an_unknown_set_lists_the_known_ones() -> None:
+def test_an_unknown_set_lists_the_others() -> None:
     with pytest.raises(
         InputError, match=r"'spencer_97' is not among the published sets; did you mean 'spencer_1997'\?"
     ):
@@ -304,7 +304,7 @@ def test_an_unknown_set_lists_the_known_ones() -> None:
         published.about("_about")
 
 
-def test_a_set_is_found_by_its_file(tmp_path: Path) -> None:
+def test_a_file_is_a_set(tmp_path: Path) -> None:
     folder = Path(published.__file__).parent
     (tmp_path / "another_2026.toml").write_bytes((folder / "azimi_2020.toml").read_bytes())
     assert read_sets(tmp_path / "another_2026.toml") == {"another_2026": published.about("azimi_2020")}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Iterator
+from copy import deepcopy
 
 FUNCTIONS = {"abs": "fabs", "min": "fmin", "max": "fmax"}
 OPERATORS: dict[type[ast.AST], str] = {
@@ -24,7 +25,7 @@ def function(tree: ast.FunctionDef, prefix: str, own: set[str], arrays: Iterable
 
     A tuple is returned through a further argument, ``out``.
     """
-    _Flat().visit(tree)
+    tree = _Flat().visit(deepcopy(tree))
     writer = _Writer(prefix, own, _read(tree))
     body = writer.block(tree.body, 1)
     values = [n.value for n in ast.walk(tree) if isinstance(n, ast.Return) and n.value is not None]

@@ -67,7 +67,7 @@ def test_the_chain_goes_through_intrinsics(w: float) -> None:
     )
 
 
-def test_what_cannot_be_said_is_refused() -> None:
+def test_what_a_formula_cannot_contain_is_refused() -> None:
     def looping(w):
         while w > 1:
             w = w / 2

@@ -1,4 +1,4 @@
-"""Compiled kernels: kept on disk, never stale."""
+"""Compiled kernels: cached on disk, never out of date."""
 
 import os
 import shutil
@@ -31,7 +31,7 @@ def run(package: Path, cache: Path) -> tuple[float, int, int]:
     return float(force), int(hits), int(misses)
 
 
-def test_a_kernel_is_kept_and_an_edited_model_is_compiled_anew(tmp_path: Path) -> None:
+def test_a_kernel_is_cached_and_an_edited_model_is_compiled_anew(tmp_path: Path) -> None:
     package, cache = tmp_path / "dampyr", tmp_path / "cache"
     shutil.copytree(Path(dampyr.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
     first, hits, misses = run(package, cache)

@@ -82,10 +82,10 @@ class Writer:
         rows = {name: self._row() for name in initial}
         self.stored |= rows
         store_lines = [f"{row} = {name}" for name, row in rows.items()]
-        lines += [f"{name} = {home}" for name, home in initial.items()]
+        lines += [f"{name} = {place}" for name, place in initial.items()]
         lines += ["if still == 1:", *(f"    {line.replace(', m]', ', 0]')}" for line in store_lines), "else:"]
         lines += [f"    {line}" for line in _loop(f"{', '.join(initial)} = {called}", *store_lines)]
-        return [*lines, *(f"{home} = {name}" for name, home in initial.items())]
+        return [*lines, *(f"{place} = {name}" for name, place in initial.items())]
 
     def _columns(self, slot: Slot, formula: Formula) -> list[str]:
         """The lines that fill a part's columns of the Jacobian and add its force."""
