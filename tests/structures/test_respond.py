@@ -1,3 +1,4 @@
+import json
 import math
 import warnings
 
@@ -32,6 +33,31 @@ def test_bare_building_needs_no_damper_and_says_linear():
     assert response.force.shape == (0, 1560)
     assert response.displacement.shape == (2, 1560)
     assert response.error_estimate < 2e-4
+
+
+def test_a_damper_alone_stands_in_storey_1(cubics):
+    alone = respond(two_storey(), short(1.0), cubics, voltage=1.0, step=0.005)
+    mapped = respond(two_storey(), short(1.0), {1: cubics}, voltage=1.0, step=0.005)
+    assert alone.sites == mapped.sites == ("storey 1",)
+    assert np.array_equal(alone.displacement, mapped.displacement)
+    assert np.array_equal(alone.force, mapped.force)
+
+
+def test_what_is_neither_a_damper_nor_a_mapping_is_refused():
+    with pytest.raises(InputError, match=r"dampers is a str; write a damper, which stands in storey 1, or a mapping"):
+        respond(two_storey(), short(1.0), "dahl", voltage=1.0)
+
+
+def test_a_response_as_a_dictionary_goes_through_json(cubics):
+    response = respond(two_storey(), short(1.0), cubics, voltage=1.0, step=0.005)
+    read = json.loads(json.dumps(response.as_dict()))
+    assert read["peak_displacement_m"] == response.peak_displacement.tolist()
+    assert read["peak_force_N"] == response.peak_force.tolist()
+    assert read["mean_input"] == [1.0]
+    assert read["sites"] == ["storey 1"]
+    assert read["step_s"] == 0.005
+    assert read["error_estimate"] is None
+    assert read["converged"] is True
 
 
 @pytest.mark.parametrize("voltage", [0.0, 3.21])

@@ -1,4 +1,4 @@
-"""How strong the shaking is over time: factors between 0 and 1 on the noise of a synthetic ground motion.
+"""Envelopes of the shaking over time: factors between 0 and 1 on the noise of a synthetic ground motion.
 
 An envelope is a function of the times [s] and the duration [s] that gives a factor for each time. These two are published
 forms; any other function will do as well.

@@ -1,4 +1,4 @@
-"""A ground motion with another step; what is lost by a longer one is said."""
+"""Resampling of a ground motion to another step; a longer one reports what it loses."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from dampyr.ground_motions.motion import GroundMotion
 Array = NDArray[np.float64]
 How = Literal["linear", "band-limited"]
 
-SAME = 1e-9
-WORTH_TELLING = 1e-3
+SAME = 1e-9  # relative: steps that differ by less are equal but for the digits of a file
+LOST_SHARE = 1e-3  # of the Arias intensity: what is lost above it gives a warning
 
 
 def resampled(motion: GroundMotion, dt: float, how: How | None = None) -> GroundMotion:
@@ -77,7 +77,7 @@ def _note(motion: GroundMotion, dt: float, words: str, fate: str) -> str:
         return note
     share = above(motion, 0.5 / dt)
     lost = f"{100 * share:.2g} % of the Arias intensity lies above {0.5 / dt:g} Hz and is {fate}"
-    if share > WORTH_TELLING:
+    if share > LOST_SHARE:
         warnings.warn(f"{motion.name}: {note}: {lost}", DampyrWarning, stacklevel=4)
     return f"{note}; {lost}"
 

@@ -1,4 +1,4 @@
-"""Samples as they stand in a file, made into a ground motion or refused with the file's name."""
+"""Conversion of a file's samples into a ground motion; errors name the file."""
 
 from __future__ import annotations
 

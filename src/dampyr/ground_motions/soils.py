@@ -1,4 +1,4 @@
-r"""What the ground does to white noise from the rock: the Kanai-Tajimi filter with the high-pass of Clough and Penzien.
+r"""Filters of the ground for white noise from the rock: the Kanai-Tajimi filter with the high-pass of Clough and Penzien.
 
 The layers above the rock are one oscillator (omega_g, zeta_g) and a second one (omega_f, zeta_f) takes away what is slow,
 without which velocity and displacement would have infinite variance. The power spectral density of the ground acceleration is

@@ -24,9 +24,9 @@ from dampyr.ground_motions.soils import FIRM, Soil
 Array = NDArray[np.float64]
 Envelope = Callable[[Array, float], Array]
 
-DIED_DOWN = 1e-4
-LEAD = 16
-USUAL = RisePlateauDecay()
+DECAYED = 1e-4  # of a filter's free motion: too little for a visible jump where the motion is cut
+LEAD = 16  # steps before the shaking, in which what rings ahead of it fits
+DEFAULT_ENVELOPE = RisePlateauDecay()
 
 
 def kanai_tajimi(
@@ -37,7 +37,7 @@ def kanai_tajimi(
     intensity: float | None = None,
     pga: float | None = None,
     soil: Soil = FIRM,
-    envelope: Envelope = USUAL,
+    envelope: Envelope = DEFAULT_ENVELOPE,
     rest: float | None = None,
 ) -> GroundMotion:
     """A synthetic ground motion with the density of Kanai, Tajimi, Clough and Penzien, see `soils`.
@@ -98,9 +98,9 @@ def _through(noise: Array, soil: Soil, dt: float, tail: int) -> Array:
 
 
 def _settling(soil: Soil) -> float:
-    """Seconds until DIED_DOWN of the slower filter's free motion is left."""
+    """Seconds until DECAYED of the slower filter's free motion is left."""
     slowest = min(_rate(soil.omega_g, soil.zeta_g), _rate(soil.omega_f, soil.zeta_f))
-    return -math.log(DIED_DOWN) / slowest
+    return -math.log(DECAYED) / slowest
 
 
 def _rate(omega: float, zeta: float) -> float:

@@ -1,12 +1,12 @@
-"""Buildings, dampers in them, and what they do in an earthquake.
+"""Buildings with dampers and their response to earthquakes.
 
-``respond(building, motion, dampers={storey: damper}, voltage=...)`` marches a building through a ground
-motion; a damper stands in a storey or between any two floors, ``{(0, 2): damper}``. ``two_storey()`` is the
-building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
-``condense`` make others, ``state_space`` writes one as matrices. ``control_law`` names what may set an input in the place of
-a number. ``ensemble`` runs the outer product of buildings,
-dampers, inputs, motions and scales, and keeps the peaks; ``fragility`` and ``incremental`` read them, ``write_part`` and
-``collect`` cut the work for a batch system.
+``respond(building, motion, dampers={storey: damper}, voltage=...)`` integrates a building through a ground motion; a
+damper stands in a storey or between any two floors, ``{(0, 2): damper}``, and one alone in storey 1. ``two_storey()``
+is the building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
+``condense`` make others, ``state_space`` writes one as matrices. ``control_law`` makes a law that sets an input in
+the place of a number. ``ensemble`` runs the outer product of buildings, dampers, inputs, motions and scales, and
+returns the peaks; ``fragility`` and ``incremental`` evaluate them, ``write_part`` and ``collect`` divide the work for
+a batch system.
 """
 
 from dampyr.structures.building import Building, Condensed, condense

@@ -1,4 +1,4 @@
-"""Control laws by their names, checked against the building and the damper that they shall serve."""
+"""Control laws by name, checked against the building and the damper that they control."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ REGISTRY = "dampyr.structures.control"
 SENSED = ("signal", "stroke", "rate", "force")
 NEEDED = ("low", "high", "period", "lag")
 MIN_LAG = 2e-5  # s, as `dampyr.structures.sites.MIN_DELAY`: steps resolve the lag
-MAX_PARTS = 400  # of a sample of the motion, at the ends of which laws may decide
+MAX_PARTS = 400  # of a sample of the motion: steps of 50 us at 20 ms, far below the period of any controller
 
 
 def control_laws() -> list[str]:
-    """The names of the laws on the shelf ``dampyr.structures.control``."""
+    """The names of the laws in the registry ``dampyr.structures.control``."""
     return registry.names(REGISTRY)
 
 
@@ -87,7 +87,7 @@ def _name(law: Any) -> str:
 
 
 def describe_law(law: Any, unit: str = "") -> str:
-    """A law in short, for labels: its name, its inputs, and the settings that are not the usual ones."""
+    """A law in short, for labels: its name, its inputs, and the settings that are not the default."""
     description = f"{_name(law)} {law.low:g} to {law.high:g} {unit}".rstrip()
     other = [field for field in fields(law) if field.name not in ("low", "high")]
     changed = [field for field in other if getattr(law, field.name) != field.default]
@@ -105,7 +105,7 @@ def _unit(law: Any, name: str) -> str:
 
 
 def spelled(law: Any) -> str:
-    """A law with all its settings, exactly, and the text of what it does: for a digest."""
+    """A law with all its settings, exactly, and the source of its file: for a digest."""
     values = [(field.name, getattr(law, field.name)) for field in fields(law)]
     exact = ", ".join(f"{k}={tuple(map(float, v)) if isinstance(v, tuple) else float(v)!r}" for k, v in values)
     return f"{_name(law)}({exact})\n{inspect.getsource(_module(law))}"
@@ -114,8 +114,8 @@ def spelled(law: Any) -> str:
 def values_at(law: Any, damper: Any, allow_extrapolation: bool = False) -> Array:
     """The parameters of a damper (201, P) from the least input of ``law`` to the greatest, static forces left out.
 
-    Raises InputError unless the law can serve the damper: its inputs in the calibrated range (or allowed by name), one lag, a
-    constant delay.
+    Raises InputError unless the law can control the damper: its inputs in the calibrated range (or extrapolation allowed), one
+    lag, a constant delay.
     """
     _check_order(law)
     values: Array = damper.values(np.linspace(law.low, law.high, 201), False, allow_extrapolation)
@@ -173,7 +173,7 @@ def parts(laws: Iterable[Any], dt: float) -> int:
 
 
 def gains(law: Any, building: Any, row: Array) -> Array:
-    """What the law senses of a building, (2n + 1,)."""
+    """The factors of the state and of the ground's velocity in the signal of a law, (2n + 1,)."""
     values = np.ascontiguousarray(_module(law).gains(law, building, row), dtype=float)
     if values.shape != (2 * building.n + 1,) or not np.all(np.isfinite(values)):
         raise InputError(f"the gains of {_name(law)} must be {2 * building.n + 1} finite numbers, not {values!r}")
@@ -192,7 +192,7 @@ def _numbers(cls: Any) -> list[str]:
 def source(laws: tuple[Any, ...]) -> tuple[str, list[int]]:
     """The Python text of ``decide(kind, ...)``, which chooses among the laws, and the kind of each; None stands for no law.
 
-    All laws of the shelf are in it, so that what is compiled once serves every one of them.
+    All registered laws are in it, so that what is compiled once serves every one of them.
     """
     classes = _law_classes()
     classes += tuple(c for c in dict.fromkeys(type(law) for law in laws if law) if c not in classes)

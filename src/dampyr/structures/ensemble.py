@@ -1,7 +1,7 @@
 r"""Ensembles: every building with every damper at every input under every motion at every scale, reduced to peaks.
 
-The outer product is cut into shards (`dampyr.structures.ensemble_batches`) that any executor can run; what comes back
-are the peaks of each case, not its histories, in labelled axes.
+The outer product is divided into shards (`dampyr.structures.ensemble_batches`) that any executor can run; the result
+holds the peaks of each case, not its histories, in labelled axes.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from dampyr.structures.ensemble_batches import Shard, run_shard
 from dampyr.structures.ensemble_grid import Cases, cases
 from dampyr.structures.store import Store
 
-IN_FLIGHT = 4  # shards per worker that wait or run at a time: what bounds the memory
+IN_FLIGHT = 4  # shards per worker that wait or run at a time: bounds the memory, and no worker waits for the next
 Progress = Callable[[int, int], None]
 
 
@@ -55,17 +55,17 @@ def ensemble(
         (:func:`~dampyr.structures.control_law.control_law`), whose cases run one by one. ``input_name`` tells them apart.
     scales : factors of the motions, one or a list.
     executor : anything with ``submit`` of :class:`concurrent.futures.Executor`; default: one thread per core (the kernels
-        need no lock). The numbers are the same to the last bit, whoever runs them.
+        need no lock). The numbers are the same to the last bit, on any executor.
     accuracy : "fast" (below 0.1 % of the peak in the standard suite, about 1 % in the worst of small motions) or "strict"
         (below 0.1 % in 6,000 random cases, 0.2 % in the worst of small motions; 2.5 times as long). Peak accelerations are
-        less sharp. Under control laws the step of each case is halved until its peaks stand still, as `respond` does to the
-        same words.
+        less sharp. Under control laws the step of each case is halved until its peaks stop changing, as `respond` does for the
+        same accuracy.
     quantities : which of displacement, drift [m], acceleration [m/s2] (absolute), force [N], stroke [m] and energy [J] (what
-        a damper took) are kept. Fewer are faster.
+        a damper took) are returned. Fewer are faster.
     precision : 64 or 32 bits; 32 runs twice as fast and is good for about four digits.
     device : "cpu", or "gpu" for a graphics card with CUDA (extra ``gpu``; buildings of up to two floors).
-    out : write to this HDF5 file as shards are done; a run that was interrupted goes on where it stopped. Where a quantity has
-        more than 256 MB its values stay in the file and are read where they are looked at.
+    out : write to this HDF5 file as shards are done; a run that was interrupted resumes where it stopped. Where a quantity has
+        more than 256 MB its values stay in the file and are read on access.
     progress : called with the number of cases that are done and of all.
 
     Peaks are those of the motion itself, between steps too. ``attrs`` hold the measured error, how many cases it was
@@ -113,7 +113,7 @@ def run(
 
 
 def completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> Iterator[Shard]:
-    """Shards as they are done, no more than a few per worker under way."""
+    """Yield shards as they finish, no more than a few per worker submitted at a time."""
     max_running = IN_FLIGHT * (os.cpu_count() or 1)
     left, running = iter(waiting), set[Future[Shard]]()
     while True:

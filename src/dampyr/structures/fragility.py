@@ -1,13 +1,14 @@
 r"""Fragility: how likely a peak exceeds a limit, over the intensity of the motion.
 
-Every case of an ensemble says yes or no, and the curve :math:`\Phi(\ln(x/\theta)/\beta)` is that of largest likelihood
-([Baker2015]_, [Shinozuka2000]_, see `lognormal`). Cases that grew without bound count as exceeding. Where the motions were run
-through several scales, the direct way stands beside it: the intensity at which each motion first exceeds the limit.
+Every case of an ensemble exceeds the limit or not, and the curve :math:`\Phi(\ln(x/\theta)/\beta)` is that of maximum
+likelihood ([Baker2015]_, [Shinozuka2000]_, see `lognormal`). Cases that grew without bound count as exceeding. Where
+the motions were run through several scales, the direct estimate is given too: the intensity at which each motion
+first exceeds the limit.
 
-What is not known is mostly which motions come. The band is therefore a bootstrap over motions: each draw takes as many motions
-as there are, with return, and a motion brings all its cases, its scales and the draws of the damper ([EfronTibshirani1993]_,
-section 8). With few motions it is too narrow, and most so far from the median: of
-90 % bands from motions with a known curve those of theta held it in 86, 89, 90 and 87 % of 200 studies of 10, 20, 40 and 80
+The uncertainty is mostly in which motions occur. The band is therefore a bootstrap over motions: each draw takes as
+many motions as there are, with replacement, and a motion brings all its cases, its scales and the draws of the damper
+([EfronTibshirani1993]_, section 8). With few motions it is too narrow, and most so far from the median: of 90 % bands
+from motions with a known curve those of theta held it in 86, 89, 90 and 87 % of 200 studies of 10, 20, 40 and 80
 motions, those of beta in 64, 73, 80 and 89 %.
 
 References
@@ -31,14 +32,14 @@ from dampyr.structures.peaks import INTENSITIES, Group, groups
 from dampyr.structures.store import UNITS
 
 Array = NDArray[np.float64]
-LEAST_SHARE = 0.95  # of the draws must give a curve, else there is no band
-STRIPES, BINS = 40, 24
+LEAST_SHARE = 0.95  # of the draws must give a curve, else there is no band: the lost ones would be its tail
+STRIPES, BINS = 40, 24  # levels that a figure shows one by one, else parts of about equal count
 REACHED, RIGHT_CENSORED, LEFT_CENSORED = 0, 1, -1
 
 
 @dataclass(frozen=True, eq=False)
 class Capacities:
-    """One for each case of a motion, (pooled, motion): ``value`` known where ``kind`` is 0; +1 says that the limit was not
+    """One for each case of a motion, (pooled, motion): ``value`` observed where ``kind`` is 0; +1 says that the limit was not
     exceeded up to ``value``, the strongest scale, -1 that it was exceeded at ``value``, the weakest, already."""
 
     value: Array
@@ -66,9 +67,10 @@ class Capacities:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One curve: ``theta`` the median intensity, ``beta`` the spread of its logarithm; NaN with a ``reason`` where the cases
-    tell none. ``direct`` is the same from first exceedances, ``capacities`` these. ``draws`` (n, 2) are theta and beta of the
-    bootstrap, NaN where one gave no curve. ``levels``, ``exceeding``, ``of`` (levels,) are what was counted."""
+    """One curve: ``theta`` the median intensity, ``beta`` the spread of its logarithm; NaN with a ``reason`` where
+    the cases determine none. ``direct`` is the same from first exceedances, ``capacities`` these. ``draws`` (n, 2)
+    are theta and beta of the bootstrap, NaN where one gave no curve. ``levels``, ``exceeding``, ``of`` (levels,)
+    are what was counted."""
 
     name: str
     theta: float
@@ -279,7 +281,7 @@ def _why_no_band(curve: Lognormal, drawn: Array, motions: int) -> str:
 
 
 class _Counts:
-    """Yes and all by level of intensity, for any weights of the motions."""
+    """Exceeding cases and all cases by level of intensity, for any weights of the motions."""
 
     def __init__(self, intensity: Array, yes: Array, each: int) -> None:
         self.levels, place = np.unique(intensity, return_inverse=True)

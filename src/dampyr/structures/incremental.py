@@ -1,6 +1,6 @@
 """Incremental dynamic analysis: how the peak grows with the intensity of each motion ([VamvatsikosCornell2002]_).
 
-Curves are kept as they are: where a stronger motion gives a smaller peak they bend back, and nothing is smoothed or sorted.
+Curves are not processed: where a stronger motion gives a smaller peak they bend back, and nothing is smoothed or sorted.
 
 References
 ----------
@@ -22,7 +22,7 @@ from dampyr.structures.peaks import INTENSITIES, Group, groups
 from dampyr.structures.store import UNITS
 
 Array = NDArray[np.float64]
-LEVELS = 40
+LEVELS = 40  # of intensity at which fractiles are taken: a smooth line in a figure
 BEYOND = 1e300  # stands for infinity while fractiles are interpolated
 
 

@@ -1,6 +1,6 @@
 """An ensemble in parts: each computed by a process of its own, on any machine, and put together afterwards.
 
-Part i of n of the same cases is a file in a folder; what is there is taken up, whoever wrote it.
+Part i of n of the same cases is a file in a folder; parts that exist are used, whichever process wrote them.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ def collect(folder: str | Path, out: str | Path | None = None) -> Any:
 
 
 def _joined(paths: Sequence[Path], values: Mapping[str, Any]) -> Array:
-    """Put what the parts hold into ``values`` (arrays or datasets), a part at a time; what was told of all shards."""
+    """Put what the parts hold into ``values`` (arrays or datasets), a part at a time; the diagnostics of all shards."""
     diagnostics, first = [], 0
     for path in paths:
         with _opened(path) as file:

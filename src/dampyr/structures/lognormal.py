@@ -1,9 +1,10 @@
-r"""Lognormal curves by maximum likelihood: from yes and no, and from capacities of which some are only bounded.
+r"""Lognormal curves by maximum likelihood: from binary outcomes, and from capacities of which some are censored.
 
 .. math:: P(x) = \Phi\!\left(\frac{\ln(x/\theta)}{\beta}\right) = \Phi(a + b\ln x), \qquad b = 1/\beta,\ a = -\ln(\theta)/\beta
 
-Both log-likelihoods are concave in (a, b), so that Newton's way up ends at the one top if there is one ([Olsen1978]_). There is
-none where yes and no are separated by a value of x: the curve would be a step of unknown place.
+Both log-likelihoods are concave in (a, b), so that Newton's method ends at the one maximum if there is one
+([Olsen1978]_). There is none where yes and no are separated by a value of x: the curve would be a step at an
+undetermined place.
 
 References
 ----------
@@ -25,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-MAX_ITERATIONS = 60
+MAX_ITERATIONS = 60  # far more than Newton's method needs on a concave function
 TOLERANCE = 1e-10  # of the Newton decrement, in units of log-likelihood
 Parts = tuple[Array, Array, Array]  # log-likelihood of each point, its slope and its curvature by z
 
@@ -103,7 +104,7 @@ def _tail(z: Array) -> Parts:
 
 
 def _top(y: Array, parts: Callable[[Array], Parts], observed_weight: float = 0.0) -> Lognormal:
-    """Newton's way to the largest sum of ``parts(a + b y)`` + ``known`` log b, with steps halved while they lead down."""
+    """Maximise the sum of ``parts(a + b y)`` + ``observed_weight`` log b by Newton's method, halving steps that lead down."""
     centre, spread = float(y.mean()), float(y.std()) or 1.0
     u = (y - centre) / spread  # so that a and b are of the size of 1
 

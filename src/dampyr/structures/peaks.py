@@ -1,6 +1,6 @@
-"""The peaks of an ensemble as fragilities and incremental analyses look at them: one number a case, cases in groups.
+"""Groups of an ensemble's cases for fragilities and incremental analyses: one peak a case.
 
-A group is what one curve is drawn of. In it, a motion is the unit: its scales and the draws of the damper belong to it.
+One curve is drawn of each group. In it, a motion is the unit: its scales and the draws of the damper belong to it.
 """
 
 from __future__ import annotations

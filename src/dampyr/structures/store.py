@@ -22,10 +22,10 @@ from dampyr.structures.ensemble_grid import AXES, Cases
 
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"
-MAPPED = 2**28  # bytes of a quantity from which it stays in the file
+MAPPED = 2**28  # bytes of a quantity from which it stays in the file: what a laptop's memory holds several times
 DIAGNOSTICS = ("error", "judged", "unbounded", "general")
 BARE = "no damper"
-SA_DAMPING = 0.05
+SA_DAMPING = 0.05  # ratio to critical, that of published spectra
 UNIT_OF = {"voltage": "V", "current": "A"}
 UNITS = {"displacement": "m", "drift": "m", "acceleration": "m/s^2", "force": "N", "stroke": "m", "energy": "J"}
 ALONG = {
@@ -40,7 +40,7 @@ ALONG = {
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """What stands along each axis. ``sa`` is the pseudo-acceleration (building, motion) [m/s2] of each unscaled motion at the
+    """Labels of each axis. ``sa`` is the pseudo-acceleration (building, motion) [m/s2] of each unscaled motion at the
     building's first ``period`` [s] and 5 % damping, ``pga`` (motion,) its peak [m/s2]. ``inputs`` are NaN where there is no
     constant one, ``input_name`` says in words what there is."""
 
@@ -57,7 +57,7 @@ class Labels:
 
     @classmethod
     def of(cls, what: Cases) -> Labels:
-        """Those of checked cases."""
+        """The labels of checked cases."""
         periods = [_first_period(building) for building in what.buildings]
         return cls(
             [building.name for building in what.buildings],
@@ -195,7 +195,7 @@ class Store:
         return [int(k) for k in np.flatnonzero(~self.done[:])]
 
     def put(self, shard: Shard) -> None:
-        """Keep a shard; it counts as done only after its values are written."""
+        """Store a shard; it counts as done only after its values are written."""
         for quantity, values in shard.values.items():
             self.values[quantity][shard.lines.start : shard.lines.stop] = values
         self.diagnostics[shard.number] = [getattr(shard, name) for name in DIAGNOSTICS]
@@ -206,16 +206,16 @@ class Store:
             self.file.flush()
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         if self.file is not None:
-            self.values = {q: held(values) for q, values in self.values.items()} if self._complete() else {}
+            self.values = {q: values_of(values) for q, values in self.values.items()} if self._complete() else {}
             self.file.close()
 
     def _complete(self) -> bool:
         return not self.missing()
 
     def dataset(self) -> Any:
-        """All values with labels, and what was measured of them."""
+        """All values with labels, and the measured errors."""
         made = (self.what.accuracy, self.what.precision)
         return self.labels.dataset(dict(self.values), attributes(self.diagnostics, *made, self.what.size))
 
@@ -231,15 +231,15 @@ def allocate_dataset(file: Any, quantity: str, shape: tuple[int, ...]) -> Any:
     return file.create_dataset(quantity, shape, "f8", dcpl=how)
 
 
-def held(dataset: Any) -> Array:
-    """The values of a dataset: in memory, or, where they are many, in the file and read where they are looked at."""
+def values_of(dataset: Any) -> Array:
+    """The values of a dataset: in memory, or, where they are many, mapped from the file and read on access."""
     if dataset.nbytes < MAPPED or (offset := dataset.id.get_offset()) is None:
         return np.asarray(dataset[:])
     return np.memmap(dataset.file.filename, dataset.dtype, "r", offset, dataset.shape)
 
 
 def describe(file: Any, what: Cases, labels: Labels) -> None:
-    """Write into a file what the ensemble is."""
+    """Write the description of an ensemble into its file."""
     file.attrs["format"] = FORMAT
     file.attrs["digest"] = what.digest
     file["labels"] = labels.text()  # no attribute: those end at 64 KiB
@@ -249,7 +249,7 @@ def describe(file: Any, what: Cases, labels: Labels) -> None:
 
 
 def attributes(diagnostics: Array, accuracy: str, precision: int, size: int) -> dict[str, Any]:
-    """What was measured, from the rows of `TOLD` of all shards."""
+    """Errors and counts, from the rows of `DIAGNOSTICS` of all shards."""
     sums = dict(zip(DIAGNOSTICS[1:], diagnostics[:, 1:].sum(axis=0)))
     return {
         "error_estimate": float(diagnostics[:, 0].max(initial=0.0)),
@@ -265,7 +265,7 @@ def attributes(diagnostics: Array, accuracy: str, precision: int, size: int) -> 
 def read_ensemble(path: str | Path) -> Any:
     """The peaks that an ensemble wrote with ``out=``, the same ``xarray.Dataset`` that it gave.
 
-    Raises :class:`~dampyr.errors.FileError` where the file is none, or is not finished.
+    Raises :class:`~dampyr.errors.FileError` where the file is not an ensemble, or is not finished.
     """
     import h5py
 
@@ -286,7 +286,7 @@ def read_ensemble(path: str | Path) -> Any:
                 f"is not finished: {done.sum()} of {done.size} shards are there; run the same ensemble again with it",
             )
         labels = Labels.read(file["labels"].asstr()[()])
-        values = {quantity: held(file[quantity]) for quantity in file.attrs["quantities"]}
+        values = {quantity: values_of(file[quantity]) for quantity in file.attrs["quantities"]}
         made = (str(file.attrs["accuracy"]), int(file.attrs["precision"]), int(np.prod(labels.shape)))
         return labels.dataset(values, attributes(file["told"][:], *made))
 
