@@ -1,4 +1,4 @@
-"""``import dampyr`` is light: no room and no heavy library is loaded before it is needed.
+"""``import dampyr`` is light: no package and no heavy library is loaded before it is needed.
 
 What is loaded is asserted, not how long it takes: a list of modules is the same on every machine.
 """
@@ -12,7 +12,7 @@ import pytest
 import dampyr
 
 HEAVY = {"numpy", "scipy", "xarray", "matplotlib", "pint", "numba", "h5py", "pandas", "pooch", "jinja2"}
-ROOMS = [
+PACKAGES = [
     "records",
     "models",
     "identification",
@@ -33,13 +33,13 @@ def loaded_by(statement: str) -> set[str]:
     return set(json.loads(run.stdout.splitlines()[-1]))
 
 
-def test_import_loads_no_room_and_no_heavy_library() -> None:
+def test_import_loads_no_package_and_no_heavy_library() -> None:
     loaded = loaded_by("import dampyr")
     assert {name for name in loaded if name.split(".")[0] == "dampyr"} == {"dampyr"}
     assert not HEAVY & loaded
 
 
-@pytest.mark.parametrize("package", ROOMS)
+@pytest.mark.parametrize("package", PACKAGES)
 def test_entering_a_room_loads_only_light_libraries(package: str) -> None:
     """A room needs numpy at most; what compiles, plots or opens files is loaded by the call that uses it."""
     loaded = loaded_by(f"import dampyr; dampyr.{package}")
@@ -48,9 +48,9 @@ def test_entering_a_room_loads_only_light_libraries(package: str) -> None:
 
 
 def test_every_room_is_listed() -> None:
-    assert set(ROOMS) <= set(dir(dampyr))
+    assert set(PACKAGES) <= set(dir(dampyr))
 
 
 def test_an_unknown_room_names_the_rooms() -> None:
-    with pytest.raises(AttributeError, match=r"'recods'.*the rooms are records, models"):
+    with pytest.raises(AttributeError, match=r"'recods'.*its packages are records, models"):
         _ = dampyr.recods

@@ -1,6 +1,6 @@
 """Test, identify and simulate magnetorheological dampers: from the shaking table to the building.
 
-The rooms are loaded when they are first entered, so ``import dampyr`` is quick::
+The packages are loaded on first access, so ``import dampyr`` is quick::
 
     import dampyr as dp
 
@@ -15,17 +15,17 @@ from types import ModuleType
 
 __version__ = "0.2.0"
 
-_ROOMS = (
+_PACKAGES = (
     "records", "models", "identification", "ground_motions", "structures",
     "figures", "report", "export", "studies", "rig", "campaigns", "errors", "units", "registry",
 )  # fmt: skip
 
 
 def __getattr__(name: str) -> ModuleType:
-    if name in _ROOMS:
+    if name in _PACKAGES:
         return import_module(f"dampyr.{name}")
-    raise AttributeError(f"module 'dampyr' has no room {name!r}; the rooms are {', '.join(_ROOMS)}")
+    raise AttributeError(f"module 'dampyr' has no attribute {name!r}; its packages are {', '.join(_PACKAGES)}")
 
 
 def __dir__() -> list[str]:
-    return sorted([*_ROOMS, "__version__"])
+    return sorted([*_PACKAGES, "__version__"])

@@ -1,4 +1,4 @@
-"""A folder is a catalogue: its files are the members, found by their names.
+"""Registry of the members of a package: one per file, looked up by the file's name.
 
 Adding a model, an earthquake format or a command is adding one file; nothing else lists them.
 """
@@ -13,13 +13,13 @@ from dampyr.errors import InputError
 
 
 def names(package: str) -> list[str]:
-    """The names on a shelf, sorted: the public modules of the package called ``package``."""
+    """The names of the members, sorted: the public modules of the package called ``package``."""
     folder = import_module(package)
     return sorted(m.name for m in iter_modules(folder.__path__) if not m.name.startswith("_"))
 
 
 def member(package: str, name: str) -> ModuleType:
-    """The module called ``name`` on a shelf, or an :class:`InputError` that lists what is there."""
+    """The module called ``name`` of a package, or an :class:`InputError` that lists the members."""
     available = names(package)
     if name not in available:
         close = get_close_matches(name, available, n=1)
@@ -30,6 +30,6 @@ def member(package: str, name: str) -> ModuleType:
 
 
 def members(package: str) -> Iterator[tuple[str, ModuleType]]:
-    """Every ``(name, module)`` of a shelf."""
+    """Every ``(name, module)`` of a registered package."""
     for name in names(package):
         yield name, member(package, name)

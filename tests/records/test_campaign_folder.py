@@ -84,7 +84,9 @@ def test_no_folder_and_an_empty_folder(tmp_path):
         MissingData, match=r"there is no such folder; check the path, or fetch .*`dampyr datasets fetch"
     ):
         read_campaign(tmp_path / "no")
-    with pytest.raises(MissingData, match=r"no records are there; give a folder with \.csv, \.h5, \.mat, \.txt files"):
+    with pytest.raises(
+        MissingData, match=r"the folder has no records; give a folder with \.csv, \.h5, \.mat, \.txt files"
+    ):
         read_campaign(tmp_path)
     with pytest.raises(MissingData, match=r"there is no such table"):
         campaign_rows(tmp_path)

@@ -117,7 +117,7 @@ def test_own_files_stand_beside_text(folder: Path) -> None:
 
 def test_nothing_but_prose(tmp_path: Path) -> None:
     (tmp_path / "notes.md").write_text("1 2\n", encoding="utf-8")
-    with pytest.raises(MissingData, match="no records are there"):
+    with pytest.raises(MissingData, match="the folder has no records"):
         read_campaign(tmp_path)
 
 

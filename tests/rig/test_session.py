@@ -1,4 +1,4 @@
-"""The door for energy: however its block ends, the coil is dead and the table at rest; each ring of safety acts alone."""
+"""The door for energy: however its block ends, the coil is dead and the table at rest; each safety layer acts alone."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -171,7 +171,7 @@ def test_leaving_goes_on_where_a_step_fails(ready: tuple[Rig, Simulator], monkey
     check_safe(simulator, since)
 
 
-# ring 1: the firmware, with the interlock off and no check
+# layer 1: the firmware, with the interlock off and no check
 
 
 def test_ring_one_alone_the_stroke() -> None:
@@ -207,7 +207,7 @@ def test_ring_one_refuses_set_points_beyond_the_stroke() -> None:
     assert caught.value.ring == "firmware"
 
 
-# ring 2: the interlock, with the firmware's limits wide open and no check
+# layer 2: the interlock, with the firmware's limits wide open and no check
 
 
 def opened_wide(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -270,7 +270,7 @@ def test_ring_two_alone_an_estimated_temperature(monkeypatch: pytest.MonkeyPatch
     assert "estimated temperature" in tripped(rig, sine(0.010, 1.0, 12.0, 3.0), monkeypatch)
 
 
-# ring 3: the check, with no rig at all
+# layer 3: the check, with no rig at all
 
 
 def test_ring_three_alone() -> None:

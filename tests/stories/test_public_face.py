@@ -43,5 +43,5 @@ def test_a_study_that_is_not_there_is_told() -> None:
 
 
 def test_a_room_that_is_not_there_is_told() -> None:
-    with pytest.raises(AttributeError, match="the rooms are"):
+    with pytest.raises(AttributeError, match="its packages are"):
         _ = dp.garage

@@ -6,7 +6,7 @@
     found = plan(campaign, rig, damper)     # every test with its duration, peaks and expected force
     found.refusals                          # what the rig cannot do, each with the largest value that it can
 
-A kind of step is one file on the shelf ``dampyr.campaigns.steps``; `kinds` lists them.
+A kind of step is one file in the package ``dampyr.campaigns.steps``; `kinds` lists them.
 """
 
 from dampyr.campaigns.campaign import Campaign, Header, Test, load, read

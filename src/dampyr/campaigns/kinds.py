@@ -1,4 +1,4 @@
-"""The catalogue of the kinds of step."""
+"""Registry of the kinds of step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Performing a campaign: checked as a whole, then test by test, each in a file of its own, going on where it stopped."""
+"""Performance of a campaign: checked as a whole, then test by test, each in a file of its own, resumed where it stopped."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ def perform(
     control
         The buttons: pause, resume, stop, abort.
 
-    Raises :class:`~dampyr.errors.InputError` before anything moves, :class:`~dampyr.errors.RigFault` where a ring of safety
+    Raises :class:`~dampyr.errors.InputError` before anything moves, :class:`~dampyr.errors.RigFault` where a safety layer
     has acted, :class:`Stopped` where it was asked for, :class:`~dampyr.errors.FileError` where the disk is full. In every
-    case the table is at rest, the coil at 0 V, and the journal tells the story.
+    case the table is at rest, the coil at 0 V, and the journal records the reason.
     """
     campaign_plan = _planned(campaign, rig)
     campaign_plan.require()
@@ -106,7 +106,7 @@ def _metadata(campaign_plan: Plan, rig: Rig) -> dict[str, str]:
 
 
 def _reconcile(journal: Journal, folder: Path) -> None:
-    """Bring the journal to what the files say: the process that wrote it may have been killed."""
+    """Make the journal agree with the files: the process that wrote it may have been killed."""
     for entry in journal.tests():
         if entry.state != "running":
             continue
@@ -121,7 +121,7 @@ def _reconcile(journal: Journal, folder: Path) -> None:
 
 @contextmanager
 def _noted(problem: BaseException) -> Iterator[None]:
-    """A journal that takes no entry does not hide what it was to tell; the files are right without it."""
+    """A failed entry in the journal does not hide ``problem``; the files are right without it."""
     try:
         yield
     except FileError as trouble:
@@ -140,7 +140,7 @@ class _Run:
     control: Control
 
     def left(self) -> list[PlannedTest]:
-        """The tests that are not complete, in their order."""
+        """The incomplete tests, in their order."""
         done = {entry.name for entry in self.journal.tests() if entry.state == "complete"}
         return [test for test in self.plan.tests if test.name not in done]
 

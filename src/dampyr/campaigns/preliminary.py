@@ -1,4 +1,4 @@
-"""The low stroke before the first test: do the encoder and the load cell see what they should?"""
+"""Preliminary check: a slow stroke before the first test verifies encoder and load cell."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from dampyr.rig.drive import Drive
 from dampyr.rig.session import Table
 
 Array = NDArray[np.float64]
-NEAR = 0.2  # by which the measured stroke may differ from the one asked for
+NEAR = 0.2  # by which the measured stroke may differ from the commanded one: a wrong scale differs by more
 
 
 def preliminary_check(table: Table, drive: Drive) -> str:
-    """What was found, in words; :class:`RigFault` where a test should not begin."""
+    """The result in words; :class:`RigFault` where a test should not begin."""
     blocks = [(samples.displacement[selection], samples.force[selection]) for samples, selection in table.play(drive)]
     x, force = (np.concatenate(rows) for rows in zip(*blocks, strict=True))
     commanded, had = float(np.ptp(drive.displacement)), float(np.ptp(x))

@@ -1,4 +1,4 @@
-"""Taking one test: its file is open before anything moves and tells how it ended, whatever happens."""
+"""Recording of one test: its file is open before anything moves and states how the test ended, whatever happens."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings
 
-SPARE = 2.0  # s of room beyond the plan
+SPARE = 2.0  # s of samples reserved beyond the plan: stopping takes less than 1 s
 
 
 def file_of(folder: Path, name: str, attempt: int) -> Path:
@@ -120,13 +120,13 @@ def reason(problem: BaseException) -> dict[str, str]:
 
 
 def capacity(drive: Drive, rig: Rig) -> int:
-    """Samples that the file needs room for."""
+    """The number of samples to reserve in the file."""
     last = drive.n - 1 if drive.record_to is None else drive.record_to
     return round(((last - drive.record_from) * drive.period + SPARE) * rig.settings.board.rate) + 1
 
 
 def check_disk(folder: Path, rig: Rig, tests: list[PlannedTest], campaign: Campaign) -> None:
-    """Raise :class:`~dampyr.errors.FileError` where the disk has not the room for one of the tests."""
+    """Raise :class:`~dampyr.errors.FileError` where the disk has no space for one of the tests."""
     assert rig.calibration is not None
     largest = max(tests, key=lambda test: capacity(test.drive, rig))
     record_header = header(rig, rig.calibration, largest, campaign, 1)
@@ -134,7 +134,7 @@ def check_disk(folder: Path, rig: Rig, tests: list[PlannedTest], campaign: Campa
 
 
 def header(rig: Rig, calibration: Calibration, planned: PlannedTest, campaign: Campaign, attempt: int) -> Header:
-    """What is known before a test begins."""
+    """The header of the file, complete before the test begins."""
     drive = planned.drive
     voltage = drive.voltage[drive.record_from : drive.record_to]
     constant = bool(np.ptp(voltage) == 0.0)

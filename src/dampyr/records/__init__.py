@@ -17,10 +17,9 @@ from dampyr.records.force_lag import Delay, correct_delay, estimate_delay
 from dampyr.records.force_offset import mean_force, remove_offset
 from dampyr.records.label_checks import creates_energy, disagreements
 from dampyr.records.measure import Measured, cycle_energies, measure
-from dampyr.records.motion_onset import motion_start
 from dampyr.records.nominal_input import nominal_inputs
 from dampyr.records.overview import Overview, overview
-from dampyr.records.quality import Quality, quality, quantum
+from dampyr.records.quality import Quality, motion_start, quality, quantum
 from dampyr.records.record import Label, Record
 from dampyr.records.record_files import read, write
 from dampyr.records.velocity import check_bandwidth, default_bandwidth, differentiate, with_velocity

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from dampyr.errors import InputError
-from dampyr.records.motion_onset import motion_start
+from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
 
 CHANNELS = ("displacement", "force", "velocity")

@@ -19,7 +19,9 @@ from dampyr.records.record import Array, Record
 FRACTION_OF_LEG = 0.25
 FIRST_FRACTION_OF_RANGE = 0.05
 LIKE_THE_OTHERS = 0.7
-_cache: WeakKeyDictionary[Record, NDArray[np.int64]] = WeakKeyDictionary()  # records never change, and all rooms ask
+_cache: WeakKeyDictionary[Record, NDArray[np.int64]] = (
+    WeakKeyDictionary()
+)  # records never change, and every package needs their cycles
 
 
 def turning_points(record: Record, threshold: float | None = None) -> NDArray[np.int64]:

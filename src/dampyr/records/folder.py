@@ -1,4 +1,4 @@
-"""A folder of tests without a table: every file that is a record, named by its stem, in natural order."""
+"""Folder of tests without a table: every file that is a record, named by its stem, in natural order."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from dampyr.records.record import Record
 from dampyr.records.record_files import REGISTRY, read
 from dampyr.records.text_columns import has_numbers
 
-TEXT = (".csv", ".txt")
 OWN = ".h5"
 
 
@@ -51,14 +50,22 @@ def record_files(folder: Path) -> list[Path]:
     candidates = sorted((path for path in visible if path.suffix.lower() in suffixes), key=natural)
     metadata.check_patterns(candidates)
     remaining = [path for path in candidates if not metadata.is_ignored(path)]
-    prose = [path for path in remaining if path.suffix.lower() in TEXT and not has_numbers(path)]
+    prose = [path for path in remaining if _is_text(path) and not has_numbers(path)]
     if prose:
         names = ", ".join(path.name for path in prose)
         warnings.warn(f"{folder}: left out, no line of numbers: {names}", DampyrWarning, stacklevel=4)
     records = [path for path in remaining if path not in prose]
     if not records:
-        raise MissingData(f"{folder}: no records are there; give a folder with {', '.join(sorted(suffixes))} files")
+        raise MissingData(
+            f"{folder}: the folder has no records; give a folder with {', '.join(sorted(suffixes))} files"
+        )
     return records
+
+
+def _is_text(path: Path) -> bool:
+    """Whether the format of the file's suffix is plain text, which a README may have too."""
+    module = registry.member(REGISTRY, path.suffix.lower().removeprefix("."))
+    return bool(getattr(module, "PLAIN_TEXT", False))
 
 
 def natural(path: Path) -> tuple[Any, ...]:
@@ -82,9 +89,11 @@ def _read(path: Path, said: dict[str, Any]) -> Record:
     try:
         return read(path, **said)
     except FileError as problem:
-        if path.suffix.lower() not in TEXT or problem.path != path or NAME in str(problem):
+        if not _is_text(path) or problem.path != path or NAME in str(problem):
             raise
-        raise FileError(path, f"{str(problem).removeprefix(f'{path}: ')} (no record? ignore it in {NAME})") from problem
+        raise FileError(
+            path, f"{str(problem).removeprefix(f'{path}: ')} (not a record? ignore it in {NAME})"
+        ) from problem
 
 
 def _check_names(folder: Path, records: list[Record]) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from dampyr.records.cycles import require_cycles
 from dampyr.records.drift import drift
 from dampyr.records.force_offset import mean_force
-from dampyr.records.motion_onset import motion_start
+from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
 from dampyr.records.velocity import default_bandwidth, differentiate
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dampyr.records.cycles import cycles, turning_points
-from dampyr.records.motion_onset import motion_start
+from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
 from dampyr.records.velocity import default_bandwidth, differentiate
 

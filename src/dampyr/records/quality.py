@@ -1,4 +1,4 @@
-"""Quality of the sampling: reported, never repaired here."""
+"""Quality of a record: rest before the motion, gaps, jitter, quantisation and saturation; reported, not repaired."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dampyr.records.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
 
-GAP = 1.5
-MAX_PLATEAU = 5
-PLATEAU_OF_CYCLE = 0.05
+GAP = 1.5  # median intervals: halfway to one missing sample
+MAX_PLATEAU = 5  # equal samples: a smooth extreme has fewer
+PLATEAU_OF_CYCLE = 0.05  # of a cycle: a sine counted in fine steps stays at its extreme for less
+EXCURSION = 0.1  # of the median distance between turning points: far beyond noise and encoder steps
 
 
 @dataclass(frozen=True)
@@ -60,8 +62,6 @@ class Quality:
 
 def quality(record: Record) -> Quality:
     """Report gaps, jitter, saturation and quantisation of a record."""
-    from dampyr.records.cycles import cycles
-
     steps = np.diff(record.time)
     dt = record.dt
     gaps = np.flatnonzero(steps > GAP * dt)
@@ -104,8 +104,6 @@ def quantum(values: Array) -> float | None:
 
 def _moving(record: Record, spans: list[tuple[int, int]]) -> slice:
     """The whole cycles, or without them all that comes after the start of the motion."""
-    from dampyr.records.motion_onset import motion_start
-
     if spans:
         return slice(spans[0][0], spans[-1][1])
     return slice(int(np.searchsorted(record.time, motion_start(record))) + 1, record.n)
@@ -123,3 +121,46 @@ def _in_runs(flags: Array, long: float) -> int:
     edges = np.flatnonzero(np.diff(np.r_[False, flags, False].astype(int)))
     runs = edges[1::2] - edges[::2]
     return int(np.sum(runs[runs >= long]))
+
+
+def motion_start(record: Record) -> float:
+    """The time, s, of the last sample at rest; the first sample's time where the record starts moving.
+
+    The first excursion of a tenth of the median distance between turning points is motion for certain; from
+    there the search goes back to the last sample that is still at the rest level, which is within 1.5 encoder
+    steps or four standard deviations of the displacement's noise, whichever is wider. A record that never
+    moves starts at its end.
+    """
+    x = record.displacement
+    size = _size(record)
+    away = np.flatnonzero(np.abs(x - x[0]) > EXCURSION * size)
+    if size == 0 or len(away) == 0:
+        return float(record.time[-1])
+    return float(record.time[_last_at_rest(x, int(away[0]))])
+
+
+def _size(record: Record) -> float:
+    lengths = np.abs(legs(record))
+    return float(np.median(lengths)) if len(lengths) else float(np.ptp(record.displacement))
+
+
+def _last_at_rest(x: Array, away: int) -> int:
+    near = rest_tolerance(x)
+    level = x[0]
+    for _ in range(2):
+        at_rest = np.flatnonzero(np.abs(x[:away] - level) <= near)
+        if len(at_rest) == 0:
+            return 0
+        level = float(np.median(x[: at_rest[-1] + 1]))
+    return int(at_rest[-1])
+
+
+def rest_tolerance(x: Array) -> float:
+    """How far a displacement at rest strays, m: 1.5 quantisation steps or 4 deviations of the noise.
+
+    The noise comes from third differences (variance 20 times its own), which hold next to nothing of the
+    motion.
+    """
+    spread = np.median(np.abs(np.diff(x, 3))) / (0.6745 * np.sqrt(20.0))
+    step = quantum(x)
+    return max(1.5 * (step or 0.0), 4.0 * float(spread), 1e-9 * float(np.ptp(x)))

@@ -80,7 +80,7 @@ class Recording:
     def __init__(self, path: str | Path, capacity: int, header: Header) -> None:
         """Make the file with room for ``capacity`` samples, and reserve as much again for the copy that finishes it.
 
-        Raises :class:`~dampyr.errors.FileError` where the disk has not the room for both, or the file is there already.
+        Raises :class:`~dampyr.errors.FileError` where the disk has no space for both, or the file is there already.
         """
         self.path, self.capacity, self.header, self.rows = Path(path), capacity, header, 0
         self._synced = time.monotonic()
@@ -182,7 +182,7 @@ def check_disk_space(folder: Path, what: str, header: Header, capacity: int) -> 
 
 
 def _refusal(number: int, needed: int, folder: Path) -> str:
-    """Why there is no room, how much is needed where that is known, and what to do."""
+    """The reason for missing disk space, the space needed where that is known, and the repair."""
     free = shutil.disk_usage(folder).free
     sizes = (
         f": {needed} bytes are needed, a copy that finishes the record included, and {free} are free" if needed else ""

@@ -4,7 +4,7 @@ r"""Reversals: the motor's duty rises and falls evenly, one way and the other; t
 
 with the half period T, the pause p at the top and the free speed v_0. No position is followed: the stroke follows from the
 force (it falls as the voltage rises) and the middle drifts. Its peaks here are those of an unloaded actuator, so that nothing
-is left to luck. Use it to repeat the original campaign; else use `sine`.
+is not controlled. Use it to repeat the original campaign; else use `sine`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""One file per format of a record; the suffix of a path picks the file.
+"""Formats of a record, one file each; the suffix of a path selects the file.
 
-Each has ``read(path, request)``, which returns a :class:`~dampyr.records.record.Record`; ``h5`` also writes.
+Each has ``read(path, request)``, which returns a :class:`~dampyr.records.record.Record`; those that can also write have
+``write(record, path)``. ``PLAIN_TEXT = True`` marks a format whose files may be prose: those without a line of numbers are
+left out of a folder.
 """

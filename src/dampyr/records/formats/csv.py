@@ -10,6 +10,8 @@ from dampyr.records import text_columns
 from dampyr.records.record import CHANNELS, Record
 from dampyr.records.record_files import Request
 
+PLAIN_TEXT = True
+
 
 def read(path: Path, request: Request) -> Record:
     """The record in a ``.csv`` file, in SI."""

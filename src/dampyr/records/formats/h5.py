@@ -2,7 +2,7 @@
 
 Layout (schema 2)::
 
-    /            format = "dampyr record", schema = 1, complete = 0 or 1, name, role, test, try
+    /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try
     /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
                  voltage or current as a number when it is constant
     /raw         one dataset per raw reading with the attributes unit, gain, offset, calibrated_unit:

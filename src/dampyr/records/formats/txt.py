@@ -6,6 +6,8 @@ from dampyr.records import text_columns
 from dampyr.records.record import Record
 from dampyr.records.record_files import Request
 
+PLAIN_TEXT = True
+
 
 def read(path: Path, request: Request) -> Record:
     """The record in a ``.txt`` file, in SI."""

@@ -59,5 +59,11 @@ def reproduce(
         A file of the campaign is not what its table says.
     """
     from dampyr.studies.raminelli_2020.study import run
+    from dampyr.studies.raminelli_2020.study_page import write
 
-    return run(data, out, published, progress)
+    say = progress or (lambda stage, done: None)
+    study = run(data, published, say)
+    say("writing the page", 0.0)
+    written = study if out is None else write(study, Path(out))
+    say("writing the page", 1.0)
+    return written

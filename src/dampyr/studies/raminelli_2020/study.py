@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -71,7 +70,7 @@ def artefact_summary(findings: Sequence[Finding]) -> dict[str, Any]:
     return {"verdict": overall(findings), **{kind: sum(f.verdict == kind for f in findings) for kind in OUTCOMES}}
 
 
-def run(data: str | Path | None, out: str | Path | None, published: Published, progress: Progress | None) -> Study:
+def run(data: str | Path | None, published: Published, progress: Progress | None) -> Study:
     """See `dampyr.studies.raminelli_2020.reproduce`."""
     say = progress or (lambda stage, done: None)
     folder, left_out = find_data(data)
@@ -91,11 +90,7 @@ def run(data: str | Path | None, out: str | Path | None, published: Published, p
         say(f"comparing: {stage}", k / len(steps))
         made = make()
         parts += made if isinstance(made, list) else [made]
-    study = Study(tuple(parts), folder, (*left_out, *_absent(campaign)))
-    say("writing the page", 0.0)
-    written = study if out is None else write(study, Path(out))
-    say("writing the page", 1.0)
-    return written
+    return Study(tuple(parts), folder, (*left_out, *_absent(campaign)))
 
 
 def find_data(data: str | Path | None) -> tuple[Path | None, tuple[str, ...]]:
@@ -114,14 +109,3 @@ def find_data(data: str | Path | None) -> tuple[Path | None, tuple[str, ...]]:
 def _absent(campaign: Campaign | None) -> list[str]:
     rows = campaign.absent if campaign else ()
     return [f"table {row.table}, row {row.row}: no file in the folder" for row in rows]
-
-
-def write(study: Study, out: Path) -> Study:
-    """``reproduce.html`` and ``reproduce.json`` in ``out``; returns the study with its page."""
-    from dampyr.report import write_page
-    from dampyr.studies.raminelli_2020.study_page import html
-
-    done = Study(study.parts, study.data, study.left_out, write_page(out / "reproduce.html", html(study)))
-    text = json.dumps(done.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
-    (out / "reproduce.json").write_text(text + "\n", encoding="utf-8")
-    return done

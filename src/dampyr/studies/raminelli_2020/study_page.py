@@ -1,16 +1,16 @@
-"""The page: a summary of every artefact, the parts in the order of the text, slips, and what was left out."""
+"""Page of the study: a summary of every artefact, the parts in the order of the text, slips, and what was left out."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from pathlib import Path
 
 import dampyr
-from dampyr.report import Block, Cell, Section, Table, Text, Verdict, page
+from dampyr.report import Block, Cell, Section, Table, Text, Verdict, page, write_page
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding, overall
-
-if TYPE_CHECKING:
-    from dampyr.studies.raminelli_2020.study import Study
+from dampyr.studies.raminelli_2020.study import Study
 
 SOURCE = (
     "J. G. Raminelli, Plataforma de testes dinâmicos para amortecedores magneto-reológicos e representação "
@@ -18,6 +18,14 @@ SOURCE = (
     "histerese, master's dissertation, UTFPR, Cornélio Procópio, 2020"
 )
 DATA = "Labcontrol (UTFPR), A. N. Vargas: data of the shaking table with MR-damper, v1.0.3, 2021, doi 10.5281/zenodo.4445334"
+
+
+def write(study: Study, out: Path) -> Study:
+    """``reproduce.html`` and ``reproduce.json`` in ``out``; returns the study with its page."""
+    done = replace(study, page=write_page(out / "reproduce.html", html(study)))
+    text = json.dumps(done.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
+    (out / "reproduce.json").write_text(text + "\n", encoding="utf-8")
+    return done
 
 
 def html(study: Study) -> str:
