@@ -46,7 +46,7 @@ def command(
     report: Path | None,
     as_json: bool,
 ) -> None:
-    """Simulate the two-storey building in an earthquake, with and without a damper.
+    """Simulate the two-storey building with and without a damper.
 
     CARD is a damper's card; without it the published damper of Raminelli (2020) is taken. The case without damper always
     comes first, then one case per --voltage (or --current).

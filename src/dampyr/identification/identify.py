@@ -14,7 +14,7 @@ from typing import Any
 
 from dampyr.errors import InputError
 from dampyr.identification.fit import Fit, fit
-from dampyr.identification.leaderboard import ADD_ONS, Leaderboard, check_count, leaderboard
+from dampyr.identification.leaderboard import ADD_ONS, Leaderboard, leaderboard
 from dampyr.identification.robust import LOSSES, check_loss
 from dampyr.identification.score import Score, score
 from dampyr.identification.screening import held_in
@@ -187,8 +187,6 @@ def check_records(fitted: Sequence[Record], others: Sequence[Record], options: I
     if not fitted:
         what = "only validation records are chosen, and these are never fitted; choose" if others else "there are no"
         raise InputError(f"{what} {'some that are for fits' if others else 'records to fit; give one or more'}")
-    if options.model is None:
-        check_count(len(fitted))
     for split in options.predict:
         split_tasks(fitted, split)
     _check_bandwidth(fitted, options)
