@@ -17,7 +17,7 @@ from dampyr import registry
 from dampyr.errors import DampyrError, DampyrWarning
 
 REGISTRY = "dampyr.cli"
-WRONG, INTERRUPTED = 2, 130
+WRONG, INTERRUPTED = 2, 130  # exit codes as shells and click use them: a wrong request; 128 + SIGINT
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
 

@@ -16,7 +16,7 @@ as_json_option = click.option("--json", "as_json", is_flag=True, help="Print JSO
 """The option that every command takes; it comes as ``as_json``."""
 
 DASH = "–"
-WIDTH_OF_A_FILE = 240
+WIDTH_OF_A_FILE = 240  # characters: more than the widest table takes
 
 
 def print_json(data: Any) -> None:

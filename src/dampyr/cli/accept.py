@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from dampyr.models import Damper
     from dampyr.records import Record
 
-FAILED, UNDECIDED = 1, 3
+FAILED, UNDECIDED = 1, 3  # exit codes; 2 is a wrong request, as with every command
 MAX_REASONS = 6  # lines below the table; --json and --report have all
 COLUMNS = [
     "record",

@@ -25,7 +25,7 @@ from dampyr.console.state import PROBLEMS, AppState
 
 PAGES = "dampyr.console.pages"
 LOOK = Path(str(files("dampyr.report"))) / "templates" / "look.css"  # one source of colours for console and reports
-QUOTA = 4 * 2**30
+QUOTA = 4 * 2**30  # bytes: 64 of the largest uploads
 TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from dampyr.figures.style import thin
 
-POINTS = 1600
+POINTS = 1600  # of a line: about the columns of a wide screen
 
 
 class Line(BaseModel):

@@ -27,8 +27,8 @@ from dampyr.errors import InputError, MissingData
 WORK = "dampyr.console.jobs"
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 ENDED = ("done", "failed", "cancelled")
-MAX_ENDED = 60
-MAX_WAITING = 20
+MAX_ENDED = 60  # jobs: their folders hold pages and curves, and the disk is bounded
+MAX_WAITING = 20  # jobs: more is a page that repeats itself
 GRACE = 3.0  # s that a cancelled job has to end by itself
 
 

@@ -1,7 +1,7 @@
 """Reading of an uploaded file in a process with limits: ``python -m dampyr.console.limits``.
 
-What a file holds is known only once it is read, and a small file can unfold to a large one. So it is read where memory, time
-and what is written are bounded, and kept as dampyr's own record file; the file that came is never opened anywhere else.
+The content of a file is unknown until it is read, and a small file can unfold to a large one. So it is read where memory, time
+and output are bounded, and saved as dampyr's own record file; the uploaded file is never opened anywhere else.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import Any
 
 from dampyr.errors import DampyrError, FileError, InputError
 
-MEMORY = 3 * 2**30
-SECONDS = 60
-WRITTEN = 512 * 2**20
+MEMORY = 3 * 2**30  # bytes: 48 times the largest upload, since a small file can unfold to a large one
+SECONDS = 60  # s: longer than a person waits for an upload
+WRITTEN = 512 * 2**20  # bytes: eight times the largest upload
 TOO_MUCH = "the file takes more time or memory to read than an upload may; read it with `dampyr records` instead"
 
 

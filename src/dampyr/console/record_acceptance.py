@@ -23,8 +23,8 @@ from dampyr.models import Damper
 from dampyr.records import Record
 from dampyr.report import write_acceptance_page
 
-MAX_RECORDS = 6
-MAX_POINTS, MAX_OUTSIDE = 900, 200
+MAX_RECORDS = 6  # as many as the page has colours for
+MAX_POINTS, MAX_OUTSIDE = 900, 200  # what a chart can show and a person reads
 
 Key = Annotated[str, Field(min_length=3, max_length=340)]
 Slack = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]

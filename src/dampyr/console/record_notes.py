@@ -9,8 +9,8 @@ from dampyr.atomic_write import write_whole
 from dampyr.console.safe_paths import OWN
 from dampyr.errors import InputError
 
-MAX_LENGTH = 2000
-MAX_NOTES = 5000
+MAX_LENGTH = 2000  # characters, a page of text
+MAX_NOTES = 5000  # all of them are read and written as one file
 
 
 def notes(data: Path) -> dict[str, str]:

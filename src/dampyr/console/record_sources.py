@@ -21,7 +21,7 @@ from dampyr.records.text_columns import has_numbers
 SUFFIXES = (".mat", ".csv", ".txt", ".h5")
 OWN = "data"
 NOT_RECORDS = ("ensembles/",)
-MAX_RECORDS = 500
+MAX_RECORDS = 500  # each is read and described for the list of a page
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from dampyr.errors import InputError, MissingData
 
 NAME = re.compile(r"[^\W_][\w .()+@=-]{0,99}", re.UNICODE)
-MAX_NAME_LENGTH = 300
+MAX_NAME_LENGTH = 300  # characters of a path below the data folder
 OWN = ".console"
 """The console's own folder below the data folder: jobs, notes."""
 ALONE = threading.Lock()

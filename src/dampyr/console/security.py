@@ -25,8 +25,8 @@ Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 
 COOKIE = "dampyr_token"
-MAX_BODY = 2**20
-MAX_UPLOAD = 64 * 2**20
+MAX_BODY = 2**20  # bytes: far above the largest request, a campaign's text of 64 KiB
+MAX_UPLOAD = 64 * 2**20  # bytes: many times a record of the published campaign
 UPLOAD = "application/octet-stream"
 SAFE = ("GET", "HEAD", "OPTIONS")
 POLICY = "; ".join(

@@ -14,7 +14,7 @@ from typing import Any
 from dampyr.console.security import is_loopback
 from dampyr.errors import InputError
 
-PORT = 8077
+PORT = 8077  # any free port above 1023 would do
 
 
 def serve(

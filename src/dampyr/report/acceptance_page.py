@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60
+MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads
 
 
 def write_acceptance_page(result: Accepted, path: Path) -> Path:

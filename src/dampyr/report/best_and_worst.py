@@ -15,7 +15,7 @@ from dampyr.records import Record
 from dampyr.report.blocks import FigureBlock, Section
 
 Array = NDArray[np.float64]
-SECONDS = 6.0
+SECONDS = 6.0  # s of the history: a few cycles, so that single loops can be told apart
 
 
 def extremes(scores: Mapping[str, Score]) -> list[tuple[str, str]]:

@@ -21,7 +21,7 @@ SHOWN = {
     "acceleration": ("acceleration", "m/s²", 1.0),
     "force": ("damper force", "N", 1.0),
 }
-FRACTIONS = (0.16, 0.5, 0.84)
+FRACTIONS = (0.16, 0.5, 0.84)  # the median, and one standard deviation of a normal distribution to each side
 MARGIN = 1.2  # how far a figure reaches, in the largest 84 % fractile of all of them
 
 

@@ -14,7 +14,7 @@ from dampyr.identification import Fit, Score
 from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text, sentence
 from dampyr.units import for_people
 
-PAIRS = 8
+PAIRS = 8  # of parameters listed in words; the matrix shows all
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

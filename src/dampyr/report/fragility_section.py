@@ -11,8 +11,8 @@ from dampyr.figures.style import Axis
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
 from dampyr.structures import Curve, Fragility
 
-LEVEL = 0.9
-MAX_CURVES = 6
+LEVEL = 0.9  # of the bands, as in the command's JSON
+MAX_CURVES = 6  # in a figure: as many as there are colours
 FULL = 3.3  # standard deviations above the median
 COLUMNS = ("case", "median", "from", "to", "beta", "direct median", "direct beta", "cases", "exceed", "without bound")
 FEW = " From fewer than 40 motions the band is too narrow away from the median."

@@ -14,8 +14,8 @@ from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text
 from dampyr.report.html_page import page, write_page
 from dampyr.units import STANDARD_GRAVITY
 
-DAMPINGS = (0.02, 0.05, 0.1)
-TABLE = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)
+DAMPINGS = (0.02, 0.05, 0.1)  # ratios: the usual 5 %, one below and one above
+TABLE = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s, about evenly spaced in the logarithm
 
 
 def write_motion_page(

@@ -15,7 +15,7 @@ from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text,
 from dampyr.report.html_page import page, write_page
 from dampyr.rig import RigSettings
 
-FORCES = (0.0, 500.0, 1000.0, 1500.0)
+FORCES = (0.0, 500.0, 1000.0, 1500.0)  # N: no load, and three loads in equal steps
 COLUMNS = ("test", "what", "duration", "peak speed", "position", "force", "coil")
 UNITS = ("", "", "s", "mm/s", "mm", "N", "V")
 

@@ -10,7 +10,7 @@ from dampyr.identification import Residuals, findings, warnings_of
 from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES, Group
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
 
-MAX_PANELS = 6
+MAX_PANELS = 6  # inputs: more panels cannot be read on a page
 
 
 def residual_section(residuals: Residuals) -> Section:

@@ -23,7 +23,7 @@ from dampyr.report.html_page import page, write_page
 from dampyr.report.range_section import SHOWN, range_table
 
 Array = NDArray[np.float64]
-SLACK = 1.01
+SLACK = 1.01  # a record that reaches 1 % beyond the range, as noise does, is still inside
 SEEN = {True: "fitted", False: "unseen", None: "unknown"}
 
 

@@ -26,7 +26,7 @@ from dampyr.errors import InputError
 from dampyr.report.plan_page import plan_notes
 
 TITLE, ORDER = "Campaigns", 20
-MAX_TEXT_LENGTH = 65536
+MAX_TEXT_LENGTH = 65536  # characters: the page's text field has the same limit
 
 router = APIRouter()
 Name = Annotated[str, InPath(max_length=100)]
