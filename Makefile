@@ -71,6 +71,7 @@ check: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python tools/check_names.py
 
 # Benches have an environment of their own: their peers (OpenSees, jax) are large, and nothing else needs them. A peer that
 # cannot be installed is told of in the table.

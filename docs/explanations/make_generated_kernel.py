@@ -41,7 +41,7 @@ above 0. `eighth_over(t)` is 1/(8 t) to 0.3 %, without a division; `exp` is a po
 `dampyr.structures.batch.branchless_math`. These functions come from the damper's part, with their
 derivatives; numba inlines them:
 
-```python
+```text
 {functions}
 ```
 """
@@ -59,7 +59,7 @@ def page() -> str:
     constants = ", ".join(f"`{name}`" for name in CONSTANTS)
     parts = [
         HEAD,
-        "## The kernel\n\n```python\n" + text.source.rstrip() + "\n```\n",
+        "## The kernel\n\n```text\n" + text.source.rstrip() + "\n```\n",
         NAMES.format(
             width=text.block_width,
             names="\n".join([f"Names {' '.join(sites.split())}:", "", "| name | meaning |", "|---|---|", *listed]),

@@ -14,11 +14,10 @@ def test_the_page_of_the_generated_kernel_is_current() -> None:
 
 
 def test_no_name_of_the_kernel_has_two_meanings() -> None:
-    """What is an argument or a number of the kernel is assigned nowhere in its loops; ``e0`` and ``last`` once were."""
+    """What is an argument or a number of the kernel is assigned nowhere in its loops; ``last`` once was."""
     page = (DOCS / "generated-kernel.md").read_text(encoding="utf-8")
-    kernel = page.partition("```python\n")[2].partition("```")[0]
+    kernel = page.partition("```text\n")[2].partition("```")[0]
     [arguments] = re.findall(r"def integrate_block\((.*)\):", kernel)
     assigned = set(re.findall(r"^ +(\w+) =", kernel, flags=re.MULTILINE))
     assert not assigned & set(arguments.split(", "))
     assert not assigned & {"zero", "one", "two", "half", "quarter", "tiny"}
-    assert "e0" not in assigned

@@ -15,13 +15,12 @@ Names in the text, of site d and coordinate i; a row of the same name is a value
 =================== =================================================================================================
 ``z0`` ...          state of the building; ``k0`` its part that the unknown forces do not touch, ``n0`` at the end
 ``x0``, ``v0``      stroke and rate of a site at the start, where these are no coordinates themselves
-``xb0``, ``vb0``    the same at the end, the part that the unknown forces do not touch
-``xm0``, ``vm0``    at the middle and ...
-``xe0``, ``ve0``    ... at the end under the guessed forces
-``xn0``, ``vn0``    at the end under the corrected forces
-``f0``, ``fm0``     force at the start of the step, and at the middle of the last one
+``base0`` ...       strokes of all sites, then rates, at the end: the part that the unknown forces do not touch
+``h0``, ``e0`` ...  the same at h/2 and at the end under the guessed forces; ``new0`` at the end under the corrected ones
+``f0``, ``mf0``     force at the start of the step, and at the middle of the last one
 ``g0`` ...          forces of all sites at h/2, then at h: guessed, then corrected
-``s0_1``, ``t0_1``  states of a damper at the start and at the end; ``..._first0``, ``..._second0`` within the half steps
+``s0_1``, ``t0_1``  states of a damper at the start and at the end of the step
+``..._half0``       what the law of a damper computes in the first half step, at its end; ``..._end0`` in the second
 ``p0_1``            parameters of a damper
 ``u0``, ``R0``      force of a delayed damper before its delay, and at rest; ``D0`` the delay in steps
 ``r0``, ``j0_1``    residuals and Jacobian of Newton's correction
@@ -144,7 +143,7 @@ class KernelText:
         self.cut()
         self._correct(done)
         for r in range(2 * N):
-            self.emit(f"{self.motion('n', r)} = {self._moved(r)}")
+            self.emit(f"new{r} = {self._moved(r)}")
         self._finish(done)
 
     def is_delayed(self, d: int) -> bool:
@@ -153,7 +152,7 @@ class KernelText:
 
     def _guess(self, d: int) -> list[str]:
         rise = f"force_rise{d}"
-        return [f"{rise} = f{d} - fm{d}", f"g{d} = f{d} + half*{rise}", f"g{self.sites + d} = f{d} + {rise}"]
+        return [f"{rise} = f{d} - mf{d}", f"g{d} = f{d} + half*{rise}", f"g{self.sites + d} = f{d} + {rise}"]
 
     def _delayed(self, d: int) -> list[str]:
         """The forces that a delayed damper would have given some steps ago, by its quadratics in the ring; at rest before."""
@@ -172,37 +171,33 @@ class KernelText:
     def _numbers(self, row: Array) -> list[str]:
         return [self.number(value) for value in row]
 
-    def motion(self, letter: str, r: int) -> str:
-        """The name of a stroke (r < sites) or a rate: at the "m"iddle, at the "e"nd, the "n"ew one, or its "b"ase."""
-        return f"{'x' if r < self.sites else 'v'}{letter}{r % self.sites}"
-
     def _moved(self, r: int) -> str:
         """Stroke or rate of a site at the end under the forces ``g``."""
-        return f"{self.motion('b', r)} + " + " + ".join(f"{c}*{g}" for c, g in zip(self.ends[r], self.unknown))
+        return f"base{r} + " + " + ".join(f"{c}*{g}" for c, g in zip(self.ends[r], self.unknown))
 
     def _middle(self, d: int, x1: str, v1: str) -> list[str]:
         x0, v0 = self.starts[d], self.starts[self.sites + d]
         return [
-            f"xm{d} = half*({x0} + {x1}) + eighth_step*({v0} - {v1})",
-            f"vm{d} = three_half_rate*({x1} - {x0}) - quarter*({v0} + {v1})",
+            f"h{d} = half*({x0} + {x1}) + eighth_step*({v0} - {v1})",
+            f"h{self.sites + d} = three_half_rate*({x1} - {x0}) - quarter*({v0} + {v1})",
         ]
 
     def _laws(self) -> list[tuple[Half, Half]]:
         """The dampers' laws along the path of the guess."""
         N, done = self.sites, []
-        self.emit(*(f"{self.motion('e', r)} = {self._moved(r)}" for r in range(2 * N)))
+        self.emit(*(f"e{r} = {self._moved(r)}" for r in range(2 * N)))
         for d, composition in enumerate(self.compositions):
-            self.emit(*self._middle(d, f"xe{d}", f"ve{d}"))
+            self.emit(*self._middle(d, f"e{d}", f"e{N + d}"))
             values = [self._value(d, k) for k in range(len(composition.parameters))]
             states = [f"s{d}_{k}" for k in range(composition.n_states - composition.in_series)]
             before = f"u{d}" if self.is_delayed(d) else f"f{d}"
             states += [before] * composition.in_series
-            early = {"x0": self.starts[d], "x1": f"xm{d}", "v0": self.starts[N + d], "v1": f"vm{d}", "dt": "dt"}
+            early = {"x0": self.starts[d], "x1": f"h{d}", "v0": self.starts[N + d], "v1": f"h{N + d}", "dt": "dt"}
             early |= {"g0": before, "g1": before if self.is_delayed(d) else f"g{d}"}
-            late = {"x0": f"xm{d}", "x1": f"xe{d}", "v0": f"vm{d}", "v1": f"ve{d}", "dt": "dt"}
-            first = half_step(composition, f"_first{d}", states, values, early)
+            late = {"x0": f"h{d}", "x1": f"e{d}", "v0": f"h{N + d}", "v1": f"e{N + d}", "dt": "dt"}
+            first = half_step(composition, f"_half{d}", states, values, early)
             late |= {"g0": first.force, "g1": first.force if self.is_delayed(d) else f"g{N + d}"}
-            second = half_step(composition, f"_second{d}", [*first.ends, *states[len(first.ends) :]], values, late)
+            second = half_step(composition, f"_end{d}", [*first.ends, *states[len(first.ends) :]], values, late)
             self.emit(*first.lines, *second.lines)
             done.append((first, second))
         return done
@@ -236,7 +231,7 @@ class KernelText:
             for k, (low, high) in enumerate(list(composition.states.values())[: len(second.ends)]):
                 value = second.ends[k]
                 for name, row in ((second.by_x[k], d), (second.by_v[k], N + d)):
-                    value += f" + {name}*({self.motion('n', row)} - {self.motion('e', row)})" if name else ""
+                    value += f" + {name}*(new{row} - e{row})" if name else ""
                 if np.isfinite([low, high]).all():
                     value = f"min(max({value}, {self.number(low)}), {self.number(high)})"
                 self.emit(f"t{d}_{k} = {value}")
@@ -245,12 +240,12 @@ class KernelText:
                 self.emit(*(f"ring[{d}, slot_{k}*{self.ring_width} + l] = {done[d][k].force}" for k in range(2)))
                 self.carry(f"u{d}", second.force)
             if "energy" in self.quantities:
-                self.emit(*self._middle(d, f"xn{d}", f"vn{d}"))
-                power = f"f{d}*{self.starts[N + d]} + four*g{d}*vm{d} + g{N + d}*vn{d}"
+                self.emit(*self._middle(d, f"new{d}", f"new{N + d}"))
+                power = f"f{d}*{self.starts[N + d]} + four*g{d}*h{N + d} + g{N + d}*new{N + d}"
                 self.emit(f"En{d} = E{d} + sixth*({power})")
                 self.carry(f"E{d}", f"En{d}")
             self.carry(f"f{d}", f"g{N + d}")
-            self.carry(f"fm{d}", f"g{d}")
+            self.carry(f"mf{d}", f"g{d}")
 
     def outputs(self) -> list[tuple[str, int, Array]]:
         """What peaks are taken of: (quantity, which, its row over the state and the forces at the end)."""

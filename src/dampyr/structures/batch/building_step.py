@@ -42,7 +42,7 @@ class Small:
         for i in range(text.size):
             text.emit(f"k{i} = {text.sum(text.step.end[i, : len(terms)], terms)}")
         for r in range(2 * text.sites):
-            text.emit(f"{text.motion('b', r)} = {text.sum(text.step.sites[r], [f'k{i}' for i in range(text.size)])}")
+            text.emit(f"base{r} = {text.sum(text.step.sites[r], [f'k{i}' for i in range(text.size)])}")
 
     def after(self) -> None:
         """The state at the end and its peaks."""
@@ -53,7 +53,7 @@ class Small:
             text.carry(f"z{i}", f"n{i}")
         for r, start in enumerate(self.starts):
             if not start.startswith("z"):
-                text.carry(start, text.motion("n", r))
+                text.carry(start, f"new{r}")
         text.cut()
         self._observe()
 
@@ -101,7 +101,7 @@ class Large:
     def after(self) -> None:
         text = self.text
         for r, start in enumerate(self.starts):
-            text.carry(start, text.motion("n", r))
+            text.carry(start, f"new{r}")
         self.named_ = len(text.coefficients)
         outputs = text.outputs()
         self.values = text.rows.run("~q", len(outputs))
@@ -123,7 +123,7 @@ class Large:
         """The lines of a step."""
         text = self.text
         size, N = text.size, text.sites
-        shared = {text.motion("b", r): f"~base{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
+        shared = {f"base{r}": f"~base{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
         dampers = text.loops(shared) if N else []
         width = size + 2 + N
         explicit, unknown = text.step.end[:, :width], text.step.end[:, width:]

@@ -88,7 +88,7 @@ class Engine:
         for d, parameters in enumerate(values):
             for k in range(parameters.shape[1]):
                 block[rows[f"p{d}_{k}"]] = parameters[:, k]
-            for name in (f"f{d}", f"fm{d}", *((f"u{d}", f"R{d}") if self.text.is_delayed(d) else ())):
+            for name in (f"f{d}", f"mf{d}", *((f"u{d}", f"R{d}") if self.text.is_delayed(d) else ())):
                 block[rows[name]] = rest[:, d]
             if self.text.is_delayed(d):
                 block[rows[f"D{d}"]] = steps[:, d]
