@@ -49,4 +49,4 @@ def test_a_grid_that_is_no_grid_says_so_before_it_asks(address, new_page):
     page = new_page(f"{address}#/campaigns")
     page.locator("#verdict").wait_for()
     page.locator("#g-amplitude").fill("two")
-    page.get_by_text("amplitude must be numbers parted by commas").wait_for()
+    page.get_by_text("amplitude must be numbers separated by commas").wait_for()
