@@ -70,7 +70,8 @@ def simulated(
         if real_time or black_box is not None:
             raise InputError("a rig in this process has no clock and no black box of its own; leave in_process out")
         simulator = Simulator(rig, seed, fault_specs, specimen)
-        return Rig(rig, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False, folder=folder)
+        uno, board = Uno(InProcess(simulator.serial)), InProcessBoard(simulator)
+        return Rig(rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True)
     process = Process(rig, specimen, seed, fault_specs, real_time, black_box)
     try:
         wired = replace(rig, wires=replace(rig.wires, serial=process.serial, grpc=process.grpc))

@@ -37,6 +37,7 @@ HOMING = 120.0  # s that the search for the index may take
 class Rig:
     """A rig that is connected and not armed; see `dampyr.rig.connect` and `dampyr.rig.simulated`.
 
+    ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
     Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick.
     """
 
@@ -47,6 +48,7 @@ class Rig:
     calibration: Calibration | None = None
     interlocked: bool = True
     folder: Path | None = None
+    clocked_by_reads: bool = False
     on_close: list[Callable[[], None]] = field(default_factory=list)
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     warmth: Warmth = field(init=False)
@@ -225,7 +227,13 @@ class Table:
             pass
 
     def meanwhile(self, work: Callable[[], object]) -> None:
-        """Do slow work, such as finishing a long record, and keep reading: a rig whose host is silent stops."""
+        """Do slow work, such as finishing a long record, and keep reading: a rig whose host is silent stops.
+
+        One whose time passes only while it is read is left alone, so that its records do not depend on how long work takes.
+        """
+        if self.rig.clocked_by_reads:
+            work()
+            return
         with ThreadPoolExecutor(1, "meanwhile") as pool:
             done = pool.submit(work)
             wait([done], timeout=QUICK)
