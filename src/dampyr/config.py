@@ -36,7 +36,7 @@ def load_toml(path: str | Path) -> dict[str, Any]:
 
 
 def fill(cls: type[T], table: Any, where: str = "") -> T:
-    """The dataclass ``cls`` from the table ``told``; ``where`` is the table's name in messages.
+    """The dataclass ``cls`` from the table ``table``; ``where`` is the table's name in messages.
 
     Raises :class:`InputError` for what is not known, is missing, has the wrong type or unit, or leaves its range.
     """

@@ -82,3 +82,15 @@ def test_stop_is_heard_while_the_table_looks_for_its_index(tmp_path) -> None:
         with pytest.raises(Stopped):
             perform(campaign, rig, tmp_path, lambda progress: phases.append(progress.phase), control)
     assert phases == ["homing"]
+
+
+def test_a_rig_in_this_process_waits_for_slow_work() -> None:
+    """Its time passes only while it is read, so what follows does not depend on how long the work took."""
+    seen: list[Samples] = []
+    with simulated(in_process=True) as rig, rig.armed() as table:
+        table.home(here=True)
+        rig.watchers.append(seen.append)
+        table.meanwhile(lambda: time.sleep(0.5))
+        assert seen == []
+        with pytest.raises(KeyError):
+            table.meanwhile(lambda: {}["x"])

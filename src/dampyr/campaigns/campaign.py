@@ -113,7 +113,7 @@ def load(path: str | Path, seed: int | None = None) -> Campaign:
 
 
 def read(document: Mapping[str, Any], folder: str | Path = ".", seed: int | None = None) -> Campaign:
-    """The campaign in a table as TOML gives it; files that it names are looked for in the folder ``beside``."""
+    """The campaign in a table as TOML gives it; files that it names are looked for in ``folder``."""
     allowed = [*(field.name for field in fields(Header)), "step"]
     for name in document:
         if name not in allowed:

@@ -28,7 +28,7 @@ def nominal_inputs(records: Sequence[Record], nominal_values: Iterable[float] = 
     means of ten equal blocks stay within 2 % of U of its mean and the rms deviation is at most 5 % of U. Such means are one
     input when, in order, they follow one another within 2 % of U and span at most 4 % of U: their mean, rounded to the decimal
     place below a tenth of that tolerance. Where they lie within 2 % of U of an input that is known, they are that one: 0, the
-    inputs in ``known``, and those that other records have as a stated number.
+    inputs in ``nominal_values``, and those that other records have as a stated number.
 
     A record whose input varies, and one whose input was stated, come back as they are. The history of a changed one says so.
 
@@ -89,7 +89,7 @@ def _nominal(means: list[float], nominal_values: list[float], largest: float) ->
 
 
 def _groups(values: list[float], tolerance: float) -> list[list[float]]:
-    """Values in rising order, cut where one is more than ``room`` from the next."""
+    """Values in rising order, cut where one is more than ``tolerance`` from the next."""
     groups: list[list[float]] = []
     for value in values:
         if groups and value - groups[-1][-1] <= tolerance:

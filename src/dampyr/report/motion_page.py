@@ -63,7 +63,7 @@ def measures_table(motion_measures: Measures) -> Table:
 
 
 def spectrum_rows(spectra: Spectrum) -> list[list[float]]:
-    """Damping in per cent, period, Sd in mm, pseudo-velocity in mm/s, Sa in m/s² and in g; ``found`` has both axes."""
+    """Damping in per cent, period, Sd in mm, pseudo-velocity in mm/s, Sa in m/s² and in g; ``spectra`` has both axes."""
     return [
         [100 * spectra.damping[i], T, 1e3 * spectra.displacement[i, j], 1e3 * spectra.pseudo_velocity[i, j],
          spectra.pseudo_acceleration[i, j], spectra.pseudo_acceleration[i, j] / STANDARD_GRAVITY]

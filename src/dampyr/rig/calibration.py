@@ -58,7 +58,7 @@ NAME = "calibration.toml"
 
 
 def save_calibration(calibration: Calibration, folder: str | Path, metadata: Mapping[str, str] | None = None) -> Path:
-    """Write ``calibration.toml`` into the folder of a ``rig.toml``, whole or not at all; ``told`` is kept beside it."""
+    """Write ``calibration.toml`` into the folder of a ``rig.toml``, whole or not at all; ``metadata`` is kept beside it."""
     path = Path(folder) / NAME
     numbers = {
         key: value for key, value in asdict(calibration).items() if key != "middle"

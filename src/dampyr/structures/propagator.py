@@ -32,7 +32,7 @@ class Propagator:
     """One step of a building with N damper sites and n degrees of freedom.
 
     ``half`` and ``whole`` map ``(z0, ag0, ag1, f0, fh, f1)``, length ``2n + 2 + 3N``, to the state at h/2
-    and h. ``known`` maps ``(z0, ag0, ag1, f0)`` and ``unknown`` maps ``(fh, f1)`` to the motion of the
+    and h. ``explicit`` maps ``(z0, ag0, ag1, f0)`` and ``unknown`` maps ``(fh, f1)`` to the motion of the
     sites, ``(xh, vh, ah, x1, v1, a1)``, N values each: displacement, velocity, relative acceleration at h/2
     and h.
     """
