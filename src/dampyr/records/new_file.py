@@ -17,7 +17,7 @@ from typing import Any
 
 @contextmanager
 def new_file(path: Path, reserved_bytes: int = 0, **how: Any) -> Iterator[Any]:
-    """An open `h5py.File` that takes the place of what is in ``path``; ``reserved_bytes`` bytes are reserved for it before it is begun.
+    """An open `h5py.File` that takes the place of what is in ``path``; ``reserved_bytes`` are reserved before it is begun.
 
     ``how`` goes to `h5py.File`. Raises :class:`OSError` where the disk has not the room, or refuses a write.
     """

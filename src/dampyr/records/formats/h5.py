@@ -138,8 +138,8 @@ def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None
 def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], reserved_bytes: int = 0) -> None:
     """Write a record of ``n`` samples that comes in pieces; all but their channels is taken from the last.
 
-    ``reserved_bytes`` bytes are reserved before the first piece is asked for. Raises :class:`~dampyr.errors.InputError` where the clock
-    of a piece does not go on from that of the last, :class:`OSError` where the disk is full.
+    ``reserved_bytes`` are reserved before the first piece is asked for. Raises :class:`~dampyr.errors.InputError` where
+    the clock of a piece does not go on from that of the last, :class:`OSError` where the disk is full.
     """
     import h5py
 
