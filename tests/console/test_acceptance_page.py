@@ -80,7 +80,7 @@ def test_many_points_are_thinned_and_none_outside_is_lost(client, data):
     [
         ({"reference": "nothing_2020"}, 400, "nothing_2020"),
         ({"reference": "cards/none.toml"}, 404, "no such file"),
-        ({"reference": "cards/../good.h5"}, 400, "no name of a file"),
+        ({"reference": "cards/../good.h5"}, 400, "not a valid file name"),
         ({"reference": "data/none.h5"}, 404, "no such file"),
         ({}, 422, "reference"),
         ({"reference": "cards/mine.toml", "tolerance": 15}, 422, "tolerance"),

@@ -68,7 +68,7 @@ def parse_options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="of noise and lost bytes")
     parser.add_argument("--real-time", action="store_true", help="the rig follows the wall clock, not its host")
     parser.add_argument("--fault", action="append", default=[], metavar="KIND@TIME [for TIME]", help="may be repeated")
-    parser.add_argument("--black-event_log", metavar="FILE", help="a line of JSON per event")
+    parser.add_argument("--black-box", metavar="FILE", help="a line of JSON per event")
     parser.add_argument(
         "--once", action="store_true", help="end when the last client has disconnected and the table is at rest"
     )
