@@ -204,7 +204,7 @@ def test_a_full_disk_ends_the_test_cleanly(two: Path, tmp_path: Path, monkeypatc
 CROWDED = textwrap.dedent("""
     import os, resource, subprocess, sys
     from pathlib import Path
-    from dampyr.campaigns import taking
+    from dampyr.campaigns import record_test
     from dampyr.cli import cli
     from dampyr.records import read
     from dampyr.records.formats import h5
@@ -222,7 +222,7 @@ CROWDED = textwrap.dedent("""
 
     Recording.append = told
     if reserved == "no":  # as where a file system takes a write anew that was reserved before, or others use up the room
-        taking.check_room = lambda *_: None
+        record_test.check_disk_space = lambda *_: None
         os.posix_fallocate = lambda *_: None
     simulated(in_process=True).board.simulator.run_unattended(0.01)  # compiled once, for every host that is forked
     print("ready", flush=True)

@@ -47,7 +47,7 @@ def test_the_duration_counts_rests_and_the_stroke_before():
 
 
 def test_without_a_card_the_plan_says_that_the_force_is_not_known():
-    assert "force is not known" in plan(read(SINE)).notes[0]
+    assert "force is unknown" in plan(read(SINE)).notes[0]
     assert plan(read(SINE), damper=raminelli_2020.damper()).notes == ()
 
 

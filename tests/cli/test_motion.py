@@ -101,7 +101,7 @@ def test_a_page_shows_histories_and_spectra(tmp_path: Path) -> None:
         (("--damping", "5"), "a damping of 5 is not allowed; it must be from 0 to less than 1, as in 5% or 0.05"),
         (("--damping", "five"), "'five' is not a damping"),
         (("--period", "-1"), "periods: -1 s is not allowed"),
-        (("--dt", "0.01"), "belong to a file of one's own"),
+        (("--dt", "0.01"), "belong to a file that is given with --motion"),
         (("nothing.at2",), "no such file"),
     ],
 )

@@ -32,7 +32,7 @@ def test_a_dry_run_prints_every_test():
 def test_a_real_rig_without_a_card_is_told_that_the_force_is_not_known(tmp_path):
     (tmp_path / "rig.toml").write_text('[wires]\nserial = "COM3"\n')
     done = run(EXAMPLES / "quick_campaign.toml", "--dry-run", "--rig", tmp_path / "rig.toml")
-    assert "its force is not known, a conservative envelope" in done.stdout
+    assert "its force is unknown and taken as a conservative envelope" in done.stdout
 
 
 def test_refusals_stand_in_one_line_each(tmp_path):

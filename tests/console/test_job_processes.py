@@ -101,7 +101,7 @@ def test_a_result_is_there_after_the_console_was_started_again(client, finished,
 
 def test_a_kind_that_is_none_and_a_job_that_is_not_there(tmp_path):
     jobs = Jobs(tmp_path / "jobs")
-    with pytest.raises(InputError, match="kinds of work"):
+    with pytest.raises(InputError, match="kinds of jobs"):
         jobs.submit("os", {}, "")
     with pytest.raises(MissingData, match="no job"):
         jobs.job("../../etc")

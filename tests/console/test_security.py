@@ -163,7 +163,7 @@ def test_a_fault_tells_nothing_of_the_inside(data, monkeypatch, caplog):
     with TestClient(app(data), base_url=HERE, raise_server_exceptions=False) as client:
         answer = client.get("/api/cards")
     assert answer.status_code == 500
-    assert answer.json() == {"detail": "something went wrong inside dampyr; the console's own output says what"}
+    assert answer.json() == {"detail": "something went wrong inside dampyr; see the console's own output"}
 
 
 @given(st.text(max_size=40))

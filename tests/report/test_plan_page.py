@@ -28,7 +28,7 @@ def test_the_page_tells_every_test_every_refusal_and_every_note(tmp_path):
         assert test.name in html
     assert "needs 251.3 mm/s" in html
     assert "scaled to" in html
-    assert "its force is not known" in html
+    assert "its force is unknown" in html
     assert html.count("<svg") == 3  # the envelope, a sine, an earthquake
     assert "Refused by the rig" in html
 

@@ -248,7 +248,7 @@ def test_ring_two_alone_the_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ("broken-cell@8s", "load cell signal"),
         ("stuck-encoder-board@8s", "the board's and the Uno's position"),
-        ("board-timeout@8s", "the simulated board says"),
+        ("board-timeout@8s", "the simulated board gives an error"),
     ],
 )
 def test_ring_two_alone_faults(fault: str, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -378,7 +378,7 @@ def test_a_table_is_homed_from_where_it_stands_and_armed_again_where_it_was_left
         table.go(0.005)
     for to in (-0.012, 0.030, 0.0):
         moved(rig, simulator, to)
-    assert rig.warmth.temperature == pytest.approx(rig.settings.specimen.ambient_temperature, abs=0.1)
+    assert rig.warmth.temperature == pytest.approx(rig.settings.specimen.room, abs=0.1)
 
 
 def test_a_search_without_an_index_leaves_a_rig_that_can_be_armed() -> None:
@@ -417,7 +417,8 @@ def test_a_rig_is_armed_again_after_an_abort_in_mid_stroke(far: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "words"), [("stalled-motor", "is the motor blocked"), ("board-timeout", "the simulated board says")]
+    ("kind", "words"),
+    [("stalled-motor", "is the motor blocked"), ("board-timeout", "the simulated board gives an error")],
 )
 def test_a_rig_is_armed_again_after_a_fault_in_mid_stroke(kind: str, words: str) -> None:
     rig, simulator = made()

@@ -64,5 +64,5 @@ def test_predictions_of_records_that_were_not_fitted(campaign_folder: Path) -> N
     assert all(not set(fold["scores"]) & set(fold["fitted_on"]) for fold in by_record["folds"])
     assert len(by_input["folds"]) == 2
     done = dampyr("identify", campaign_folder, "--model", "dahl", "--predict", "amplitude")
-    assert "How well it predicts records that it was not fitted on, 5 parts by amplitude" in done.stdout
+    assert "Prediction of records that it was not fitted on, 5 parts by amplitude" in done.stdout
     assert dampyr("identify", campaign_folder, "--predict", "weather").returncode == 2

@@ -104,7 +104,7 @@ class Served:
         self.wire = self.channel = None
 
     def end(self) -> None:
-        self.disarm()
+        self.leave()
         self.process.terminate()
         self.process.wait(20)
         assert self.process.stdout is not None
