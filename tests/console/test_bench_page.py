@@ -159,7 +159,7 @@ def test_a_page_that_is_closed_leaves_the_rig_disarmed(address, new_page):
     first.goto("about:blank")
     time.sleep(6.0)
     second = new_page(f"{address}#/bench")
-    second.get_by_text("no page was open any more").wait_for()
+    second.get_by_text("no page is open any more").wait_for()
     second.locator("#bench-state", has_text="idle").wait_for()
 
 

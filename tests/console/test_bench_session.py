@@ -162,7 +162,7 @@ def test_an_armed_rig_that_nobody_looks_at_is_disarmed(armed: Bench, monkeypatch
     monkeypatch.setattr(bench_thread, "GRACE", 0.3)
     armed.clients.disconnect("a")
     phase(armed, "idle", 5.0)
-    assert "no page was open" in armed.state().note
+    assert "no page is open" in armed.state().note
 
 
 def test_a_page_loaded_anew_finds_the_rig_armed(armed: Bench) -> None:

@@ -100,7 +100,7 @@ def test_a_wrong_number_is_told_and_nothing_is_sent(page, client):
     go(page, "building")
     page.get_by_label("Inputs").fill("some")
     page.get_by_role("button", name="Simulate").click()
-    page.get_by_text("Inputs: some is not numbers").wait_for()
+    page.get_by_text("Inputs: some must be numbers separated by spaces").wait_for()
 
 
 def test_work_is_cancelled_from_the_page(page):

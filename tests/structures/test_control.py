@@ -336,7 +336,7 @@ def test_a_delay_that_changes_with_the_input_is_refused(damper):
 def test_accuracy_that_is_not_reached_is_said(damper, monkeypatch):
     import sys
 
-    monkeypatch.setattr(sys.modules["dampyr.structures.respond"], "MOST_STEPS", 2000)
+    monkeypatch.setattr(sys.modules["dampyr.structures.step_size"], "MAX_STEP_COUNT", 2000)
     with pytest.warns(DampyrWarning, match="not to its accuracy"):
         response = respond(
             two_storey(), short(2.0), {1: damper}, voltage=control_law("on_off", high=HIGH), accuracy=1e-12
