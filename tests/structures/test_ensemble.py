@@ -146,8 +146,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from dampyr.ground_motions import kanai_tajimi
-from dampyr.structures import cases, ensemble, two_storey
-cases.CASES_PER_SHARD = 16
+from dampyr.structures import ensemble, ensemble_grid, two_storey
+ensemble_grid.CASES_PER_SHARD = 16
 print("ready", flush=True)
 found = ensemble(
     two_storey(), [kanai_tajimi(9.0, 0.02, seed=k, pga=3.0) for k in range(300)], scales=np.linspace(0.1, 2.0, 16),

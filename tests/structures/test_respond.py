@@ -318,7 +318,10 @@ def test_as_a_dataset(cubics):
     [
         (lambda d: {"dampers": {3: d}, "voltage": 0.0}, r"storey 3 is not in .* from 1 .* to 2"),
         (lambda d: {"dampers": {0: d}, "voltage": 0.0}, r"storey 0 is not in"),
-        (lambda d: {"dampers": d, "voltage": 0.0}, r"mapping from storey to damper"),
+        (
+            lambda d: {"dampers": 3.0, "voltage": 0.0},
+            r"dampers is a float; write a damper, .* or a mapping from storey",
+        ),
         (lambda d: {"dampers": {1: 3.0}, "voltage": 0.0}, r"holds a float"),
         (lambda d: {"dampers": {1: d}}, r"has no voltage; write voltage="),
         (lambda d: {"dampers": {1: d}, "current": 0.5}, r"takes a voltage"),
