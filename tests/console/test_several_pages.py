@@ -92,6 +92,19 @@ def test_a_campaign_that_is_not_saved_comes_back(address, new_page, data):
     assert page.locator("#restored").is_hidden()
 
 
+def test_what_is_typed_is_what_is_saved(address, new_page, data):
+    page = new_page(f"{address}#/campaigns")
+    page.locator("#g-amplitude").fill("3, 5")
+    page.locator("#file").fill("grid")
+    page.locator("#save").click()  # at once: before the text was made anew
+    page.get_by_text("Saved: grid").wait_for()
+    assert '"3 mm", "5 mm"' in (data / "campaigns" / "grid.toml").read_text()
+    page.locator("#g-cycles").fill("0")
+    page.locator("#save").click()  # nothing is written for entries that are wrong
+    page.get_by_text("cycles must be a whole number").wait_for()
+    assert '"3 mm", "5 mm"' in (data / "campaigns" / "grid.toml").read_text()
+
+
 def test_two_pages_on_one_campaign_do_not_overwrite_each_other(address, new_page, data):
     (data / "campaigns").mkdir()
     file = data / "campaigns" / "grid.toml"

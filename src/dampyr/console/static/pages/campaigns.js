@@ -23,15 +23,34 @@ export async function show(root, query) {
   const run = h("a", { class: "button", href: "#/bench", hidden: true, id: "to-bench" }, "Run on the bench");
   const unsaved = drafts("campaign");
   const restored = h("div", { class: "row", id: "restored", role: "status", hidden: true }, h("span", {}, "Unsaved changes were restored."),
-    button("Discard them", () => (unsaved.drop(open.value), load()), { id: "discard" }));
+    button("Discard them", () => (unsaved.drop(open.value), start(load)), { id: "discard" }));
   let timer = 0;
+  let later = null; // the update that waits for the last key
+  let current = null; // the update in progress or done; whether it made the text anew
   let turn = 0;
   let saved = ""; // the text of the file that is open, as this page knows it
 
+  function start(work) {
+    clearTimeout(timer);
+    later = null;
+    current = work();
+    return current;
+  }
+
   const soon = (work) => {
     clearTimeout(timer);
-    timer = setTimeout(work, LATER);
+    later = work;
+    timer = setTimeout(() => start(work), LATER);
   };
+
+  /** Once the text is what the entries say; false where they are wrong. */
+  async function upToDate() {
+    for (;;) {
+      const mine = later ? start(later) : current;
+      const ready = await mine;
+      if (!later && mine === current) return ready;
+    }
+  }
 
   async function fromGrid() {
     const request = form.read();
@@ -39,12 +58,13 @@ export async function show(root, query) {
     if (typeof request === "string") return wrong(request);
     try {
       const made = await post("campaigns/text", request);
-      if (mine !== turn) return undefined;
+      if (mine !== turn) return false;
       source.value = made.text;
     } catch (problem) {
-      return wrong(problem.message);
+      return mine === turn && wrong(problem.message);
     }
-    return dryRun();
+    await dryRun();
+    return true;
   }
 
   async function dryRun() {
@@ -55,6 +75,7 @@ export async function show(root, query) {
     } catch (problem) {
       if (mine === turn) wrong(problem.message);
     }
+    return true;
   }
 
   /** Store the unsaved draft. */
@@ -62,7 +83,10 @@ export async function show(root, query) {
     unsaved.keep(open.value, { text: source.value, name: name.value, rig: rig.value, grid: form.element.hidden ? null : form.texts() });
   }
 
-  const wrong = (sentence) => plan.replaceChildren(h("p", { class: "verdict bad" }, sentence));
+  function wrong(sentence) {
+    plan.replaceChildren(h("p", { class: "verdict bad" }, sentence));
+    return false;
+  }
 
   function take(file) {
     source.value = file.text;
@@ -72,7 +96,6 @@ export async function show(root, query) {
   }
 
   async function load() {
-    clearTimeout(timer);
     history.replaceState(null, "", `#/campaigns?${asQuery({ open: open.value })}`);
     run.hidden = true;
     name.value = open.value;
@@ -97,8 +120,7 @@ export async function show(root, query) {
   }
 
   async function save() {
-    if (!name.reportValidity()) return;
-    clearTimeout(timer);
+    if (!name.reportValidity() || !(await upToDate())) return;
     const replaces = name.value === open.value ? saved : "";
     const written = await attempt(() => put(`campaigns/files/${encodeURIComponent(name.value)}`, { text: source.value, rig: rig.value, replaces }));
     if (!written) return;
@@ -118,7 +140,11 @@ export async function show(root, query) {
 
   form.element.addEventListener("input", () => {
     keep();
-    soon(async () => (await fromGrid(), keep()));
+    soon(async () => {
+      const ready = await fromGrid();
+      keep();
+      return ready;
+    });
   });
   source.addEventListener("input", () => {
     form.element.hidden = true;
@@ -127,8 +153,8 @@ export async function show(root, query) {
     soon(dryRun);
   });
   name.addEventListener("input", keep);
-  open.addEventListener("change", load);
-  rig.addEventListener("change", dryRun);
+  open.addEventListener("change", () => start(load));
+  rig.addEventListener("change", () => (later ? start(later) : start(dryRun)));
   const files_ = h("div", { class: "fields" }, field("Open", open), field("Save as", name), field("Rig", rig));
   root.append(h("div", { class: "split" },
     h("div", { class: "side" }, files_, h("div", { class: "row" }, button("Save", save, { class: "main", id: "save" }), run), restored, form.element, beyond,
@@ -136,7 +162,7 @@ export async function show(root, query) {
     plan));
   const request = query.get("open");
   if (request && files.includes(request)) open.value = request;
-  await load();
+  await start(load);
   return () => clearTimeout(timer);
 }
 
