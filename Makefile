@@ -10,12 +10,13 @@ BENCH_LOCK := requirements/bench.lock
 BENCH_READY := $(BENCH_VENV)/ready
 WORKERS ?= 2
 
-.PHONY: help demo test prove check bench lock clean compiler chromium axe blas
+.PHONY: help demo test prove endure check bench lock clean compiler chromium axe blas
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
 	@echo "make test    the tests, without the long proofs"
 	@echo "make prove   the long proofs (fixed seeds)"
+	@echo "make endure  long campaigns and the bench in real time, for about an hour, on a machine with nothing else to do"
 	@echo "make check   style, types and the layers of the house"
 	@echo "make bench   timings on this machine, printed and never asserted (BENCH=million: that one)"
 	@echo "make lock    resolve $(LOCK) and $(BENCH_LOCK) again (needs uv)"
@@ -60,11 +61,13 @@ demo: $(READY)
 	$(BIN)/dampyr demo --out out/demo
 
 test: $(READY) compiler chromium axe
-	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not prove"
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not prove and not real_time"
 
 prove: $(READY) compiler chromium axe
-	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not quiet"
-	$(BIN)/python -m pytest -m quiet
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not real_time"
+
+endure: $(READY) compiler chromium axe
+	$(BIN)/python -m pytest --endure -m "endure or real_time"
 
 check: $(READY)
 	$(BIN)/ruff check .

@@ -11,12 +11,29 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from tests.endurance import Endurance, write_page
+
 settings.register_profile("dampyr", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("dampyr")
 
 DATA_ABSENT = "data absent"
 _REPOSITORY = Path(__file__).resolve().parents[1]
 _skips: list[tuple[str, str]] = []
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--endure",
+        action="store_true",
+        help="long campaigns in full length and the bench in real time, on a machine with nothing else to do; "
+        "writes docs/reference/endurance.md",
+    )
+
+
+@pytest.fixture
+def endurance(request: pytest.FixtureRequest) -> Endurance:
+    """The length of a long campaign."""
+    return Endurance(request.config.getoption("--endure"), request.node.nodeid)
 
 
 def data_folder() -> Path:
@@ -75,6 +92,8 @@ def _unexpected() -> list[tuple[str, str]]:
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session) -> None:
     on_a_worker = hasattr(session.config, "workerinput")
+    if session.config.getoption("--endure") and session.exitstatus == pytest.ExitCode.OK:
+        write_page()
     if os.environ.get("CI") and not on_a_worker and _unexpected():
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.endurance import Endurance
 
 from dampyr import campaigns, records
 from dampyr.campaigns import Control, Progress, Stopped, perform, read_journal
@@ -442,15 +443,17 @@ FORKING = textwrap.dedent("""
 
 
 @pytest.mark.prove
-def test_two_hundred_kills_in_campaigns(two: Path, tmp_path: Path) -> None:
+@pytest.mark.endure
+def test_kills_in_campaigns(two: Path, tmp_path: Path, endurance: Endurance) -> None:
     """Hosts killed at random moments, over and over, until each campaign is complete: nothing acknowledged is lost."""
-    draw, kills, number = np.random.default_rng(20201124), 0, 0
+    seed, wanted = 20201124, endurance.count(400)
+    draw, kills, number, rows = np.random.default_rng(seed), 0, 0, 0
     command = [sys.executable, "-c", FORKING]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as hosts:
         assert hosts.stdin is not None
         assert hosts.stdout is not None
         assert hosts.stdout.readline() == "ready\n"
-        while kills < 200:
+        while kills < wanted:
             number += 1
             folder, acknowledged, ended, max_delay = tmp_path / str(number) / "out", {}, False, 0.3
             folder.parent.mkdir()
@@ -466,15 +469,23 @@ def test_two_hundred_kills_in_campaigns(two: Path, tmp_path: Path) -> None:
             assert len(records.read_campaign(folder)) == 2
             assert [test.state for test in read_journal(folder)[0]] == ["complete"] * 2
             assert not list(folder.glob(".*"))  # of a copy that was under way
+            rows += sum(acknowledged.values())
         hosts.stdin.close()
-    assert number > 5  # campaigns went on to their end between the kills
+    assert number > wanted / 40  # campaigns went on to their end between the kills
+    endurance.report(
+        "the host is killed while it performs a campaign, until the campaign is complete",
+        seed,
+        f"{kills} kills in {number} campaigns; of {rows} acknowledged samples none is lost",
+    )
 
 
 @pytest.mark.prove
-def test_twenty_kills_over_the_wires(two: Path, tmp_path: Path) -> None:
+@pytest.mark.endure
+def test_kills_over_the_wires(two: Path, tmp_path: Path, endurance: Endurance) -> None:
     """The rig is a process of its own and comes to rest within 300 ms whenever its host is killed."""
-    draw, kills, number = np.random.default_rng(20201125), 0, 0
-    while kills < 20:
+    seed, wanted = 20201125, endurance.count(100)
+    draw, kills, number = np.random.default_rng(seed), 0, 0
+    while kills < wanted:
         number += 1
         folder, saved, ended, max_delay = tmp_path / str(number) / "out", {}, False, 1.0
         folder.parent.mkdir()
@@ -486,6 +497,11 @@ def test_twenty_kills_over_the_wires(two: Path, tmp_path: Path) -> None:
             check_saved(folder, saved)
             check_rest(box)
         assert len(records.read_campaign(folder)) == 2
+    endurance.report(
+        "the host is killed while its rig, a process of its own, moves",
+        seed,
+        f"{kills} kills in {number} campaigns; each time at rest with the coil off within 300 ms",
+    )
 
 
 def test_the_settings_are_those_of_the_rig_file(two: Path, tmp_path: Path) -> None:

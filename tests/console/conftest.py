@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ import pytest
 
 pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
+from tests.rig_time import RealTime, SimulatedTime
 
 from dampyr.console import app
 
@@ -36,6 +37,15 @@ def data(tmp_path: Path) -> Path:
     folder = tmp_path / "data"
     folder.mkdir()
     return folder
+
+
+def _bench_time(request: pytest.FixtureRequest) -> RealTime:
+    """The time of a bench: simulated, or with ``--endure`` the wall clock's."""
+    return RealTime() if request.config.getoption("--endure") else SimulatedTime()
+
+
+bench_time = pytest.fixture(_bench_time, name="bench_time")
+module_bench_time = pytest.fixture(_bench_time, name="module_bench_time", scope="module")
 
 
 @pytest.fixture
@@ -61,10 +71,10 @@ def finished(client: TestClient) -> Callable[[str], dict[str, Any]]:
 
 
 @contextmanager
-def served(data: Path, *options: str) -> Iterator[str]:
+def served(data: Path, *options: str, program: Sequence[str] = ("-m", "dampyr")) -> Iterator[str]:
     """A console in a process of its own; its address."""
-    command = [sys.executable, "-m", "dampyr", "console", "--json", "--port", "0", "--no-browser", "--data", str(data)]
-    process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True)
+    words = ["console", "--json", "--port", "0", "--no-browser", "--data", str(data)]
+    process = subprocess.Popen([sys.executable, *program, *words, *options], stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None
         output = ""
@@ -87,9 +97,9 @@ def serving() -> Callable[..., Any]:
 
 
 @pytest.fixture
-def address(data: Path) -> Iterator[str]:
+def address(data: Path, serving: Callable[..., Any]) -> Iterator[str]:
     """Where the console over ``data`` is served."""
-    with served(data) as url:
+    with serving(data) as url:
         yield url
 
 
@@ -101,6 +111,7 @@ def _chromium() -> str:
 
 
 def _yielding(folder: pytest.TempPathFactory) -> str:
+    """A Chromium that does not starve a rig in real time beside it."""
     script = folder.mktemp("browser") / "chromium"
     script.write_text(f'#!/bin/sh\nexec nice -n 10 {_chromium()} "$@"\n')
     script.chmod(0o755)
@@ -108,11 +119,12 @@ def _yielding(folder: pytest.TempPathFactory) -> str:
 
 
 @pytest.fixture(scope="session")
-def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """A browser, or a skip that says what is missing. It yields to a rig that is simulated in real time beside it."""
+def chromium(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """A browser, or a skip that says what is missing."""
+    executable = _yielding(tmp_path_factory) if request.config.getoption("--endure") else _chromium()
     api = pytest.importorskip("playwright.sync_api")
     with api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=_yielding(tmp_path_factory), args=QUIET)
+        browser = playwright.chromium.launch(executable_path=executable, args=QUIET)
         yield browser
         browser.close()
 
@@ -150,7 +162,7 @@ def new_page(chromium: Any) -> Iterator[Callable[..., Any]]:
         context = chromium.new_context(**{"viewport": {"width": 1280, "height": 900}} | settings)
         seen = Seen(context.new_page(), refused)
         made.append((context, seen))
-        seen.page.set_default_timeout(20_000)
+        seen.page.set_default_timeout(120_000)  # ends a wait for what never comes, however busy the machine is
         seen.page.goto(address)
         return seen.page
 

@@ -43,14 +43,14 @@ LAST = ("cancel", "DELETE", "disarm", "disconnect")  # what takes things away co
 
 
 @pytest.fixture(scope="module")
-def full_console(tmp_path_factory, campaign_folder):
+def full_console(tmp_path_factory, campaign_folder, module_bench_time):
     """A console over a full data folder, with a bench to which one page listens."""
     folder = tmp_path_factory.mktemp("full") / "data"
     fill(folder, campaign_folder)
     jobs = worked(folder)
-    made = app(folder, at_once=0)
+    made = app(folder, at_once=0, opener=module_bench_time.open, clock=module_bench_time)
     api = schemathesis.openapi.from_asgi("/api/openapi.json", made, headers=HERE)
-    with asgi.get_client(made) as client:
+    with module_bench_time.passing(1.0), asgi.get_client(made) as client:
         own = made.inner.state.dampyr.own
         yield SimpleNamespace(folder=folder, client=client, values=existing_values(jobs), api=api, own=own)
 
@@ -173,7 +173,6 @@ def settled(client):
     raise AssertionError(bench_state)
 
 
-@pytest.mark.quiet
 def test_a_bench_in_control_takes_any_order_of_anything(full_console):
     """Connected, armed, moving: commands in any state answer or refuse, and abort ends it."""
     wanted = operations(full_console, lambda path: "/bench" in path)

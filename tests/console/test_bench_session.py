@@ -1,27 +1,27 @@
-"""The bench without a web: a rig simulated in real time, commands, control, abort from any thread, a server that dies."""
+"""The bench without a web: a rig read by a thread, commands, control, abort from any thread, a server that dies."""
 
 import json
 import os
 import signal
 import subprocess
 import sys
-import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.rig_time import HANG, RealTime, SimulatedTime
 
 from dampyr.campaigns import read_journal
 from dampyr.console import bench_thread
 from dampyr.console.bench_session import Bench
 from dampyr.errors import InputError
 from dampyr.records import read
-from dampyr.rig import Rig, RigSettings, simulated
 
-pytestmark = [pytest.mark.prove, pytest.mark.quiet]  # in real time: a starved host trips its own watchdog
+pytestmark = pytest.mark.endure
 
+Until = Callable[..., None]
+Phase = Callable[..., None]
 CAMPAIGN = """
 name = "short"
 rest_between = "0.2 s"
@@ -36,39 +36,32 @@ rest_before = "0.2 s"
 """
 
 
-def until(condition: Callable[[], object], seconds: float = 30.0) -> None:
-    """Wait for something; fail where it does not come."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, f"waited in vain for {condition}"
-        time.sleep(0.01)
-
-
-def phase(bench: Bench, name: str, seconds: float = 30.0) -> None:
-    until(lambda: bench.state().phase == name, seconds)
-
-
 @pytest.fixture
-def bench(tmp_path: Path) -> Iterator[Bench]:
-    """A bench whose page "a" holds control, nothing connected; it stays awake while the test runs."""
+def bench(tmp_path: Path, bench_time: RealTime) -> Iterator[Bench]:
+    """A bench whose page "a" holds control, nothing connected; its pages are heard of while a test waits."""
     (tmp_path / "short.toml").write_text(CAMPAIGN)
-    made = Bench(tmp_path)
-    awake = threading.Event()
-
-    def speak() -> None:
-        while not awake.wait(0.3):
-            made.clients.hear("a")
-            made.clients.hear("b")
-
+    made = Bench(tmp_path, bench_time.open, bench_time)
     made.clients.join("a")
-    threading.Thread(target=speak, daemon=True).start()
+    bench_time.everywhile = lambda: (made.clients.hear("a"), made.clients.hear("b"))
     yield made
-    awake.set()
-    made.close()
+    with bench_time.passing():
+        made.close()
 
 
 @pytest.fixture
-def armed(bench: Bench) -> Bench:
+def until(bench_time: RealTime) -> Until:
+    """``until(condition, seconds)``: wait for something; fail where it does not come."""
+    return bench_time.until
+
+
+@pytest.fixture
+def phase(until: Until) -> Callable[..., None]:
+    """``phase(bench, name, seconds)``: wait for a phase of the bench."""
+    return lambda bench, name, seconds=30.0: until(lambda: bench.state().phase == name, seconds)
+
+
+@pytest.fixture
+def armed(bench: Bench, phase: Phase) -> Bench:
     """A bench that is armed and homed."""
     bench.connect("a")
     phase(bench, "idle")
@@ -100,12 +93,12 @@ def position(bench: Bench) -> float:
     return live.position
 
 
-def test_connect_arm_home_jog_disarm(armed: Bench) -> None:
+def test_connect_arm_home_jog_disarm(armed: Bench, bench_time: RealTime, until: Until, phase: Phase) -> None:
     assert [ring.state for ring in armed.state().rings] == ["watching", "watching", "off"]
     assert armed.state().live is not None
     for _ in range(10):
         armed.jog("a", 0.005)
-        time.sleep(0.05)
+        bench_time.sleep(0.05)
     armed.jog("a", 0.0)
     until(lambda: not armed.state().jogging)
     assert 0.001 < position(armed) < 0.006
@@ -119,14 +112,14 @@ def test_connect_arm_home_jog_disarm(armed: Bench) -> None:
     assert armed.state().rig is None
 
 
-def test_a_jog_that_is_not_asked_for_again_stops(armed: Bench) -> None:
+def test_a_jog_that_is_not_asked_for_again_stops(armed: Bench, until: Until) -> None:
     armed.jog("a", 0.005)
     until(lambda: armed.state().jogging)
     until(lambda: not armed.state().jogging, 2.0)
     assert position(armed) < 0.005 * 1.5
 
 
-def test_a_jog_stops_with_its_page(armed: Bench) -> None:
+def test_a_jog_stops_with_its_page(armed: Bench, until: Until) -> None:
     armed.clients.join("b")
     armed.jog("a", 0.005)
     until(lambda: armed.state().jogging)
@@ -136,17 +129,17 @@ def test_a_jog_stops_with_its_page(armed: Bench) -> None:
     assert armed.state().phase == "armed"  # "b" still looks on
 
 
-def test_homing_stops_when_another_page_takes_control(armed: Bench) -> None:
+def test_homing_stops_when_another_page_takes_control(armed: Bench, until: Until, phase: Phase) -> None:
     armed.clients.join("b")
     armed.home("a")
     until(lambda: armed.state().rings[0].words.startswith("homing"))
     armed.clients.take("b")
     phase(armed, "armed", 2.0)
-    assert "does not hold control" in armed.state().note
+    assert "no longer holds control" in armed.state().note
     until(lambda: armed.state().rings[0].words.startswith("armed"), 2.0)
 
 
-def test_a_table_is_homed_by_its_index(bench: Bench) -> None:
+def test_a_table_is_homed_by_its_index(bench: Bench, phase: Phase) -> None:
     bench.connect("a")
     phase(bench, "idle")
     bench.arm("a")
@@ -158,23 +151,25 @@ def test_a_table_is_homed_by_its_index(bench: Bench) -> None:
     assert bench.state().homed
 
 
-def test_an_armed_rig_that_nobody_looks_at_is_disarmed(armed: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_armed_rig_that_nobody_looks_at_is_disarmed(
+    armed: Bench, monkeypatch: pytest.MonkeyPatch, phase: Phase
+) -> None:
     monkeypatch.setattr(bench_thread, "GRACE", 0.3)
     armed.clients.disconnect("a")
     phase(armed, "idle", 5.0)
     assert "no page is open" in armed.state().note
 
 
-def test_a_page_loaded_anew_finds_the_rig_armed(armed: Bench) -> None:
+def test_a_page_loaded_anew_finds_the_rig_armed(armed: Bench, bench_time: RealTime) -> None:
     armed.clients.disconnect("a")
-    time.sleep(0.2)
+    bench_time.sleep(0.2)
     armed.clients.join("a")
-    time.sleep(0.2)
+    bench_time.sleep(0.2)
     assert armed.state().phase == "armed"
     armed.disarm("a")
 
 
-def test_commands_are_refused_in_the_wrong_state_and_from_the_wrong_page(bench: Bench) -> None:
+def test_commands_are_refused_in_the_wrong_state_and_from_the_wrong_page(bench: Bench, until: Until) -> None:
     with pytest.raises(InputError, match="the bench is disconnected; for this it has to be idle"):
         bench.arm("a")
     with pytest.raises(InputError, match="the bench is disconnected"):
@@ -188,11 +183,11 @@ def test_commands_are_refused_in_the_wrong_state_and_from_the_wrong_page(bench: 
     assert bench.state().phase == "disconnected"
 
 
-def test_the_ends_of_the_stroke_are_not_jogged_into(armed: Bench) -> None:
+def test_the_ends_of_the_stroke_are_not_jogged_into(armed: Bench, bench_time: RealTime, until: Until) -> None:
     def on() -> None:
         while True:
             armed.jog("a", 0.010)
-            time.sleep(0.05)
+            bench_time.sleep(0.05)
 
     with pytest.raises(InputError, match="before the end of its stroke; jog the other way"):
         on()
@@ -201,7 +196,7 @@ def test_the_ends_of_the_stroke_are_not_jogged_into(armed: Bench) -> None:
     assert armed.state().phase == "armed"
 
 
-def test_abort_while_armed_and_on_the_way_to_it(armed: Bench) -> None:
+def test_abort_while_armed_and_on_the_way_to_it(armed: Bench, until: Until, phase: Phase) -> None:
     armed.jog("a", 0.005)
     until(lambda: armed.state().jogging)
     armed.abort("page 2")
@@ -219,7 +214,7 @@ def test_abort_while_armed_and_on_the_way_to_it(armed: Bench) -> None:
     phase(armed, "armed", 5.0)
 
 
-def test_the_load_cell_is_zeroed(armed: Bench) -> None:
+def test_the_load_cell_is_zeroed(armed: Bench, until: Until, phase: Phase) -> None:
     armed.zero("a")
     phase(armed, "armed", 5.0)
     rig = armed.rig
@@ -229,7 +224,7 @@ def test_the_load_cell_is_zeroed(armed: Bench) -> None:
     until(lambda: (live := armed.state().live) is not None and abs(live.force) < 5.0, 2.0)
 
 
-def test_the_guided_steps_of_a_calibration(bench: Bench) -> None:
+def test_the_guided_steps_of_a_calibration(bench: Bench, until: Until, phase: Phase) -> None:
     bench.connect("a")
     phase(bench, "idle")
     with pytest.raises(InputError, match="no calibration is under way"):
@@ -252,7 +247,7 @@ def test_the_guided_steps_of_a_calibration(bench: Bench) -> None:
     assert abs(state.rig.zero) > 0.01
 
 
-def test_a_campaign_to_its_end_survives_its_page(armed: Bench) -> None:
+def test_a_campaign_to_its_end_survives_its_page(armed: Bench, until: Until, phase: Phase) -> None:
     run(armed)
     phase(armed, "campaign")
     armed.clients.disconnect("a")
@@ -269,7 +264,7 @@ def test_a_campaign_to_its_end_survives_its_page(armed: Bench) -> None:
     assert armed.state().rings[2].words == "short: all of its 2 tests passed"
 
 
-def test_pause_resume_and_stop(armed: Bench) -> None:
+def test_pause_resume_and_stop(armed: Bench, until: Until, phase: Phase) -> None:
     run(armed)
     armed.pause("a", True)
     until(lambda: (progress := armed.state().run) is not None and progress.phase == "paused")
@@ -283,7 +278,7 @@ def test_pause_resume_and_stop(armed: Bench) -> None:
     assert outcome(armed) == "complete"
 
 
-def test_a_campaign_is_aborted_and_its_record_says_so(armed: Bench) -> None:
+def test_a_campaign_is_aborted_and_its_record_says_so(armed: Bench, until: Until, phase: Phase) -> None:
     run(armed)
     until(lambda: (progress := armed.state().run) is not None and progress.phase == "testing")
     armed.abort()
@@ -293,7 +288,7 @@ def test_a_campaign_is_aborted_and_its_record_says_so(armed: Bench) -> None:
     assert read_journal(armed.data / "run")[0][0].reason == "aborted: by the operator"
 
 
-def test_abort_before_a_campaign_arms_lets_nothing_move(bench: Bench) -> None:
+def test_abort_before_a_campaign_arms_lets_nothing_move(bench: Bench, phase: Phase) -> None:
     bench.connect("a")
     phase(bench, "idle")
     run(bench)
@@ -304,18 +299,18 @@ def test_abort_before_a_campaign_arms_lets_nothing_move(bench: Bench) -> None:
     assert not folder.is_dir() or not list(folder.glob("*.h5"))
 
 
-def test_stop_acts_while_the_table_is_homed(bench: Bench) -> None:
+def test_stop_acts_while_the_table_is_homed(bench: Bench, bench_time: RealTime, until: Until, phase: Phase) -> None:
     bench.connect("a")
     phase(bench, "idle")
     run(bench)
     until(lambda: (progress := bench.state().run) is not None and progress.phase == "homing")
-    time.sleep(0.1)
+    bench_time.sleep(0.1)
     bench.stop("a")
     phase(bench, "idle", 3.0)
     assert outcome(bench) == "stopped"
 
 
-def test_a_campaign_that_the_rig_cannot_do_is_refused_before_it_arms(bench: Bench) -> None:
+def test_a_campaign_that_the_rig_cannot_do_is_refused_before_it_arms(bench: Bench, phase: Phase) -> None:
     (bench.data / "short.toml").write_text(CAMPAIGN.replace("4 mm", "30 mm"))
     bench.connect("a")
     phase(bench, "idle")
@@ -325,25 +320,20 @@ def test_a_campaign_that_the_rig_cannot_do_is_refused_before_it_arms(bench: Benc
     assert bench.state().rings[2].state == "acted"
 
 
-def test_the_interlock_is_seen(tmp_path: Path) -> None:
-    def faulty(data: Path, name: str, simulate: bool) -> Rig:
-        return simulated(RigSettings(), real_time=True, faults=["broken-cell@1s"])
-
-    bench = Bench(tmp_path, faulty)
-    try:
-        bench.clients.join("a")
-        bench.connect("a")
-        phase(bench, "idle")
-        bench.arm("a")
-        until(lambda: bench.state().rings[1].state == "acted", 10.0)
-        phase(bench, "idle", 5.0)
-        assert "interlock" in bench.state().note
-        assert bench.state().fault
-    finally:
-        bench.close()
+def test_the_interlock_is_seen(bench: Bench, bench_time: RealTime, until: Until, phase: Phase) -> None:
+    bench_time.faults = ("broken-cell@1s",)
+    bench.connect("a")
+    phase(bench, "idle")
+    bench.arm("a")
+    until(lambda: bench.state().rings[1].state == "acted", 10.0)
+    phase(bench, "idle", 5.0)
+    assert "interlock" in bench.state().note
+    assert bench.state().fault
 
 
-def test_the_steps_of_the_guide_twice_on_one_rig(bench: Bench) -> None:
+def test_the_steps_of_the_guide_twice_on_one_rig(
+    bench: Bench, bench_time: RealTime, until: Until, phase: Phase
+) -> None:
     """docs/how-to/bench.md: arm, home, jog, run a campaign; abort; and all of it again, wherever the table was left."""
     bench.connect("a")
     phase(bench, "idle")
@@ -355,7 +345,7 @@ def test_the_steps_of_the_guide_twice_on_one_rig(bench: Bench) -> None:
         assert bench.state().homed
         for _ in range(12):
             bench.jog("a", 0.008)
-            time.sleep(0.05)
+            bench_time.sleep(0.05)
         bench.jog("a", 0.0)
         until(lambda: not bench.state().jogging)
         assert position(bench) > 0.003
@@ -383,10 +373,12 @@ def test_the_steps_of_the_guide_twice_on_one_rig(bench: Bench) -> None:
 
 DYING = """
 import sys, time
+from contextlib import suppress
 from pathlib import Path
 from dampyr.console.bench_session import Bench
+from dampyr.errors import InputError
 from dampyr.rig import simulated
-bench = Bench(Path("."), lambda *_: simulated(real_time=True, black_box=sys.argv[1]))
+bench = Bench(Path("."), lambda *_: simulated(real_time=sys.argv[2] == "real", black_box=sys.argv[1]))
 bench.clients.join("a")
 
 def wait(phase):
@@ -402,20 +394,25 @@ bench.home("a", here=True)
 while not bench.state().homed:
     wait("armed")
 while True:
-    bench.clients.hear("a"); bench.jog("a", 0.005); time.sleep(0.05)
+    bench.clients.hear("a")
+    with suppress(InputError):  # the end of the stroke
+        bench.jog("a", 0.005)
+    time.sleep(0.01)
     if bench.state().jogging: print("jogs", flush=True)
 """
 
 
-def test_when_the_server_dies_the_rig_comes_to_rest(tmp_path: Path) -> None:
+def test_when_the_server_dies_the_rig_comes_to_rest(tmp_path: Path, bench_time: RealTime) -> None:
     box = tmp_path / "box.jsonl"
-    server = subprocess.Popen([sys.executable, "-c", DYING, str(box)], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    kind = "lockstep" if isinstance(bench_time, SimulatedTime) else "real"
+    command = [sys.executable, "-c", DYING, str(box), kind]
+    server = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
     assert server.stdout is not None
     assert server.stdout.readline() == "jogs\n"
     os.kill(server.pid, signal.SIGKILL)
     server.wait()
     server.stdout.close()
-    until(lambda: '"ends"' in box.read_text(), 15.0)
+    RealTime().until(lambda: '"ends"' in box.read_text(), HANG)
     events = [json.loads(line)["event"] for line in box.read_text().splitlines()]
     closed = events.index("serial closed")
     assert any("HEARTBEAT" in event for event in events[closed:]), events[closed:]

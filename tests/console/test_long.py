@@ -1,4 +1,4 @@
-"""Ten minutes of simulated time at 10 kHz on two channels, two pages looking on: nothing lost, memory flat, little work."""
+"""Minutes of simulated time at 10 kHz on two channels, two pages looking on: nothing lost, memory flat, little work."""
 
 import json
 import resource
@@ -12,30 +12,32 @@ import pytest
 pytest.importorskip("fastapi")
 
 from fastapi.testclient import TestClient
+from tests.endurance import Endurance
 
 from dampyr.console import app
+from dampyr.console.rigs import Opener
 from dampyr.records import read
-from dampyr.rig import Rig, RigSettings, simulated
+from dampyr.rig import RigSettings, simulated
 from dampyr.rig.settings import Board, Wires
 
 HERE = "http://127.0.0.1:8077"
-RATE, SECONDS = 10_000.0, 600
-CAMPAIGN = f"""
+RATE = 10_000.0
+CAMPAIGN = """
 name = "long"
 check_amplitude = 0.0
 [[step]]
 kind = "sine"
 amplitude = "6 mm"
 frequency = "1 Hz"
-cycles = {SECONDS - 2}
+cycles = {cycles}
 voltage = "0.8712 V"
 """
 
 
-def fast(data: Path, name: str, simulate: bool) -> Rig:
+def fast(in_process: bool) -> Opener:
     """Two channels at 10 kHz in lockstep: as quick as this machine is, each second the same work as a real one."""
     settings = RigSettings(board=Board(rate=RATE), wires=Wires(temperature="ai1"))
-    return simulated(settings)
+    return lambda *_: simulated(settings, in_process=in_process)
 
 
 class Page(threading.Thread):
@@ -62,13 +64,13 @@ def memory() -> int:
 
 
 @pytest.mark.prove
-@pytest.mark.quiet
+@pytest.mark.endure
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
-def test_ten_minutes_at_10_khz(data: Path) -> None:
-    (data / "long.toml").write_text(CAMPAIGN)
-    with TestClient(app(data), base_url=HERE) as client:
+def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
+    seconds = endurance.count(600)
+    (data / "long.toml").write_text(CAMPAIGN.format(cycles=seconds - 2))
+    with TestClient(app(data, opener=fast(in_process=not endurance.full)), base_url=HERE) as client:
         bench = client.app.inner.state.dampyr.own["bench"]
-        bench._opener = fast
         pages = [Page(client, f"page-number-{k}") for k in range(2)]
         for page in pages:
             page.start()
@@ -94,14 +96,18 @@ def test_ten_minutes_at_10_khz(data: Path) -> None:
     [path] = (data / "runs" / "long").glob("*.h5")
     record = read(path)
     assert np.ptp(np.diff(record.time)) < 1e-9  # no sample is missing
-    assert record.time.size >= SECONDS * RATE
+    assert record.time.size >= seconds * RATE
     settled = held[len(held) // 4]
     grown = (max(held[len(held) // 4 :]) - settled) / 2**20
     share = work / record.time[-1]
     frames = [page.frames for page in pages]
-    print(
-        f"{record.time.size} samples in {wall:.0f} s; {share:.1%} of a core at real time; memory grew {grown:.1f} MiB; {frames}"
+    endurance.report(
+        "a campaign at 10 kHz on two channels, two pages looking on",
+        None,
+        f"{record.time.size} samples, none missing; {share:.0%} of a core at real time; memory grew by {grown:.1f} MiB; "
+        f"{min(frames) / wall:.0f} frames/s to each page",
     )
-    assert min(frames) > 10 * wall
     assert grown < 32.0
-    assert share < 0.30
+    if endurance.full:  # what a busy machine does not give
+        assert min(frames) > 10 * wall
+        assert share < 0.30

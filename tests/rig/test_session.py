@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.endurance import Endurance
 
 from dampyr import campaigns
 from dampyr.errors import InputError, RigFault
@@ -562,9 +563,16 @@ def test_arming_in_a_random_order() -> None:
 
 
 @pytest.mark.prove
-def test_arming_in_many_random_orders() -> None:
-    for seed in range(3, 30):
+@pytest.mark.endure
+def test_arming_in_many_random_orders(endurance: Endurance) -> None:
+    count = endurance.count(200)
+    for seed in range(3, 3 + count):
         in_a_random_order(seed, 25)
+    endurance.report(
+        "a rig is armed, homed, moved, stopped, aborted, left and armed again in random order",
+        None,
+        f"{count} orders of 25 steps, seeds 3 to {2 + count}; it could always be armed again",
+    )
 
 
 def test_a_rig_over_the_wires_is_armed_again_and_again() -> None:

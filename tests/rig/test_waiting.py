@@ -4,10 +4,11 @@ import time
 
 import numpy as np
 import pytest
+from tests.rig_time import SimulatedTime
 
 from dampyr.campaigns import Control, Stopped, perform, read
 from dampyr.errors import RigFault
-from dampyr.rig import simulated
+from dampyr.rig import RigSettings, simulated
 from dampyr.rig.interlock import Samples
 
 
@@ -50,7 +51,8 @@ def test_a_reader_that_fails_stops_the_rig_and_says_so() -> None:
     def broken(_: Samples) -> None:
         raise KeyError("x")
 
-    with simulated(real_time=True) as rig:
+    clock = SimulatedTime()
+    with clock.passing(), clock.connect(RigSettings()) as rig:
         rig.watchers.append(broken)
         with pytest.raises(RigFault, match="reading the rig failed: KeyError"), rig.armed() as table:
             table.rest(5.0)

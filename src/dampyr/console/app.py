@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import mimetypes
-from collections.abc import AsyncIterator
+import time
+from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from importlib.resources import files
 from pathlib import Path
@@ -19,6 +20,7 @@ from dampyr import registry
 from dampyr.console import cards, job_routes
 from dampyr.console.error_responses import add_handlers
 from dampyr.console.job_processes import Jobs
+from dampyr.console.rigs import Opener, opened
 from dampyr.console.safe_paths import OWN
 from dampyr.console.security import Guard, Rules
 from dampyr.console.state import PROBLEMS, AppState
@@ -49,6 +51,8 @@ def app(
     loopback_only: bool = True,
     quota: int = QUOTA,
     at_once: int | None = None,
+    opener: Opener = opened,
+    clock: Callable[[], float] = time.monotonic,
 ) -> Any:
     """The console over the folder ``data``, an ASGI application.
 
@@ -64,10 +68,14 @@ def app(
         bytes that the data folder may hold before uploads are refused.
     at_once
         how many jobs run at a time; by default one core is left free.
+    opener
+        ``opener(data, name, simulate)`` connects the bench's rig, for rigs that a ``rig.toml`` cannot describe.
+    clock
+        the time [s] by which the bench notices that a page is silent.
     """
     folder = Path(data).resolve()
     folder.mkdir(parents=True, exist_ok=True)
-    app_state = AppState(folder, Jobs(folder / OWN / "jobs", at_once), quota)
+    app_state = AppState(folder, Jobs(folder / OWN / "jobs", at_once), quota, opener, clock)
     pages = sorted(registry.members(PAGES), key=lambda each: each[1].ORDER)
     inner = FastAPI(
         title="dampyr console", version=dampyr.__version__, openapi_url="/api/openapi.json", docs_url=None, redoc_url=None,

@@ -20,13 +20,12 @@ from dampyr.console.bench_thread import BenchThread
 from dampyr.console.clients import Clients
 from dampyr.console.decimation import MinMaxBins
 from dampyr.console.guided import Guided, Step
-from dampyr.console.rigs import opened
+from dampyr.console.rigs import Opener, opened
 from dampyr.errors import InputError, RigFault
 from dampyr.rig import Rig, Table
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.load_cell_calibration import Calibrating
 
-Opener = Callable[[Path, str, bool], Rig]
 READING = 1.0  # s of the load cell
 
 

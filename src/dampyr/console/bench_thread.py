@@ -95,7 +95,7 @@ class BenchThread:
         try:
             warm_up()
             rig = opener()
-        except DampyrError:
+        except Exception:
             self.enter("disconnected")
             raise
         rig.watchers.append(self._seen)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from dampyr.errors import InputError
 from dampyr.rig import Rig, RigSettings, load, load_settings, simulated
 
+Opener = Callable[[Path, str, bool], Rig]
+"""``opener(data, name, simulate)`` connects a rig of a data folder."""
 FOLDER = "rigs"
 ORIGINAL = ""
 

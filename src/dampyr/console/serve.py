@@ -11,6 +11,7 @@ from pathlib import Path
 from threading import Timer
 from typing import Any
 
+from dampyr.console.rigs import Opener, opened
 from dampyr.console.security import is_loopback
 from dampyr.errors import InputError
 
@@ -25,11 +26,12 @@ def serve(
     browser: bool = True,
     quota: int | None = None,
     tell: Callable[[str], None] = print,
+    opener: Opener = opened,
 ) -> None:
     """Serve the console over the folder ``data`` until it is interrupted.
 
     On an address that others can reach a token is asked for: the one given, or one made and told here, once. ``tell`` is called
-    with the address to open. Port 0 takes a free one.
+    with the address to open. Port 0 takes a free one. ``opener`` connects the bench's rig (`dampyr.console.app`).
 
     Raises InputError where the address cannot be had.
     """
@@ -42,7 +44,7 @@ def serve(
     if token is not None and len(token) < 8:
         raise InputError(f"a token of {len(token)} letters is too short; give at least 8")
     listening = _listening(host, port)
-    application = app(data, token, local, quota or QUOTA)
+    application = app(data, token, local, quota or QUOTA, opener=opener)
     address = f"http://{_shown(host)}:{listening.getsockname()[1]}/" + (f"?token={token}" if token else "")
     tell(address)
     if browser:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,15 +13,21 @@ from pydantic import BaseModel, Field
 from starlette.requests import HTTPConnection
 
 from dampyr.console.job_processes import Jobs
+from dampyr.console.rigs import Opener, opened
 
 
 @dataclass
 class AppState:
-    """The state of one console. ``own`` is for pages: page name -> its state while the console runs."""
+    """The state of one console. ``own`` is for pages: page name -> its state while the console runs.
+
+    ``opener(data, name, simulate)`` connects a rig, and ``clock`` gives the bench's time [s].
+    """
 
     data: Path
     jobs: Jobs
     quota: int
+    opener: Opener = opened
+    clock: Callable[[], float] = time.monotonic
     own: dict[str, Any] = field(default_factory=dict)
 
 

@@ -64,10 +64,11 @@ class Acquisition:
         warmth: Warmth,
         threaded: bool,
         watchers: Sequence[Callable[[Samples], None]] = (),
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.rig, self.uno, self.board, self.calibration = rig, uno, board, calibration
         self.interlock, self.warmth, self.threaded = interlock, warmth, threaded
-        self.watchers = watchers
+        self.watchers, self.clock = watchers, clock
         self.lock = threading.RLock()
         self.player: Player | None = None
         # Whether the board's counts mean what the Uno's mean; where not, the next block sees to it.
@@ -131,7 +132,7 @@ class Acquisition:
         n = self.rig.block_samples if n is None else n
         try:
             volts, counts = self.board.read(n)
-            waiting = self._late.of(self.next + n, time.monotonic()) if self.threaded else 0.0
+            waiting = self._late.of(self.next + n, self.clock()) if self.threaded else 0.0
             with self.lock:
                 samples = self._samples(volts, counts, self.uno.heartbeat())
                 self._judge(samples, waiting)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext, suppress
@@ -38,6 +39,7 @@ class Rig:
     """A rig that is connected and not armed; see `dampyr.rig.connect` and `dampyr.rig.simulated`.
 
     ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
+    ``clock``: the host's monotonic time [s], by which late readings are noticed.
     Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick.
     """
 
@@ -49,6 +51,7 @@ class Rig:
     interlocked: bool = True
     folder: Path | None = None
     clocked_by_reads: bool = False
+    clock: Callable[[], float] = time.monotonic
     on_close: list[Callable[[], None]] = field(default_factory=list)
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     warmth: Warmth = field(init=False)
@@ -118,7 +121,7 @@ class Table:
         self.rig = rig
         guard = Interlock(rig.settings) if rig.interlocked else None
         self.loop = Acquisition(
-            rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers
+            rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
         )
         self.check: Callable[[], None] = no_check
 

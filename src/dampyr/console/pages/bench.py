@@ -43,7 +43,7 @@ CurrentBench = Annotated[Bench, Depends(bench)]
 @asynccontextmanager
 async def lifespan(app_state: AppState) -> AsyncIterator[None]:
     """A bench for as long as the console runs; at its end the rig is disarmed."""
-    made = app_state.own["bench"] = Bench(app_state.data)
+    made = app_state.own["bench"] = Bench(app_state.data, app_state.opener, app_state.clock)
     try:
         yield
     finally:
