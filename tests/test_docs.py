@@ -45,7 +45,8 @@ HOW_TO = [
     )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
-LONG = ("ensembles", "control", "rig", "another-laboratory")  # pages whose code compiles or runs for long: proofs
+# Pages whose code compiles or runs for long: proofs.
+LONG = ("README", "first-damper", "your-own-structure", "ensembles", "control", "rig", "another-laboratory")
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 

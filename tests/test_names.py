@@ -14,6 +14,7 @@ def check(root: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, str(TOOL), "--root", str(root)], capture_output=True, text=True)
 
 
+@pytest.mark.prove  # `make check` runs it too
 def test_this_checkout_has_no_old_words_repeated_modules_or_circles() -> None:
     run = check(CHECKOUT)
     assert run.returncode == 0, run.stdout + run.stderr

@@ -6,8 +6,10 @@ import json
 import os
 import re
 import shutil
+import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -90,16 +92,33 @@ def served(data: Path, *options: str, program: Sequence[str] = ("-m", "dampyr"))
         process.stdout.close()
 
 
+@contextmanager
+def served_here(data: Path) -> Iterator[str]:
+    """A console in a thread of this process, which starts sooner; its address."""
+    uvicorn = pytest.importorskip("uvicorn")
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        settings = {"log_level": "warning", "access_log": False, "timeout_graceful_shutdown": 3}
+        server = uvicorn.Server(uvicorn.Config(app(data), **settings))
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{listening.getsockname()[1]}/"
+        finally:
+            server.should_exit = True
+            thread.join(30)
+        assert not thread.is_alive()
+
+
 @pytest.fixture
 def serving() -> Callable[..., Any]:
-    """``with serving(data, *options) as address``: a console that ends with its block."""
+    """``with serving(data, *options) as address``: a console in a process of its own that ends with its block."""
     return served
 
 
 @pytest.fixture
-def address(data: Path, serving: Callable[..., Any]) -> Iterator[str]:
+def address(data: Path) -> Iterator[str]:
     """Where the console over ``data`` is served."""
-    with serving(data) as url:
+    with served_here(data) as url:
         yield url
 
 

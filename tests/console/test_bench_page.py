@@ -52,6 +52,13 @@ def serving(request, serving):
 
 
 @pytest.fixture
+def address(data, serving):
+    """Where the console over ``data`` is served."""
+    with serving(data) as url:
+        yield url
+
+
+@pytest.fixture
 def data(tmp_path: Path) -> Path:
     """A data folder with a campaign of two short tests."""
     folder = tmp_path / "data"

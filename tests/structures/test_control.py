@@ -100,8 +100,8 @@ def opposing(q, v, ground, f):
     ("name", "chosen", "period", "lag"),
     [
         ("on_off", on_off, 0.005, 0.0),
-        ("on_off", on_off, 0.02, 0.01),
-        ("skyhook", skyhook, 0.01, 0.0),
+        pytest.param("on_off", on_off, 0.02, 0.01, marks=pytest.mark.prove),
+        pytest.param("skyhook", skyhook, 0.01, 0.0, marks=pytest.mark.prove),
         ("bang_bang", opposing, 0.01, 0.005),
     ],
 )
