@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,7 +46,20 @@ def parameters_against_input(
     fig, axes = style.figure(0.5 + 2.1 * rows, rows, columns, title, sharex=True)
     with style.style():
         for panel, law in zip(axes.flat, laws, strict=False):
-            _panel(panel, law, calibrated, axis)
+            if calibrated:
+                low, high = axis.of(calibrated)
+                panel.axvspan(low, high, color=style.SKY, alpha=0.16, lw=0, label="calibrated range")
+            if law.curve:
+                style.line(panel, axis.of(law.curve[0]), law.axis.of(law.curve[1]), color=style.BLUE, label="law")
+            if law.points:
+                bars = None if law.error is None else law.axis.of(law.error)
+                if bars is not None:  # infinite ones (the data say nothing) cannot be drawn; the table beside says so
+                    bars = np.where(np.isfinite(bars), bars, np.nan)
+                x, y = axis.of(law.points[0]), law.axis.of(law.points[1])
+                panel.errorbar(x, y, bars, fmt="o", ms=4, color=style.VERMILLION, capsize=2.5, lw=1, label="fitted")
+            for colour, (name, (inputs, values)) in zip(cycle(style.SERIES[2:]), law.others.items(), strict=False):
+                panel.plot(axis.of(inputs), law.axis.of(values), "D", ms=4, mfc="none", color=colour, label=name)
+            panel.set_ylabel(law.axis.label)
         for empty in list(axes.flat)[len(laws) :]:
             empty.set_axis_off()
         for panel in list(axes.flat)[max(len(laws) - columns, 0) : len(laws)]:
@@ -54,24 +67,3 @@ def parameters_against_input(
             panel.tick_params(labelbottom=True)
         style.legend(fig, *axes.flat, columns=4)
     return fig
-
-
-def _panel(panel: Any, law: Law, calibrated: tuple[float, float] | None, axis: Axis) -> None:
-    if calibrated:
-        low, high = axis.of(calibrated)
-        panel.axvspan(low, high, color=style.SKY, alpha=0.16, lw=0, label="calibrated range")
-    if law.curve:
-        style.line(panel, axis.of(law.curve[0]), law.axis.of(law.curve[1]), color=style.BLUE, label="law")
-    if law.points:
-        bars = None if law.error is None else _finite(law.axis.of(law.error))
-        x, y = axis.of(law.points[0]), law.axis.of(law.points[1])
-        panel.errorbar(x, y, bars, fmt="o", ms=4, color=style.VERMILLION, capsize=2.5, lw=1, label="fitted")
-    for colour, (name, (inputs, values)) in zip(cycle(style.SERIES[2:]), law.others.items(), strict=False):
-        panel.plot(axis.of(inputs), law.axis.of(values), "D", ms=4, mfc="none", color=colour, label=name)
-    panel.set_ylabel(law.axis.label)
-
-
-def _finite(error: ArrayLike) -> Any:
-    """Infinite error bars (the data say nothing) cannot be drawn; the table beside the figure says so."""
-    error = np.asarray(error, dtype=float)
-    return np.where(np.isfinite(error), error, np.nan)

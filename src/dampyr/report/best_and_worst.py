@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dampyr.figures.history import history
 from dampyr.figures.loops import loops
-from dampyr.identification import Score
+from dampyr.identification import Fit, Score
 from dampyr.records import Record
 from dampyr.report.blocks import FigureBlock, Section
 
@@ -42,6 +42,18 @@ def record_section(title: str, name: str, channels: tuple[Array, Array, Array, A
             ),
         ],
     )
+
+
+def best_and_worst_sections(fit: Fit) -> list[Section]:
+    """The best and the worst record of a fit, over the samples that are scored."""
+    sections = []
+    for title, name in extremes(fit.scores):
+        k = [record.name for record in fit.records].index(name)
+        piece, force = fit.problem.pieces[k], fit.forces[k]
+        scored = piece.t >= fit.scores[name].window.start - 1e-9
+        channels = (piece.t[scored], piece.x[scored], piece.v[scored], piece.force[scored], force[scored])
+        sections.append(record_section(title, name, channels, "fit"))
+    return sections
 
 
 def by_input(records: Iterable[Record], values: Mapping[str, float]) -> dict[str, list[float]]:

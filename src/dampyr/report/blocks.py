@@ -35,11 +35,6 @@ class Text:
 
     text: str
 
-    @property
-    def paragraphs(self) -> list[str]:
-        """The paragraphs."""
-        return [part.strip() for part in self.text.split("\n\n") if part.strip()]
-
 
 @dataclass(frozen=True)
 class Table:

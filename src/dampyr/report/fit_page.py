@@ -8,12 +8,10 @@ from pathlib import Path
 import numpy as np
 
 import dampyr
-from dampyr.figures.scores import scores
 from dampyr.identification import Fit, Identified, Validation, findings, warnings_of
-from dampyr.models import Damper
-from dampyr.report.best_and_worst import by_input, extremes, record_section
-from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
-from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_table
+from dampyr.report.best_and_worst import best_and_worst_sections, extremes
+from dampyr.report.blocks import Block, Cell, Section, Table, Text, sentence
+from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks
 from dampyr.report.html_page import page, write_page
 from dampyr.report.leaderboard_section import leaderboard_section
 from dampyr.report.prediction_section import mean_l1, prediction_section
@@ -40,38 +38,35 @@ def write_fit_page(
         damper, fit = fit.damper, fit.fit
     else:
         damper = fit.damper
+    number = len(fit.records)
+    records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
+    if damper is not None:
+        provenance = dict(damper.provenance)
+    else:
+        provenance = {"records": ", ".join(record.name for record in fit.records), "dampyr": dampyr.__version__}
     html = page(
         f"Identified: {fit.problem.composition}",
         [
-            _short(fit, checks),
+            _summary(fit, checks),
             *sections,
             Section("Parameters", fit_blocks(fit)),
             Section("Correlation of the parameters", correlation_blocks(fit)),
             range_section(fit),
-            _scores(fit),
+            Section("Goodness of fit", score_blocks(fit)),
             *([prediction_section(fit, checks)] if checks else []),
             residual_section(fit.residuals),
-            *(_record(fit, words, name) for words, name in extremes(fit.scores)),
+            *best_and_worst_sections(fit),
         ],
-        subtitle=f"{_counted(len(fit.records), 'record')} by least squares over the whole motion.",
-        provenance=_provenance(fit, damper),
+        subtitle=f"{records} by least squares over the whole motion.",
+        provenance=provenance,
     )
     write_page(path, html)
     return path
 
 
-def _counted(number: int, noun: str) -> str:
-    return f"One {noun}, fitted" if number == 1 else f"{number} {noun}s, fitted together"
-
-
-def _provenance(fit: Fit, damper: Damper | None) -> dict[str, str]:
-    if damper is not None:
-        return dict(damper.provenance)
-    return {"records": ", ".join(record.name for record in fit.records), "dampyr": dampyr.__version__}
-
-
-def _short(fit: Fit, checks: Sequence[Validation]) -> Section:
+def _summary(fit: Fit, checks: Sequence[Validation]) -> Section:
     """What a reader who reads nothing else should know."""
+    inputs, precision = _inputs(fit), _precision(fit)
     l1 = {name: one.l1 for name, one in fit.scores.items()}
     worst = extremes(fit.scores)[-1][1]
     rows: list[list[Cell]] = [
@@ -80,7 +75,7 @@ def _short(fit: Fit, checks: Sequence[Validation]) -> Section:
             "the search",
             ("" if fit.converged or fit.reason.startswith("did not") else "did not converge: ") + fit.reason,
         ],
-        ["input", _inputs(fit)],
+        ["input", inputs],
         [
             "fits its records",
             f"L1 {100 * float(np.mean(list(l1.values()))):.2g} % on average, {100 * l1[worst]:.2g} % in {worst}",
@@ -91,7 +86,7 @@ def _short(fit: Fit, checks: Sequence[Validation]) -> Section:
         rows.append(["predicts unseen records", summary])
     if not checks:
         rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])
-    rows.append(["errors", f"by {fit.clusters}; {_unsure(fit)}"])
+    rows.append(["errors", f"by {fit.clusters}; {precision}"])
     blocks: list[Block] = [Table(("quantity", "result"), rows)]
     warning_texts = [*warnings_of(fit.residuals), *fit.notes]
     if warning_texts:
@@ -109,7 +104,7 @@ def _inputs(fit: Fit) -> str:
     return f"{', '.join(values)} {residuals.unit}"
 
 
-def _unsure(fit: Fit) -> str:
+def _precision(fit: Fit) -> str:
     """How many parameters have a small standard error, and how many have none."""
     precise = [
         abs(fit.stderr[name]) <= 0.1 * abs(value)
@@ -122,22 +117,3 @@ def _unsure(fit: Fit) -> str:
     if not fit.within_records:
         return text
     return f"{text}; {len(fit.within_records)} of these errors hold within these records only"
-
-
-def _scores(fit: Fit) -> Section:
-    groups = by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
-    return Section(
-        "Goodness of fit",
-        [
-            Text("These records were fitted: the scores describe the fit and are not predictions."),
-            FigureBlock(scores(groups), "L1 ratio of each record, by input."),
-            score_table(fit.scores, "From 2 s after the motion starts, each record's own offset taken."),
-        ],
-    )
-
-
-def _record(fit: Fit, words: str, name: str) -> Section:
-    k = [record.name for record in fit.records].index(name)
-    one, force = fit.problem.pieces[k], fit.forces[k]
-    seen = one.t >= fit.scores[name].window.start - 1e-9
-    return record_section(words, name, (one.t[seen], one.x[seen], one.v[seen], one.force[seen], force[seen]), "fit")

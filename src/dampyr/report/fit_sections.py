@@ -6,11 +6,14 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dampyr.figures.correlation import MARKED, correlation, strong_pairs
 from dampyr.figures.laws import Law, parameters_against_input
+from dampyr.figures.scores import scores as scores_by_input
 from dampyr.figures.style import CURRENT, VOLTAGE, Axis
 from dampyr.identification import Fit, Score
+from dampyr.report.best_and_worst import by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text, sentence
 from dampyr.units import for_people
 
@@ -27,27 +30,21 @@ def parameter_table(fit: Fit) -> Table:
 
     Where some errors hold within the fitted records only, a column says which: these have no interval.
     """
-    rows: list[list[Cell]] = []
+    caption, rows = _caption(fit), []
     for (name, value), (low, high) in zip(fit.parameters.items(), fit.intervals().values(), strict=True):
         unit, factor = for_people(fit.units[name])
-        rows.append(
-            [
-                name,
-                value * factor,
-                None if name in fit.within_records else low * factor,
-                None if name in fit.within_records else high * factor,
-                _format_error(fit.stderr[name], factor),
-                _format_error(fit.naive_stderr[name], factor),
-                unit,
-                *([fit.error_holds(name)] if fit.within_records else []),
-            ]
-        )
+        row: list[Cell] = [name, value * factor]
+        row += [None, None] if name in fit.within_records else [low * factor, high * factor]
+        for error in (fit.stderr[name], fit.naive_stderr[name]):
+            undetermined = "at its limit" if math.isnan(error) else "not determined"
+            row.append(error * factor if math.isfinite(error) else undetermined)
+        rows.append([*row, unit, *([fit.error_holds(name)] if fit.within_records else [])])
     labelled = ("error holds",) if fit.within_records else ()
     return Table(
         columns=("parameter", "value", "95 % from", "to", "standard error", "naive error", "unit", *labelled),
         rows=rows,
         align=("left", *("right",) * 5, "left", *("left" for _ in labelled)),
-        caption=_caption(fit),
+        caption=caption,
         digits=4,
     )
 
@@ -66,21 +63,13 @@ def _caption(fit: Fit) -> str:
     )
 
 
-def _format_error(error: float, factor: float) -> float | str:
-    if math.isnan(error):
-        return "at its limit"
-    return error * factor if math.isfinite(error) else "not determined"
-
-
 def correlation_blocks(fit: Fit) -> list[Block]:
     """The correlations of the fitted numbers: the matrix, and the strong pairs in words."""
     names = list(fit.parameters)
     if len(names) < 2:
         return [Text(f"There is one parameter, {names[0]}, so there are no correlations.")]
-    pairs = strong_pairs(fit.correlation, names)
-    unknown = [name for name, r in zip(names, np.diag(fit.correlation), strict=True) if not np.isfinite(r)]
     return [
-        Text((_pairs_in_words(pairs) or _strongest_in_words(fit, names)) + _unknown_in_words(unknown)),
+        Text(_correlations_in_words(fit.correlation, names)),
         FigureBlock(
             correlation(fit.correlation, names),
             "Correlations of the errors (the covariance, scaled by the standard errors): rows by name, columns by the rows' "
@@ -89,28 +78,22 @@ def correlation_blocks(fit: Fit) -> list[Block]:
     ]
 
 
-def _pairs_in_words(pairs: list[tuple[str, str, float]]) -> str:
-    if not pairs:
-        return ""
-    listed = "; ".join(f"{one} and {other} ({r:.2f})".replace("(-", "(−") for one, other, r in pairs[:PAIRS])
-    more = f"; and {len(pairs) - PAIRS} pairs more" if len(pairs) > PAIRS else ""
-    return (
-        f"Correlated beyond ±{MARKED:g}: {listed}{more}. The records determine only a combination of each pair, so change or "
-        "compare them together, never one alone."
-    )
-
-
-def _strongest_in_words(fit: Fit, names: list[str]) -> str:
-    """Where no pair is strong."""
-    pairs = strong_pairs(fit.correlation, names, 0.0)
-    strongest = (
-        f"; the strongest are {pairs[0][0]} and {pairs[0][1]} ({pairs[0][2]:.2f})".replace("(-", "(−") if pairs else ""
-    )
-    return f"No two parameters are correlated beyond ±{MARKED:g}{strongest}."
-
-
-def _unknown_in_words(names: list[str]) -> str:
-    return f"\n\nNothing is known of how {', '.join(names)} would go with the others." if names else ""
+def _correlations_in_words(correlations: NDArray[np.float64], names: list[str]) -> str:
+    """The strong pairs, else the strongest one, and which parameters have no correlations."""
+    pairs = strong_pairs(correlations, names, 0.0)
+    words = [f"{one} and {other} ({r:.2f})".replace("(-", "(−") for one, other, r in pairs]
+    strong = sum(abs(r) > MARKED for _, _, r in pairs)
+    if strong:
+        more = f"; and {strong - PAIRS} pairs more" if strong > PAIRS else ""
+        text = (
+            f"Correlated beyond ±{MARKED:g}: {'; '.join(words[: min(strong, PAIRS)])}{more}. The records determine only a "
+            "combination of each pair, so change or compare them together, never one alone."
+        )
+    else:
+        strongest = f"; the strongest are {words[0]}" if words else ""
+        text = f"No two parameters are correlated beyond ±{MARKED:g}{strongest}."
+    unknown = [name for name, r in zip(names, np.diag(correlations), strict=True) if not np.isfinite(r)]
+    return text + (f"\n\nNothing is known of how {', '.join(unknown)} would go with the others." if unknown else "")
 
 
 def law_figure(fit: Fit, damper: Damper) -> Figure:
@@ -163,6 +146,17 @@ def score_table(scores: dict[str, Score], caption: str) -> Table:
         caption=caption,
         digits=3,
     )
+
+
+def score_blocks(fit: Fit) -> list[Block]:
+    """How well a fit describes the records that it was fitted to."""
+    table = score_table(fit.scores, "From 2 s after the motion starts, each record's own offset taken.")
+    groups = by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
+    return [
+        Text("These records were fitted: the scores describe the fit and are not predictions."),
+        FigureBlock(scores_by_input(groups), "L1 ratio of each record, by input."),
+        table,
+    ]
 
 
 def fit_blocks(fit: Fit) -> list[Block]:

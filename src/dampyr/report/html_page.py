@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -50,17 +50,26 @@ def page(
     if not sections:
         raise InputError("a page needs at least one section")
     ids = _anchors([section.title for section in sections])
-    named = list(zip(ids, sections, strict=True))
-    _keep_figures(named)
-    counted = iter(range(1, 1 + sum(len(section.blocks) for section in sections)))
+    template, labels, counted = _template(), _table_names(sections), count(1)
     ready = [
-        {"id": anchor, "title": section.title, "blocks": [_block(b, f"f{next(counted)}") for b in section.blocks]}
-        for anchor, section in named
+        {
+            "id": anchor,
+            "title": section.title,
+            "blocks": [_block(b, f"f{next(counted)}", labels) for b in section.blocks],
+        }
+        for anchor, section in zip(ids, sections, strict=True)
     ]
-    _name_tables(ready)
+    figures = [
+        (anchor, block.figure)
+        for anchor, section in zip(ids, sections, strict=True)
+        for block in section.blocks
+        if isinstance(block, FigureBlock)
+    ]
+    for number, (anchor, figure) in enumerate(figures, 1):
+        keep(figure, number, anchor)
     facts = {"": provenance} if isinstance(provenance, str) else dict(provenance)
     return str(
-        _template().render(
+        template.render(
             title=title,
             subtitle=subtitle,
             sections=ready,
@@ -70,27 +79,16 @@ def page(
     )
 
 
-def _name_tables(sections: Sequence[dict[str, Any]]) -> None:
+def _table_names(sections: Sequence[Section]) -> Iterator[str]:
     """One name per table, for those who hear it: its caption, with its section and a count where that is there twice."""
     used_names: set[str] = set()
     for section in sections:
-        for block in section["blocks"]:
-            if block["kind"] == "table":
-                tries = _names_of(block["caption"] or section["title"], section["title"])
-                block["label"] = next(name for name in tries if name not in used_names)
-                used_names.add(block["label"])
-
-
-def _names_of(name: str, section: str) -> Iterator[str]:
-    yield name
-    yield f"{section}: {name}"
-    yield from (f"{section}: {name} ({number})" for number in count(2))
-
-
-def _keep_figures(named: Sequence[tuple[str, Section]]) -> None:
-    figures = [(anchor, b.figure) for anchor, section in named for b in section.blocks if isinstance(b, FigureBlock)]
-    for number, (anchor, figure) in enumerate(figures, 1):
-        keep(figure, number, anchor)
+        for table in (block for block in section.blocks if isinstance(block, Table)):
+            name = table.caption or section.title
+            numbered = (f"{section.title}: {name} ({number})" for number in count(2))
+            label = next(each for each in chain((name, f"{section.title}: {name}"), numbered) if each not in used_names)
+            used_names.add(label)
+            yield label
 
 
 def write_page(path: str | Path, html: str) -> Path:
@@ -132,20 +130,20 @@ def _anchors(titles: Sequence[str]) -> list[str]:
     return anchors
 
 
-def _block(block: Block, prefix: str) -> dict[str, Any]:
-    """A block as the template needs it."""
+def _block(block: Block, prefix: str, labels: Iterator[str]) -> dict[str, Any]:
+    """A block as the template needs it; ``labels`` gives the name of the next table."""
     from markupsafe import Markup
 
     match block:
         case Text():
-            return {"kind": "text", "paragraphs": block.paragraphs}
+            return {"kind": "text", "paragraphs": [part.strip() for part in block.text.split("\n\n") if part.strip()]}
         case Verdict():
             return {"kind": "verdict", "verdict": block}
         case FigureBlock():
             svg = inline_svg(block.figure, block.alt or block.caption, prefix)
             return {"kind": "figure", "svg": Markup(svg), "caption": block.caption}
         case Table():
-            return _table(block)
+            return _table(block) | {"label": next(labels)}
     raise InputError(f"{type(block).__name__} is no block; use Text, Table, FigureBlock or Verdict")
 
 

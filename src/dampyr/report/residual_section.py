@@ -15,7 +15,39 @@ MAX_PANELS = 6  # inputs: more panels cannot be read on a page
 
 def residual_section(residuals: Residuals) -> Section:
     """The analysis in words, figures and tables."""
-    return Section("Residuals", [*_words(residuals), *_directions(residuals), *_memory(residuals), *_sizes(residuals)])
+    words, groups = _words(residuals), _groups(residuals)
+    directions, sizes = _direction_table(groups), _size_table(residuals)
+    curves = {
+        name: {branch: (c.velocity, c.lower, c.median, c.upper) for branch, c in group.curves.items()}
+        for name, group in groups.items()
+    }
+    relative = {}
+    for group in residuals.groups:
+        members = [r for r in residuals.records if r.name in group.records]
+        columns = zip(*((r.input_value, r.stroke, r.frequency, r.relative) for r in members), strict=True)
+        relative[f"{group.input_value:.5g} {residuals.unit}"] = tuple(columns)
+    return Section(
+        "Residuals",
+        [
+            *words,
+            FigureBlock(
+                residual_velocity(curves),
+                "The residual over the velocity (positive: the damper is pulled): median and the half of the samples around "
+                "it, before the motion passes the middle of its stroke (speeding up) and beyond it (slowing down).",
+            ),
+            directions,
+            FigureBlock(
+                memory([(r.lags, r.autocorrelation) for r in residuals.records], residuals.correlation_time),
+                "The autocorrelation of the residual. That of noise would fall to 0 at once; a part that repeats in each "
+                "cycle is an error of the model.",
+            ),
+            FigureBlock(
+                residual_sizes(relative, VOLTAGE if residuals.unit == "V" else CURRENT),  # type: ignore[arg-type]
+                "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
+            ),
+            sizes,
+        ],
+    )
 
 
 def _words(residuals: Residuals) -> list[Block]:
@@ -43,66 +75,33 @@ def _groups(residuals: Residuals) -> dict[str, Group]:
     return {f"{group.input_value:.5g} {residuals.unit}": group for group in residuals.groups}
 
 
-def _directions(residuals: Residuals) -> list[Block]:
-    groups = _groups(residuals)
-    panels = {
-        name: {branch: (c.velocity, c.lower, c.median, c.upper) for branch, c in group.curves.items()}
-        for name, group in groups.items()
-    }
+def _direction_table(groups: dict[str, Group]) -> Table:
     rows: list[list[Cell]] = [
         [name, side, group.sides[side].mean, group.sides[side].rms, group.sides[side].samples]
         for name, group in groups.items()
         for side in SIDES
     ]
-    return [
-        FigureBlock(
-            residual_velocity(panels),
-            "The residual over the velocity (positive: the damper is pulled): median and the half of the samples around it, "
-            "before the motion passes the middle of its stroke (speeding up) and beyond it (slowing down).",
-        ),
-        Table(
-            ("input", "moving", "mean", "rms", "samples"),
-            rows,
-            ("", "", "N", "N", ""),
-            ("left", "left", "right", "right", "right"),
-            caption="The residual by direction: out is pulled, in is pushed.",
-            digits=3,
-        ),
-    ]
+    return Table(
+        ("input", "moving", "mean", "rms", "samples"),
+        rows,
+        ("", "", "N", "N", ""),
+        ("left", "left", "right", "right", "right"),
+        caption="The residual by direction: out is pulled, in is pushed.",
+        digits=3,
+    )
 
 
-def _memory(residuals: Residuals) -> list[Block]:
-    return [
-        FigureBlock(
-            memory([(r.lags, r.autocorrelation) for r in residuals.records], residuals.correlation_time),
-            "The autocorrelation of the residual. That of noise would fall to 0 at once; a part that repeats in each "
-            "cycle is an error of the model.",
-        )
-    ]
-
-
-def _sizes(residuals: Residuals) -> list[Block]:
-    shown = {}
-    for group in residuals.groups:
-        members = [r for r in residuals.records if r.name in group.records]
-        columns = zip(*((r.input_value, r.stroke, r.frequency, r.relative) for r in members), strict=True)
-        shown[f"{group.input_value:.5g} {residuals.unit}"] = tuple(columns)
+def _size_table(residuals: Residuals) -> Table:
     rows: list[list[Cell]] = [
         [r.name, f"{r.input_value:.5g}", 1e3 * r.stroke, r.frequency, r.rms, 100 * r.relative, r.noise, r.correlation_time,
          round(r.effective), 100 * r.repeats, r.misfit]
         for r in residuals.records
     ]  # fmt: skip
-    return [
-        FigureBlock(
-            residual_sizes(shown, VOLTAGE if residuals.unit == "V" else CURRENT),  # type: ignore[arg-type]
-            "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
-        ),
-        Table(
-            ("record", "input", "stroke", "freq.", "rms", "rel.", "noise", "τ", "n eff.", "repeats", "misfit"),
-            rows,
-            ("", residuals.unit, "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
-            caption="The residual of each record. Rel.: rms over the force's spread. τ: correlation time. n eff.: effective "
-            "sample size. Repeats: the share of its variance that repeats after one cycle.",
-            digits=3,
-        ),
-    ]  # fmt: skip
+    return Table(
+        ("record", "input", "stroke", "freq.", "rms", "rel.", "noise", "τ", "n eff.", "repeats", "misfit"),
+        rows,
+        ("", residuals.unit, "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
+        caption="The residual of each record. Rel.: rms over the force's spread. τ: correlation time. n eff.: effective "
+        "sample size. Repeats: the share of its variance that repeats after one cycle.",
+        digits=3,
+    )
