@@ -25,7 +25,7 @@ from dampyr.errors import DampyrError, FileError, InputError, MissingData
 from dampyr.units import Quantity, round_trip
 
 ORDERS = ("as written", "random")
-MAX_TESTS = 2000
+MAX_TESTS = 2000  # a day and a half at a minute each; more is most likely a slip in `repeats`
 OWN = ("kind", "repeats", "zip", "rows")
 """What a ``[[step]]`` may say beside the fields of its kind."""
 

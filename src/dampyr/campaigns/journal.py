@@ -18,7 +18,7 @@ from typing import Literal
 from dampyr.errors import FileError, InputError
 
 NAME = "journal.sqlite"
-SCHEMA = 1
+SCHEMA = 1  # of the tables below; raised when they change
 TestState = Literal["planned", "running", "complete", "stopped", "failed"]
 
 TABLES = """

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from dampyr.campaigns import Plan
     from dampyr.campaigns.journal import Entry
 
-REFUSED, FEW = 2, 50
+REFUSED = 2  # exit status, the one that click gives for a wrong argument
+FEW = 50  # rows of a table that are all printed; of more, only those that are not complete
 
 
 @click.command()

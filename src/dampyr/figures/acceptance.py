@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 SPEED = Axis("peak velocity", "mm/s", 1e3)
 USED = Axis("away from the reference", "halves of the band")
-EDGE = 0.02
+EDGE = 0.02  # of the greatest speed: how wide a band is drawn that was judged at one speed only
 STATES: Mapping[bool | None, tuple[str, dict[str, Any]]] = {
     True: ("inside", {"marker": "o", "ms": 3.2, "color": style.BLUE, "alpha": 0.75}),
     False: ("outside", {"marker": "X", "ms": 7.0, "color": style.VERMILLION}),

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 LAG = Axis("lag", "s")
 RHO = Axis("autocorrelation", "1")
-POINTS = 160
+POINTS = 160  # of one curve: dozens of records lie over one another, and the file stays small
 
 
 def memory(records: Sequence[tuple[ArrayLike, ArrayLike]], correlation_time: float, title: str = "") -> Figure:

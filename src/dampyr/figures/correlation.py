@@ -14,9 +14,9 @@ from dampyr.figures import style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FEW = 10
-MARKED = 0.9
-NARROWEST = 2.3
+FEW = 10  # parameters: with more, the numbers in the cells would be too small to read
+MARKED = 0.9  # of a pair with it, 81 % of the variance of one error is explained by the other
+NARROWEST = 2.3  # inches that the matrix keeps beside long names
 
 
 def correlation(matrix: ArrayLike, names: Sequence[str], title: str = "") -> Figure:

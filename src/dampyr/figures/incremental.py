@@ -16,7 +16,7 @@ from dampyr.figures.style import Axis
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MAX_CURVES = 120
+MAX_CURVES = 120  # more would cover the fractiles that are drawn over them
 DRIFT = Axis("largest drift", "mm", 1e3)
 DASHES = ("--", "-", "-.")
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 PERIOD = Axis("period", "s")
 PSEUDO_ACCELERATION = Axis("pseudo-acceleration", "m/s²")
 SPECTRAL_DISPLACEMENT = Axis("displacement", "mm", 1e3)
+# s: 1, 2 and 5 of each decade, as spectra are printed
 TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 
 

@@ -37,8 +37,8 @@ BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (
 )
 SERIES = (VERMILLION, BLUE, GREEN, PURPLE, ORANGE, SKY)
 MEASURED = MUTED
-WIDTH = 5.6
-POINTS = 2400
+WIDTH = 5.6  # inches: as wide as the text of a page
+POINTS = 2400  # of a line: more than a page has pixels across
 
 _RC = {
     "font.family": "sans-serif",

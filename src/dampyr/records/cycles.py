@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.records.record import Array, Record
 
-FRACTION_OF_LEG = 0.25
-FIRST_FRACTION_OF_RANGE = 0.05
-LIKE_THE_OTHERS = 0.7
+FRACTION_OF_LEG = 0.25  # a reversal smaller than this part of a leg is noise or a stop, no turning point
+FIRST_FRACTION_OF_RANGE = 0.05  # to start from: below any leg that matters, above the noise of an encoder
+LIKE_THE_OTHERS = 0.7  # of the median: run-up and run-down differ by more, whole cycles of a test by less
 _cache: WeakKeyDictionary[Record, NDArray[np.int64]] = (
     WeakKeyDictionary()
 )  # records never change, and every package needs their cycles

@@ -9,8 +9,9 @@ from dampyr.records.measure import cycle_energies, measure
 from dampyr.records.overview import work
 from dampyr.records.record import Record
 
+# Relative: more than the rounding of a table and the table's own overshoot explain.
 FREQUENCY_TOLERANCE = 0.05
-PEAK_TO_PEAK_TOLERANCE = 0.05
+PEAK_TO_PEAK_TOLERANCE = 0.05  # as for the frequency
 
 
 def disagreements(

@@ -21,7 +21,7 @@ from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
 from dampyr.records.velocity import default_bandwidth, differentiate
 
-ORDERS = 7
+ORDERS = 7  # harmonics of the motion: those of a distorted sine fall off, and higher ones lie in the noise
 
 
 @dataclass(frozen=True)

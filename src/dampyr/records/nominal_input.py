@@ -14,10 +14,10 @@ import numpy as np
 from dampyr.errors import InputError
 from dampyr.records.record import Array, Record
 
-BLOCKS = 10
-TOLERANCE = 0.02
-NOISE = 0.05
-SMALLEST = 0.5
+BLOCKS = 10  # equal parts of a record whose means are compared: enough to see a drift or a step
+TOLERANCE = 0.02  # of the largest input: the drift of a supply that is set once
+NOISE = 0.05  # of the largest input, rms: the noise of a channel that is set to a constant
+SMALLEST = 0.5  # V or A: a largest input below it is compared as if it were this, for sensors have an offset
 SOURCE, MEASURED = "input_source", "measured"
 
 

@@ -11,8 +11,8 @@ from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
 from dampyr.records.velocity import default_bandwidth, differentiate
 
-SHARE = 0.5
-DISTORTION = 0.5
+SHARE = 0.5  # of the moving time: cycles that cover less do not stand for the motion
+DISTORTION = 0.5  # rms of what the harmonics leave over that of the first: beyond it no cycle is like the next
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Role = Literal["fit", "validation"]
 
-MIN_SAMPLES = 8
+MIN_SAMPLES = 8  # fewer leave the filter of the velocity nothing to work on
 CHANNELS: Mapping[str, str] = MappingProxyType(
     {
         "time": "s",

@@ -10,8 +10,8 @@ from dampyr.errors import InputError
 from dampyr.models.numerics.differentiation import carried, differentiate, response
 from dampyr.records.record import Record
 
-PER_TEST_FREQUENCY = 15.0
-WITHOUT_CYCLES = 0.2
+PER_TEST_FREQUENCY = 15.0  # Hz per Hz of the test: the harmonics of a distorted sine are kept
+WITHOUT_CYCLES = 0.2  # of the sampling rate: the noise of the derivative grows with the frequency beyond it
 
 
 def default_bandwidth(record: Record) -> float:

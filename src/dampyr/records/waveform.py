@@ -8,8 +8,8 @@ from dampyr.records.cycles import turning_points
 from dampyr.records.overview import repeats
 from dampyr.records.record import Record
 
-SWEPT = 2.0
-RANK = 0.8
+SWEPT = 2.0  # an octave: a sweep covers more, a sine whose frequency drifts far less
+RANK = 0.8  # rank correlation of order and duration: a random motion of six legs or more rarely has it
 
 
 def waveform(record: Record) -> str:

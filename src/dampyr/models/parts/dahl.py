@@ -17,7 +17,7 @@ from typing import Annotated
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
-STATES = {"w": (-1.0, 1.0)}
+STATES = {"w": (-1.0, 1.0)}  # the equation cannot leave it
 
 
 @checked

@@ -27,7 +27,7 @@ from dampyr.models.part import Scale, checked
 from dampyr.models.parts._slip import slip
 from dampyr.units import Quantity
 
-STATES = {"w": (-1.0, 1.0)}
+STATES = {"w": (-1.0, 1.0)}  # the equation cannot leave it
 
 
 @checked

@@ -28,7 +28,7 @@ from typing import Annotated
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
-STATES = {"w": (-1.0, 1.0)}
+STATES = {"w": (-1.0, 1.0)}  # the equation cannot leave it
 SHORT = 1e-4  # below it the series of (1 - exp(-t))/t to t^2 is right to t^3/24 < 5e-14
 
 

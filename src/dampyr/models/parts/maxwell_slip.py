@@ -24,7 +24,7 @@ from dampyr.models.part import Scale, checked
 from dampyr.models.parts._slip import slip
 from dampyr.units import Quantity
 
-STATES = {"w1": (-1.0, 1.0), "w2": (-1.0, 1.0), "w3": (-1.0, 1.0), "w4": (-1.0, 1.0)}
+STATES = {"w1": (-1.0, 1.0), "w2": (-1.0, 1.0), "w3": (-1.0, 1.0), "w4": (-1.0, 1.0)}  # where each slips
 
 
 @checked

@@ -28,7 +28,7 @@ from dampyr.models.part import Scale, checked
 from dampyr.models.parts._slip import slip
 from dampyr.units import Quantity
 
-STATES = {"w": (-1.0, 1.0)}
+STATES = {"w": (-1.0, 1.0)}  # held there
 
 
 @checked

@@ -37,7 +37,7 @@ from dampyr.records.self_contained import check_contained
 from dampyr.units import to_si
 
 FORMAT = "dampyr record"
-SCHEMA = 2
+SCHEMA = 2  # the one that is written
 SUPPORTED_SCHEMAS = (1, 2)  # schema 1 had no /rows
 PIECE = 2**16  # samples of a long record that are in memory at a time
 

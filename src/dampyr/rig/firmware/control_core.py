@@ -33,7 +33,7 @@ HEARTBEAT, LOW, HIGH, SPEED, STALL, LOST, UNDERRUN, ENCODER = (int(fault) for fa
     R_HEAD, R_NEXT, R_LAST, R_PERIOD, R_PHASE, R_TARGET, R_RATE, R_LEFT, R_HALF, R_PAUSE, R_STROKES,
     R_INDEX, R_TURN, R_START, R_SIGN, R_FILLED,
 ) = range(35)  # fmt: skip
-R_QUEUE = 40
+R_QUEUE = 40  # after the 35 above, with places left for more
 R_PAST = R_QUEUE + QUEUE
 REGISTERS = R_PAST + WINDOW
 

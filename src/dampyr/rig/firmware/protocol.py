@@ -6,9 +6,9 @@ import struct
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
-VERSION = 1
-MAX_BODY = 70
-MAX_POINTS = 16
+VERSION = 1  # of the frames; both ends must speak the same
+MAX_BODY = 70  # bytes: the longest body is that of 16 set points (5 + 4 * 16), with one to spare
+MAX_POINTS = 16  # in one frame: 0.16 s of motion where they are 10 ms apart
 QUEUE = 64  # set points that the Uno holds
 
 

@@ -17,6 +17,7 @@ from dampyr.rig.simulation.board_signals import BOARD_MESSAGES, BoardError
 from dampyr.rig.simulation.clock import Clock
 
 PRODUCT, SERIAL = "PCI-6221", 0x01A2B3C4
+# NI-DAQmx's numbers of these errors
 NO_CHANNEL, NO_TASK, NO_DEVICE = -200170, -200088, -200220
 CHANNEL_ATTRIBUTES = {
     pb.CHANNEL_ATTRIBUTE_CHAN_TYPE: {"ai": 10100, "ao": 10102, "ci": 10131},

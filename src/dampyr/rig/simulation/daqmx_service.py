@@ -20,8 +20,9 @@ from dampyr.rig.simulation.clock import Clock
 from dampyr.rig.simulation.daqmx_identity import NO_CHANNEL, DaqTask, Identity
 from dampyr.rig.simulation.timed_command import TimedCommand
 
+# NI-DAQmx's numbers of these settings
 DO_NOT_REGENERATE = 10158
-X4, METERS, TICKS = 10092, 10219, 10304
+X4, METERS, TICKS = 10092, 10219, 10304  # as above
 ALL = -1  # samples: all that are buffered
 UNSUPPORTED = -200077
 

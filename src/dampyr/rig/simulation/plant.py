@@ -32,10 +32,10 @@ COPPER_AT = 20.0  # degC at which the coil has its resistance
     Y_SCREW, Y_MOTOR, Y_X, Y_V, Y_FORCE, Y_CURRENT, Y_COIL, Y_TEMPERATURE, Y_CELL, Y_COMMAND, Y_INPUT,
     Y_REST, Y_WORK, Y_RUBBED, Y_TAKEN, Y_HEATED, Y_COOLED,
 ) = range(17)  # fmt: skip
-PLANT = 17
+PLANT = Y_COOLED + 1
 # counters: steps made; counts of the Uno and of the board less those of the encoder; the last count; the index; samples
 N_STEP, N_UNO, N_NI, N_SHOWN, N_PASSED, N_TAKEN, N_HELD = range(7)
-NUMBERS = 7
+NUMBERS = N_HELD + 1
 # active faults
 Z_STALLED, Z_UNO, Z_NI, Z_GLITCH = range(4)
 TRUTH = (

@@ -80,10 +80,10 @@ def exp_coefficients(degree: int) -> list[float]:
 
 
 real, whole = np.float64, np.int64  # all of these are bound by `functions`
-exp_2 = exp_3 = exp_4 = exp_5 = exp_6 = 0.0
-lowest = log2e = ln2 = one = two = quarter = eighth = rounding = tiny = 0.0
-log_0 = log_1 = log_2 = log_3 = log_4 = log_5 = log_6 = log_7 = log_8 = log_9 = 0.0
-digits = magic = sign = root_half = 0
+exp_2 = exp_3 = exp_4 = exp_5 = exp_6 = 0.0  # of the series of exp
+lowest = log2e = ln2 = one = two = quarter = eighth = rounding = tiny = 0.0  # numbers of the precision
+log_0 = log_1 = log_2 = log_3 = log_4 = log_5 = log_6 = log_7 = log_8 = log_9 = 0.0  # of the series of log
+digits = magic = sign = root_half = 0  # bits of the precision
 
 
 def exp(t: float) -> float:

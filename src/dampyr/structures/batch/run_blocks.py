@@ -19,6 +19,7 @@ from dampyr.structures.kernel_math import quadratic
 
 FAST = {"contract", "nsz", "arcp", "nnan", "ninf"}
 MATH = ("sqrt", "log", "log1p", "expm1", "sin", "cos", "tan", "atan")
+# Numbers that generated code names, so that each has the precision of the run.
 CONSTANTS = {"zero": 0.0, "one": 1.0, "two": 2.0, "four": 4.0, "half": 0.5, "quarter": 0.25}
 
 

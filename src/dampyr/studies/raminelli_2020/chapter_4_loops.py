@@ -19,8 +19,8 @@ from dampyr.studies.raminelli_2020.published import Published
 from dampyr.studies.raminelli_2020.study_part import Part, findings_table
 
 TITLE = "Figures 4.1 to 4.4"
-SHOWN_ROW = 5
-SHOWN_CYCLES = 3
+SHOWN_ROW = 5  # of tables 4.2 and 4.3: the test that figures 4.1 and 4.2 show
+SHOWN_CYCLES = 3  # from the middle of the record: the loops lie over one another
 
 
 def figures_4(published: Published, campaign: Campaign | None) -> Part:

@@ -24,7 +24,7 @@ from dampyr.studies.raminelli_2020.study_part import Part, findings_table
 MILLIONTH = Tolerance(relative=1e-6)
 MOTION_FILE = "ElCentroData.mat"
 PERCENT = Tolerance(relative=0.01)
-ALSO = (1.98, 3.21)
+ALSO = (1.98, 3.21)  # V: the two highest voltages of the calibration, the last rounded down so that it stays inside
 CASE = ("case 1, no damper", "case 2, 0 V", "case 3")
 
 

@@ -11,6 +11,7 @@ from dampyr.studies.raminelli_2020.finding import Printed
 
 PARAMETERS = ("kx", "kw", "rho")
 UNITS = {"kx": "N s/mm", "kw": "N", "rho": "1/mm"}
+# N s/mm and 1/mm to SI
 TO_SI = {"kx": 1e3, "kw": 1.0, "rho": 1e3}
 TABLES = ("4.2", "4.3", "4.4", "4.5")
 
