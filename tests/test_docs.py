@@ -21,10 +21,10 @@ import pytest
 from dampyr import registry
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
-from dampyr.models import Constant, Damper, Polynomial, names, part
+from dampyr.models import Constant, Damper, Polynomial, available_parts, part
 from dampyr.records.record import CHANNELS
 from dampyr.records.text_columns import WORDS
-from dampyr.structures import control_law, control_laws
+from dampyr.structures import available_control_laws, control_law
 
 Array = np.ndarray
 ROOT = Path(__file__).resolve().parents[1]
@@ -237,7 +237,7 @@ def test_the_readme_tells_the_building_as_it_is() -> None:
 def test_the_readme_names_every_part_and_every_command() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     commands = cli.list_commands(click.Context(cli))
-    assert not [each for each in (*names(), *commands) if f"`{each}`" not in readme]
+    assert not [each for each in (*available_parts(), *commands) if f"`{each}`" not in readme]
 
 
 def test_the_card_of_the_reference_loads(tmp_path: Path) -> None:
@@ -284,7 +284,7 @@ def test_the_reference_of_the_models_is_what_the_parts_say() -> None:
     page = (DOCS / "reference" / "models.md").read_text(encoding="utf-8")
     made = runpy.run_path(str(DOCS / "reference" / "make_models.py"))["page"]()
     assert page == made, "run python docs/reference/make_models.py"
-    for each in names():
+    for each in available_parts():
         section = re.split(rf"^## `{each}`$", page, flags=re.MULTILINE)[1].partition("\n## ")[0]
         assert "$$" in section, f"{each} shows no equation"
         assert not re.search(r":math:|\.\. math|``", section)
@@ -312,7 +312,7 @@ def test_the_refusal_of_the_how_to_is_what_is_said(tmp_path: Path) -> None:
 def test_the_reference_names_every_control_law_and_its_settings() -> None:
     text = (DOCS / "reference" / "control-laws.md").read_text(encoding="utf-8")
     rows = {line.split("`")[1]: line for line in text.splitlines() if line.startswith("| `")}
-    for law in control_laws():
+    for law in available_control_laws():
         settings = vars(control_law(law, high=1.0)).keys() - {"low", "high", "period", "lag"}
         assert all(f"`{name}`" in rows[law] for name in settings), law
 
@@ -355,7 +355,7 @@ def test_the_model_of_the_how_to_is_a_model(tmp_path: Path, monkeypatch: pytest.
     [text] = blocks(DOCS / "how-to" / "add-a-model.md", "python")
     (tmp_path / "bent_dashpot.py").write_text(text, encoding="utf-8")
     monkeypatch.setattr(parts, "__path__", [*parts.__path__, str(tmp_path)])
-    assert "bent_dashpot" in names()
+    assert "bent_dashpot" in available_parts()
     t = np.linspace(0.0, 6.0, 1200)
     x, v = 0.01 * np.sin(6.0 * t), 0.06 * np.cos(6.0 * t)
     force = 20.0 + 3000.0 * v / (1 + np.abs(v) / 0.04)

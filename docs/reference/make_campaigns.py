@@ -9,7 +9,7 @@ from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any, get_origin, get_type_hints
 
-from dampyr.campaigns import Header, kind, kinds
+from dampyr.campaigns import Header, available_steps, kind
 from dampyr.config import origin, split
 from dampyr.units import Quantity, for_people
 
@@ -44,7 +44,7 @@ places by the seed between those that keep theirs: warm-ups and rests.
 
 def page() -> str:
     """The whole page."""
-    return "\n".join([HEAD.format(header=table(Header)), *map(section, kinds())])
+    return "\n".join([HEAD.format(header=table(Header)), *map(section, available_steps())])
 
 
 def section(name: str) -> str:

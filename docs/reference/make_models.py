@@ -6,7 +6,7 @@ import inspect
 import re
 from pathlib import Path
 
-from dampyr.models import names, part
+from dampyr.models import available_parts, part
 
 PAGE = Path(__file__).with_name("models.md")
 HEAD = """# Models
@@ -31,7 +31,7 @@ for all records. A building leaves it out: it is at rest in its equilibrium with
 
 def page() -> str:
     """The whole page."""
-    return "\n".join([HEAD, *map(section, names())])
+    return "\n".join([HEAD, *map(section, available_parts())])
 
 
 def section(name: str) -> str:

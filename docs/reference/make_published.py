@@ -36,13 +36,13 @@ A test integrates the equations of each set in its own units and letters and com
 
 def page() -> str:
     """The whole page."""
-    return "\n".join([HEAD, listing(), *map(section, published.names())])
+    return "\n".join([HEAD, listing(), *map(section, published.available_sets())])
 
 
 def listing() -> str:
     """One row per set."""
     rows = ["| set | claims | input | differs from |", "|---|---|---|---|"]
-    for name in published.names():
+    for name in published.available_sets():
         about = published.about(name)
         low, high = about.limits
         others = ", ".join(f"`{other}`" for other in about.differs) or "-"

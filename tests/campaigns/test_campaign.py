@@ -12,7 +12,7 @@ SINE = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz"}
 
 
 def read(*steps, **header):
-    return campaigns.read({"step": list(steps), **header})
+    return campaigns.campaign_of({"step": list(steps), **header})
 
 
 def names(campaign):
@@ -60,7 +60,7 @@ def test_repeats_keep_the_number_and_the_drive():
 def test_rows_come_from_a_table_beside(tmp_path):
     (tmp_path / "rows.csv").write_text("peak_to_peak [mm],frequency,cycles\n24.75,0.84 Hz,5\n\n10,1.2,6\n")
     (tmp_path / "c.toml").write_text('[[step]]\nkind = "sine"\nrows = "rows.csv"\nvoltage = [0, 1]\n')
-    campaign = campaigns.load(tmp_path / "c.toml")
+    campaign = campaigns.read(tmp_path / "c.toml")
     rows = [(t.step.amplitude, t.step.frequency, t.step.cycles, t.step.voltage) for t in campaign.tests]
     assert rows == [(0.012375, 0.84, 5, 0.0), (0.012375, 0.84, 5, 1.0), (0.005, 1.2, 6, 0.0), (0.005, 1.2, 6, 1.0)]
     assert campaign.header.name == "c"
@@ -80,12 +80,12 @@ def test_the_order_is_drawn_by_the_seed_and_the_names_are_not():
 
 def test_a_seed_may_be_given_in_place_of_the_files():
     path = EXAMPLES / "every_kind.toml"
-    assert names(campaigns.load(path)) == names(campaigns.load(path, seed=3)) != names(campaigns.load(path, seed=4))
+    assert names(campaigns.read(path)) == names(campaigns.read(path, seed=3)) != names(campaigns.read(path, seed=4))
 
 
 def test_names_are_unique_and_fit_for_files():
     for path in EXAMPLES.glob("*.toml"):
-        campaign_names = names(campaigns.load(path))
+        campaign_names = names(campaigns.read(path))
         assert len(set(campaign_names)) == len(campaign_names)
         assert not [
             name
@@ -129,33 +129,33 @@ def test_a_mistake_is_one_sentence_with_its_place(tmp_path, text, words):
     path = tmp_path / "bad.toml"
     path.write_text(text)
     with pytest.raises(FileError, match=words) as raised:
-        campaigns.load(path)
+        campaigns.read(path)
     assert str(raised.value).startswith(f"{path}: ")
     assert "\n" not in str(raised.value)
 
 
 def test_files_that_are_not_there_are_named(tmp_path):
     with pytest.raises(MissingData, match=r"nowhere\.toml"):
-        campaigns.load(tmp_path / "nowhere.toml")
+        campaigns.read(tmp_path / "nowhere.toml")
     (tmp_path / "c.toml").write_text('[[step]]\nkind = "sine"\nrows = "rows.csv"\n')
     with pytest.raises(MissingData, match=r"rows\.csv"):
-        campaigns.load(tmp_path / "c.toml")
+        campaigns.read(tmp_path / "c.toml")
     (tmp_path / "rows.csv").write_text("amplitude [mm],frequency\n8\n")
     with pytest.raises(FileError, match="line 2 has 1 cells, the header 2"):
-        campaigns.load(tmp_path / "c.toml")
+        campaigns.read(tmp_path / "c.toml")
     (tmp_path / "rows.csv").write_text("amplitude [mm]\n")
     with pytest.raises(FileError, match="has no rows"):
-        campaigns.load(tmp_path / "c.toml")
+        campaigns.read(tmp_path / "c.toml")
 
 
 def test_a_field_stands_in_one_place(tmp_path):
     (tmp_path / "rows.csv").write_text("amplitude [mm],frequency\n8,1\n")
     with pytest.raises(InputError, match=r"step 1.amplitude stands in the step and in its table of rows"):
-        campaigns.read({"step": [SINE | {"rows": "rows.csv"}]}, tmp_path)
+        campaigns.campaign_of({"step": [SINE | {"rows": "rows.csv"}]}, tmp_path)
 
 
 def test_an_earthquake_is_looked_for_beside_the_campaign(tmp_path):
     settings = {"kind": "earthquake", "motion": "quake.csv"}
-    [test] = campaigns.read({"step": [settings]}, tmp_path).tests
+    [test] = campaigns.campaign_of({"step": [settings]}, tmp_path).tests
     assert test.step.motion == str(tmp_path / "quake.csv")
     assert test.name == "01-earthquake-quake-scale1-0V"

@@ -58,7 +58,9 @@ def test_the_lag_of_the_motor_takes_its_share():
 
 
 def test_a_refusal_says_what_is_needed_what_there_is_and_what_would_do():
-    plan = campaigns.plan(campaigns.read({"step": [{"kind": "sine", "amplitude": "20 mm", "frequency": "2 Hz"}]}))
+    plan = campaigns.plan(
+        campaigns.campaign_of({"step": [{"kind": "sine", "amplitude": "20 mm", "frequency": "2 Hz"}]})
+    )
     [text] = plan.refusals
     assert text.startswith("step 1, sine 20 mm at 2 Hz, 0 V: needs 251.3 mm/s, the actuator gives ")
     gives, load = re.search(r"gives ([\d.]+) mm/s at (\d+) N", text).groups()
@@ -110,7 +112,7 @@ def test_the_stroke_counts_the_centre_and_some_room():
 
 def test_several_limits_are_told_together_each_with_its_repair():
     step = {"kind": "sine", "amplitude": "40 mm", "frequency": "0.1 Hz", "voltage": "5 V"}
-    [text] = campaigns.plan(campaigns.read({"step": [step]})).refusals
+    [text] = campaigns.plan(campaigns.campaign_of({"step": [step]})).refusals
     assert "needs 5 V at the coil, the limit is 4.4 V; lower the voltage to 4.4 V; it also goes 40 mm" in text
     assert text.endswith("lower the amplitude to 36.5 mm")
 

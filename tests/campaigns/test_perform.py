@@ -102,7 +102,7 @@ def test_what_the_rig_cannot_do_is_refused_before_anything_is_written(tmp_path: 
     settings = {"step": [{"kind": "sine", "amplitude": "30 mm", "frequency": "1 Hz"}]}
     opened = rig()
     with pytest.raises(InputError, match="lower the amplitude to"):
-        perform(campaigns.read(settings), opened, tmp_path / "out")
+        perform(campaigns.campaign_of(settings), opened, tmp_path / "out")
     assert not (tmp_path / "out").exists()
     assert opened.board.simulator.time == 0.0
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampyr import campaigns
-from dampyr.campaigns import kind, kinds, plan, planned
+from dampyr.campaigns import available_steps, kind, plan, planned
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.rig import RigSettings
 from dampyr.studies import raminelli_2020
@@ -18,7 +18,7 @@ SINE = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "voltage": "1.
 
 
 def read(*steps, **header):
-    return campaigns.read({"step": list(steps), **header})
+    return campaigns.campaign_of({"step": list(steps), **header})
 
 
 def test_a_planned_sine_in_numbers():
@@ -126,7 +126,7 @@ def test_the_quick_campaign_is_quick():
 def test_an_example_shows_every_kind_and_passes():
     campaign_plan = planned(EXAMPLES / "every_kind.toml")
     assert campaign_plan.refusals == ()
-    assert {test.kind for test in campaign_plan.tests} == set(kinds())
+    assert {test.kind for test in campaign_plan.tests} == set(available_steps())
 
 
 def test_the_card_of_a_rig_lies_beside_it(tmp_path):

@@ -128,12 +128,14 @@ def test_a_grid_is_its_text_and_back():
 
 
 def test_the_plan_is_that_of_the_command_line(client):
-    from dampyr.campaigns import plan, read
+    from dampyr.campaigns import campaign_of, plan
     from dampyr.campaigns.force_prediction import specimen
     from dampyr.rig import RigSettings
 
     rig = RigSettings()
-    expected = plan(read({"step": [{"kind": "sine", "amplitude": "9 mm", "frequency": "2 Hz"}]}), rig, specimen(rig))
+    expected = plan(
+        campaign_of({"step": [{"kind": "sine", "amplitude": "9 mm", "frequency": "2 Hz"}]}), rig, specimen(rig)
+    )
     reply = client.post(
         "/api/campaigns/plan", json={"text": SINE.replace("4 mm", "9 mm").replace("1 Hz", "2 Hz")}
     ).json()

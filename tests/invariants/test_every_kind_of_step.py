@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dampyr.campaigns import findings, kind, kinds
+from dampyr.campaigns import available_steps, findings, kind
 from dampyr.campaigns.check import STROKE_MARGIN
 from dampyr.campaigns.force_prediction import course
 from dampyr.campaigns.step import words
@@ -40,14 +40,14 @@ def numeric(drive: Any) -> tuple[float, float]:
     return float(np.abs(drive.displacement).max()), float(np.abs(np.diff(drive.displacement)).max() / drive.period)
 
 
-@pytest.mark.parametrize("name", kinds())
+@pytest.mark.parametrize("name", available_steps())
 def test_it_begins_and_ends_at_rest_in_the_middle(name: str) -> None:
     drive = typical(name).drive(RIG)
     ends = [*drive.displacement[:20], *drive.displacement[-20:]]
     np.testing.assert_allclose(ends, 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", [n for n in kinds() if typical(n).drive(RIG).reversals is None])
+@pytest.mark.parametrize("name", [n for n in available_steps() if typical(n).drive(RIG).reversals is None])
 def test_its_peaks_are_those_of_its_path(name: str) -> None:
     step = typical(name, period=0.001)
     drive, peaks = step.drive(RIG), step.peaks(RIG)
@@ -56,7 +56,7 @@ def test_its_peaks_are_those_of_its_path(name: str) -> None:
     assert speed == pytest.approx(peaks.speed, rel=1e-3, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", kinds())
+@pytest.mark.parametrize("name", available_steps())
 def test_its_speed_has_no_jumps(name: str) -> None:
     """Halving the period halves the change of speed from one set point to the next."""
     changes = []
@@ -66,21 +66,23 @@ def test_its_speed_has_no_jumps(name: str) -> None:
     assert changes[1] <= 0.62 * changes[0]
 
 
-@pytest.mark.parametrize("name", kinds())
+@pytest.mark.parametrize("name", available_steps())
 def test_it_is_the_same_each_time(name: str) -> None:
     one, other = typical(name).drive(RIG), typical(name).drive(RIG)
     np.testing.assert_array_equal(one.displacement, other.displacement)
     np.testing.assert_array_equal(one.voltage, other.voltage)
 
 
-@pytest.mark.parametrize("name", [n for n in kinds() if "seed" in {f.name for f in dataclasses.fields(kind(n))}])
+@pytest.mark.parametrize(
+    "name", [n for n in available_steps() if "seed" in {f.name for f in dataclasses.fields(kind(n))}]
+)
 def test_another_seed_gives_another_drive(name: str) -> None:
     one, other = typical(name, seed=1).drive(RIG), typical(name, seed=2).drive(RIG)
     same = np.array_equal(one.displacement, other.displacement) and np.array_equal(one.voltage, other.voltage)
     assert not same
 
 
-@pytest.mark.parametrize("name", kinds())
+@pytest.mark.parametrize("name", available_steps())
 def test_it_says_what_it_is(name: str) -> None:
     cls, module = kind(name), __import__(kind(name).__module__, fromlist=["x"])
     assert cls.__doc__
@@ -91,7 +93,7 @@ def test_it_says_what_it_is(name: str) -> None:
     assert words(name, typical(name)).startswith(name.replace("_", " "))
 
 
-@pytest.mark.parametrize("name", kinds())
+@pytest.mark.parametrize("name", available_steps())
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_what_passes_the_check_stays_within_the_limits(name: str, data: st.DataObject) -> None:

@@ -8,13 +8,13 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.export import export
-from dampyr.models import Damper, compose, names, part
+from dampyr.models import Damper, available_parts, compose, part
 from dampyr.models.codegen.series import UNKNOWN
 from dampyr.models.part import Scale
 from dampyr.models.path_integration import along, along_with_columns
 
-FORCEFUL = [name for name in names() if part(name).force is not None]
-SERIES = [f"dahl + {name}" for name in names() if part(name).stretch]
+FORCEFUL = [name for name in available_parts() if part(name).force is not None]
+SERIES = [f"dahl + {name}" for name in available_parts() if part(name).stretch]
 SERIES += ["modified_bouc_wen + inertia + spring + compliance + free_play", "bouc_wen + offset + compliance"]
 FOLLOWING = [name for name in FORCEFUL if part(name).follows_velocity]  # behind a stretch they need its rate
 SERIES += [f"{name} + spring + compliance" for name in FOLLOWING] + ["hysteretic_biviscous + inertia + free_play"]
@@ -98,7 +98,7 @@ def test_linear_parameters_are_linear(name: str) -> None:
     np.testing.assert_allclose(along(composition, t, x, v, doubled), 2.0 * force, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", available_parts())
 def test_limits_hold_when_a_part_is_made(name: str) -> None:
     values = {key.partition(".")[2]: value for key, value in typical(name).items()}
     part(name).cls(**values)
@@ -108,14 +108,14 @@ def test_limits_hold_when_a_part_is_made(name: str) -> None:
                 part(name).cls(**(values | {key: bad}))
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", available_parts())
 def test_a_part_says_where_it_comes_from(name: str) -> None:
     text = part(name).module.__doc__ or ""
     assert ".. math::" in text
     assert part(name).cls.__doc__
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", available_parts())
 def test_proposals_cover_what_is_not_linear(name: str) -> None:
     needed = {key for key, q in part(name).parameters.items() if not q.linear}
     for proposal in part(name).starts(Scale(stroke=0.02, speed=0.06, dt=0.01)):
@@ -124,7 +124,7 @@ def test_proposals_cover_what_is_not_linear(name: str) -> None:
             part(name).parameters[key].check(key, value)
 
 
-@pytest.mark.parametrize("name", [*names(), *(f"{name} + spring + compliance" for name in FOLLOWING)])
+@pytest.mark.parametrize("name", [*available_parts(), *(f"{name} + spring + compliance" for name in FOLLOWING)])
 def test_the_c_export_walks_the_same_path(name: str, tmp_path: pytest.TempPathFactory) -> None:
     if shutil.which("gcc") is None:
         pytest.skip("gcc is missing: the C export cannot be compiled")

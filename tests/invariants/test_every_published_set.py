@@ -20,7 +20,7 @@ def made(name: str) -> Damper:
         return published.damper(name)
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_it_says_where_it_comes_from(name: str) -> None:
     about = published.about(name)
     assert min(map(len, (about.claims, about.paper, about.where, about.read, about.device, about.limits_from))) > 5
@@ -31,21 +31,21 @@ def test_it_says_where_it_comes_from(name: str) -> None:
     assert ("eta" in about.printed) == (about.eta is not None)
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_differences_are_named_by_both(name: str) -> None:
     for other in published.about(name).differs:
         assert other != name
         assert name in published.about(other).differs
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_sets_that_claim_the_same_source_name_each_other(name: str) -> None:
     mine = published.about(name)
-    same = {n for n in published.names() if n != name and published.about(n).claims == mine.claims}
+    same = {n for n in published.available_sets() if n != name and published.about(n).claims == mine.claims}
     assert same <= set(mine.differs)
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_sets_that_differ_do(name: str) -> None:
     u = published.about(name).limits[1]
     t = np.linspace(0.0, 1.0, 2000)
@@ -61,7 +61,7 @@ def force(name: str, t: np.ndarray, x: np.ndarray, u: float) -> np.ndarray:
     return made(name).force(t, x, **given)
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_every_cycle_of_its_sine_dissipates_more_with_more_input(name: str) -> None:
     motion = published.about(name).motion
     n = 2000
@@ -75,7 +75,7 @@ def test_every_cycle_of_its_sine_dissipates_more_with_more_input(name: str) -> N
     assert np.all(np.diff(work) > 0.0)
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_it_holds_to_its_limits(name: str) -> None:
     low, high = published.about(name).limits
     damper = made(name)
@@ -85,7 +85,7 @@ def test_it_holds_to_its_limits(name: str) -> None:
         damper.values(high + 0.1)
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_only_the_sets_that_are_not_dissipative_warn(name: str) -> None:
     if name in NOT_DISSIPATIVE:
         with pytest.warns(DampyrWarning, match="not dissipative on every path"):
@@ -95,7 +95,7 @@ def test_only_the_sets_that_are_not_dissipative_warn(name: str) -> None:
         published.damper(name)
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_its_card_comes_back(name: str, tmp_path: Path) -> None:
     damper = made(name)
     with warnings.catch_warnings():

@@ -18,7 +18,7 @@ from numba.core.dispatcher import Dispatcher
 
 from dampyr.ground_motions import oscillator
 from dampyr.identification import bounded_least_squares, normal_equations
-from dampyr.models import names, part, path_integration
+from dampyr.models import available_parts, part, path_integration
 from dampyr.models.codegen.composition import compose
 from dampyr.models.codegen.kernels import bind, compile_cached
 from dampyr.rig.simulation import plant
@@ -30,7 +30,7 @@ from dampyr.structures.time_stepping import integrate as coupled
 PROBE = """
 import sys
 import numpy as np
-from dampyr.models import names, part, path_integration
+from dampyr.models import available_parts, part, path_integration
 from dampyr.models.codegen.composition import compose
 t = np.linspace(0.0, 1.0, 200)
 for name in sys.argv[1:]:
@@ -72,7 +72,7 @@ def kernels() -> Iterator[Any]:
         path_integration.integrate_law_jacobian,
     ]
     dampers = [
-        *(name for name in names() if part(name).force),
+        *(name for name in available_parts() if part(name).force),
         "dahl + spring",
         "dahl + delay",
         "bouc_wen + hyperbolic_tangent",

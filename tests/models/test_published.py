@@ -114,7 +114,7 @@ def by_the_book(name: str, u: float, cycles: int) -> Array:
     return np.asarray(total(scale * x, scale * v, *done.y))
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 @pytest.mark.parametrize("which", [0, -1])
 def test_the_force_is_that_of_the_published_equations(name: str, which: int) -> None:
     u = published.about(name).motion.inputs[which]
@@ -123,7 +123,7 @@ def test_the_force_is_that_of_the_published_equations(name: str, which: int) -> 
     assert np.sqrt(np.mean((ours - theirs) ** 2)) < 5e-5 * np.abs(theirs).max()
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_between_the_knots_of_its_laws_too(name: str) -> None:
     low, high = published.about(name).limits
     u = low + 0.37123 * (high - low)
@@ -131,7 +131,7 @@ def test_between_the_knots_of_its_laws_too(name: str) -> None:
     assert np.sqrt(np.mean((ours - theirs) ** 2)) < 5e-5 * np.abs(theirs).max()
 
 
-@pytest.mark.parametrize("name", [n for n in published.names() if FAMILY.get(n) is not simple])
+@pytest.mark.parametrize("name", [n for n in published.available_sets() if FAMILY.get(n) is not simple])
 def test_a_ratio_of_laws_is_right_to_a_ten_thousandth(name: str) -> None:
     damper, p = made(name), published.about(name).numbers
     z_max = np.sqrt(p["A"] / (p["beta"] + p.get("gamma", p.get("gama"))))
@@ -148,7 +148,7 @@ def test_a_ratio_of_laws_is_right_to_a_ten_thousandth(name: str) -> None:
         assert at["modified_bouc_wen.kw"] == pytest.approx(alpha * z_max, rel=1e-12)
 
 
-WITH_ETA = [name for name in published.names() if published.about(name).eta is not None]
+WITH_ETA = [name for name in published.available_sets() if published.about(name).eta is not None]
 
 
 @pytest.mark.parametrize("name", WITH_ETA)
@@ -251,7 +251,7 @@ BY_HAND = {  # at one input, from the printed numbers with pencil and paper
 }
 
 
-@pytest.mark.parametrize("name", published.names())
+@pytest.mark.parametrize("name", published.available_sets())
 def test_the_conversion_by_hand(name: str) -> None:
     u, expected = BY_HAND[name]
     damper = made(name)
@@ -316,7 +316,7 @@ def test_the_page_is_what_the_sets_say() -> None:
     page = (root / "docs" / "reference" / "published.md").read_text(encoding="utf-8")
     made_now = runpy.run_path(str(root / "docs" / "reference" / "make_published.py"))["page"]()
     assert page == made_now, "run python docs/reference/make_published.py"
-    for name in published.names():
+    for name in published.available_sets():
         section = page.partition(f"## `{name}`\n")[2].partition("\n## ")[0]
         for letter, (number, unit) in published.about(name).printed.items():
             assert f"| `{letter}` | {number:.15g} | {unit} |" in section

@@ -22,7 +22,7 @@ STEPS = [
 
 
 def test_the_page_tells_every_test_every_refusal_and_every_note(tmp_path):
-    campaign_plan = campaigns.plan(campaigns.read({"name": "a page", "operator": "me", "step": STEPS}))
+    campaign_plan = campaigns.plan(campaigns.campaign_of({"name": "a page", "operator": "me", "step": STEPS}))
     html = write_plan_page(campaign_plan, tmp_path / "plan.html").read_text(encoding="utf-8")
     for test in campaign_plan.tests:
         assert test.name in html
@@ -34,17 +34,17 @@ def test_the_page_tells_every_test_every_refusal_and_every_note(tmp_path):
 
 
 def test_a_plan_without_motion_has_a_page(tmp_path):
-    campaign_plan = campaigns.plan(campaigns.read({"step": [STEPS[3]], "check_amplitude": 0}))
+    campaign_plan = campaigns.plan(campaigns.campaign_of({"step": [STEPS[3]], "check_amplitude": 0}))
     assert "<svg" not in write_plan_page(campaign_plan, tmp_path / "plan.html").read_text(encoding="utf-8")
 
 
 def test_the_rows_are_in_the_units_that_people_read():
-    [row] = plan_rows(campaigns.plan(campaigns.read({"step": STEPS[:1]})))
+    [row] = plan_rows(campaigns.plan(campaigns.campaign_of({"step": STEPS[:1]})))
     assert row[3:5] == pytest.approx([16 * np.pi, 8.0])
 
 
 def test_a_note_on_a_repeated_test_is_told_once_for_each_name():
-    campaign_plan = campaigns.plan(campaigns.read({"step": [STEPS[2] | {"repeats": 2}]}))
+    campaign_plan = campaigns.plan(campaigns.campaign_of({"step": [STEPS[2] | {"repeats": 2}]}))
     assert len(plan_notes(campaign_plan)) == 1 + 2
 
 

@@ -276,11 +276,11 @@ def test_ring_two_alone_an_estimated_temperature(monkeypatch: pytest.MonkeyPatch
 
 def test_ring_three_alone() -> None:
     settings = {"step": [{"kind": "sine", "amplitude": "20 mm", "frequency": "2 Hz"}]}
-    plan = campaigns.plan(campaigns.read(settings), RigSettings())
+    plan = campaigns.plan(campaigns.campaign_of(settings), RigSettings())
     assert "needs 251.3 mm/s, the actuator gives" in plan.refusals[0]
     rig, simulator = made()
     with pytest.raises(InputError, match=r"needs 251\.3 mm/s"):
-        campaigns.perform(campaigns.read(settings), rig, "nowhere")
+        campaigns.perform(campaigns.campaign_of(settings), rig, "nowhere")
     assert simulator.time == 0.0
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.rig_time import SimulatedTime
 
-from dampyr.campaigns import Control, Stopped, perform, read
+from dampyr.campaigns import Control, Stopped, campaign_of, perform
 from dampyr.errors import RigFault
 from dampyr.rig import RigSettings, simulated
 from dampyr.rig.interlock import Samples
@@ -68,7 +68,7 @@ def test_the_rig_is_read_on_while_a_long_record_is_finished() -> None:
 
 
 def test_a_campaign_that_was_aborted_before_it_armed_moves_nothing(tmp_path) -> None:
-    campaign = read({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
+    campaign = campaign_of({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
     control = Control()
     control.abort("by a test")
     with simulated(in_process=True) as rig, pytest.raises(RigFault, match="aborted: by a test"):
@@ -76,7 +76,7 @@ def test_a_campaign_that_was_aborted_before_it_armed_moves_nothing(tmp_path) -> 
 
 
 def test_stop_is_heard_while_the_table_looks_for_its_index(tmp_path) -> None:
-    campaign = read({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
+    campaign = campaign_of({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
     control, phases = Control(), []
 
     with simulated(in_process=True) as rig:

@@ -116,7 +116,7 @@ def test_a_rig_loads_identically() -> None:
 
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_a_campaign_loads_identically(name: str) -> None:
-    campaign, expected = dp.campaigns.load(FILES / "campaigns" / name), EXPECTED["campaigns"][name]
+    campaign, expected = dp.campaigns.read(FILES / "campaigns" / name), EXPECTED["campaigns"][name]
     assert dataclasses.asdict(campaign.header) == expected["header"]
     assert len(campaign.tests) == len(expected["tests"])
     for test, old in zip(campaign.tests, expected["tests"], strict=True):
@@ -129,7 +129,7 @@ def test_a_campaign_loads_identically(name: str) -> None:
 
 def test_every_kind_of_step_is_in_a_campaign() -> None:
     tests = EXPECTED["campaigns"]["every_kind.toml"]["tests"]
-    assert {test["kind"] for test in tests} == set(dp.campaigns.kinds())
+    assert {test["kind"] for test in tests} == set(dp.campaigns.available_steps())
 
 
 @pytest.mark.parametrize("name", ["complete_campaign", "stopped_campaign"])

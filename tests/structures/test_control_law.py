@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.structures import control_law, control_laws
+from dampyr.structures import available_control_laws, control_law
 from dampyr.structures.control.on_off import OnOff
 from dampyr.structures.control_law import describe_law, is_control_law, parts, source, spelled
 
 
 def test_a_law_is_a_file():
-    assert {"on_off", "skyhook", "clipped_optimal", "lyapunov", "bang_bang"} <= set(control_laws())
+    assert {"on_off", "skyhook", "clipped_optimal", "lyapunov", "bang_bang"} <= set(available_control_laws())
     assert control_law("on_off", high=3) == OnOff(0.0, 3.0)
     assert is_control_law(OnOff(0.0, 1.0))
     assert not any(map(is_control_law, (OnOff, 1.0, None, "on_off", [OnOff(0.0, 1.0)])))

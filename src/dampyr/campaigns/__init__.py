@@ -2,18 +2,18 @@
 
 ::
 
-    campaign = load("campaign.toml")
+    campaign = read("campaign.toml")
     found = plan(campaign, rig, damper)     # every test with its duration, peaks and expected force
     found.refusals                          # what the rig cannot do, each with the largest value that it can
 
-A kind of step is one file in the package ``dampyr.campaigns.steps``; `kinds` lists them.
+A kind of step is one file in the package ``dampyr.campaigns.steps``; `available_steps` lists them.
 """
 
-from dampyr.campaigns.campaign import Campaign, Header, Test, load, read
+from dampyr.campaigns.campaign import Campaign, Header, Test, campaign_of, read
 from dampyr.campaigns.check import Finding, findings, largest
 from dampyr.campaigns.force_prediction import envelope, specimen
 from dampyr.campaigns.journal import Journal, read_journal
-from dampyr.campaigns.kinds import kind, kinds
+from dampyr.campaigns.kinds import available_steps, kind
 from dampyr.campaigns.perform import perform
 from dampyr.campaigns.plan import Plan, PlannedTest, plan, planned
 from dampyr.campaigns.run_control import Control, Progress, Stopped, exit_status
@@ -23,10 +23,10 @@ __all__ = [
     "Campaign",
     "Header",
     "Test",
-    "load",
     "read",
+    "campaign_of",
     "kind",
-    "kinds",
+    "available_steps",
     "Step",
     "Peaks",
     "Plan",

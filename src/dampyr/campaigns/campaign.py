@@ -96,7 +96,7 @@ class Campaign:
         return QuasiStatic(amplitude, speed=0.005, cycles=1, rest_before=1.0) if amplitude else None
 
 
-def load(path: str | Path, seed: int | None = None) -> Campaign:
+def read(path: str | Path, seed: int | None = None) -> Campaign:
     """The campaign in a TOML file; ``seed`` takes the place of the file's.
 
     Raises :class:`~dampyr.errors.FileError` that says what is wrong and where, and MissingData where a file is not there.
@@ -104,7 +104,7 @@ def load(path: str | Path, seed: int | None = None) -> Campaign:
     path = Path(path)
     document = load_toml(path)
     try:
-        campaign = read(document, path.parent, seed)
+        campaign = campaign_of(document, path.parent, seed)
     except (FileError, MissingData):
         raise
     except DampyrError as problem:
@@ -112,7 +112,7 @@ def load(path: str | Path, seed: int | None = None) -> Campaign:
     return replace(campaign, source=path.read_text("utf-8"), header=_named(campaign.header, path.stem))
 
 
-def read(document: Mapping[str, Any], folder: str | Path = ".", seed: int | None = None) -> Campaign:
+def campaign_of(document: Mapping[str, Any], folder: str | Path = ".", seed: int | None = None) -> Campaign:
     """The campaign in a table as TOML gives it; files that it names are looked for in ``folder``."""
     allowed = [*(field.name for field in fields(Header)), "step"]
     for name in document:

@@ -9,7 +9,7 @@ from dampyr import registry
 REGISTRY = "dampyr.campaigns.steps"
 
 
-def kinds() -> list[str]:
+def available_steps() -> list[str]:
     """The names of all kinds of step."""
     return registry.names(REGISTRY)
 

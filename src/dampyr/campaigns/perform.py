@@ -8,8 +8,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from dampyr.campaigns.campaign import Campaign
-from dampyr.campaigns.campaign import load as load_campaign
+from dampyr.campaigns.campaign import Campaign, read
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.journal import Journal
 from dampyr.campaigns.monitor import Watch, time_left
@@ -66,8 +65,8 @@ def perform(
 def _planned(campaign: Plan | Campaign | str | Path, rig: Rig) -> Plan:
     if isinstance(campaign, Plan):
         return campaign
-    loaded = campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
-    return plan(loaded, rig.settings, specimen(rig.settings, rig.folder))
+    tests = campaign if isinstance(campaign, Campaign) else read(campaign)
+    return plan(tests, rig.settings, specimen(rig.settings, rig.folder))
 
 
 def _made(folder: Path) -> Path:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.campaigns.campaign import Campaign, Test, load
+from dampyr.campaigns.campaign import Campaign, Test, read
 from dampyr.campaigns.check import Finding, findings, largest, repairs
 from dampyr.campaigns.force_prediction import UNKNOWN, course, specimen
 from dampyr.campaigns.step import words
@@ -100,7 +100,7 @@ def planned(campaign: str | Path, rig: str | Path | None = None, seed: int | Non
     """The plan of a campaign file on the rig of a ``rig.toml`` (None: the original rig), its card looked for beside it."""
     settings = RigSettings() if rig is None else load_settings(rig)
     damper = specimen(settings, None if rig is None else Path(rig).parent)
-    return plan(load(campaign, seed), settings, damper)
+    return plan(read(campaign, seed), settings, damper)
 
 
 def _planned(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest:

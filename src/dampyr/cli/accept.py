@@ -121,7 +121,7 @@ def _reference(text: str, reading: Reading) -> Damper | list[Record]:
         return Damper.load(path)
     if path.exists():
         return gather((path,), None, reading)
-    names = studies.damper_names()
+    names = studies.available_dampers()
     if text not in names:
         raise InputError(
             f"{text}: no such file, and no published damper; give a card, records, or one of {', '.join(names)}"

@@ -24,7 +24,7 @@ def command(rig: Path, load: str | None, shunt: str | None, seconds: float, yes:
     The scale is found by a known load or a shunt; without --load and --shunt only the zero is found. Nothing moves, the coil
     stays at 0 V. The result is calibration.toml beside the rig.toml, and every campaign with that rig uses it.
     """
-    from dampyr.rig import open_rig
+    from dampyr.rig.connect import open_rig
     from dampyr.rig.load_cell_calibration import Calibrating
 
     if load and shunt:

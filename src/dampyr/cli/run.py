@@ -76,7 +76,7 @@ def command(
 def _perform(plan: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[str, Any]) -> None:
     from dampyr.campaigns import Control, perform, read_journal
     from dampyr.cli._running import keys, shown, stopped_by_signals
-    from dampyr.rig import open_rig
+    from dampyr.rig.connect import open_rig
 
     control = Control()
     try:

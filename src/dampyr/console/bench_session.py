@@ -14,7 +14,7 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from dampyr.campaigns import load, plan, specimen
+from dampyr.campaigns import plan, read, specimen
 from dampyr.console.bench_state import BenchState, ConnectedRig, Phase, Run, check_ring, firmware_ring, interlock_ring
 from dampyr.console.bench_thread import BenchThread
 from dampyr.console.clients import Clients
@@ -111,7 +111,7 @@ class Bench:
         """Run a campaign file into a folder; where the folder holds a part of it already, the rest."""
         self._accept(client, ("idle", "armed"), None)
         rig = self._connected()
-        campaign_plan = plan(load(path), rig.settings, specimen(rig.settings, rig.folder))
+        campaign_plan = plan(read(path), rig.settings, specimen(rig.settings, rig.folder))
         self._refused, self._checked = (
             "; ".join(campaign_plan.refusals),
             f"{name}: all of its {len(campaign_plan.tests)} tests passed",

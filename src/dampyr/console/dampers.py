@@ -40,7 +40,7 @@ def dampers(data: Path) -> list[DamperLink]:
     """The cards first; what cannot be read is left out."""
     links = []
     cards = [f"{CARDS}/{name}" for name in safe_paths.files(data / CARDS, (".toml",))]
-    for name in [*cards, *studies.damper_names()]:
+    for name in [*cards, *studies.available_dampers()]:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")

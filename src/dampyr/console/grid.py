@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.campaigns import Plan, plan, read, specimen
+from dampyr.campaigns import Plan, campaign_of, plan, specimen
 from dampyr.campaigns.steps.earthquake import BUILT_IN
 from dampyr.console.safe_paths import inside
 from dampyr.errors import InputError
@@ -99,7 +99,7 @@ def planned_text(text: str, data: Path, rig: RigSettings, rig_folder: Path | Non
     except (tomllib.TOMLDecodeError, RecursionError) as problem:
         raise InputError(f"this is not valid TOML ({' '.join(str(problem).split())}); correct it there") from None
     _check_files(document, data / FOLDER)
-    campaign = read(document, data / FOLDER)
+    campaign = campaign_of(document, data / FOLDER)
     if len(campaign.tests) > MAX_TESTS:
         raise InputError(
             f"the campaign has {len(campaign.tests)} tests, a page plans at most {MAX_TESTS}; use dampyr run --dry-run"

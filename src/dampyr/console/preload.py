@@ -6,7 +6,7 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from dampyr.campaigns import perform, read
+from dampyr.campaigns import campaign_of, perform
 from dampyr.rig import simulated
 
 SHORT = {
@@ -19,4 +19,4 @@ SHORT = {
 def warm_up() -> None:
     """Run a campaign of a second on a rig simulated in this process, once."""
     with tempfile.TemporaryDirectory(prefix="dampyr-") as folder, simulated(in_process=True) as rig:
-        perform(read(SHORT), rig, Path(folder) / "warm")
+        perform(campaign_of(SHORT), rig, Path(folder) / "warm")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from dampyr.errors import InputError
-from dampyr.rig import Rig, RigSettings, load, load_settings, simulated
+from dampyr.rig import Rig, RigSettings, connect, load_settings, simulated
 
 Opener = Callable[[Path, str, bool], Rig]
 """``opener(data, name, simulate)`` connects a rig of a data folder."""
@@ -41,4 +41,4 @@ def opened(data: Path, name: str, simulate: bool) -> Rig:
         return simulated(path, real_time=True)
     if path is None:
         raise InputError("the original rig has no wires here; simulate it, or describe yours in rigs/NAME/rig.toml")
-    return load(path)
+    return connect(path)

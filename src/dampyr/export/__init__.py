@@ -1,6 +1,7 @@
 """Export of dampers to other tools.
 
-Each kind of export is one file of the package ``dampyr.export.kinds``; `export` writes one of them, `names` lists them.
+Each kind of export is one file of the package ``dampyr.export.kinds``; `export` writes one of them, `available_kinds` lists
+them.
 """
 
 from __future__ import annotations
@@ -8,23 +9,22 @@ from __future__ import annotations
 from pathlib import Path
 
 from dampyr.models import Damper
-from dampyr.registry import member
-from dampyr.registry import names as _names
+from dampyr.registry import member, names
 
 REGISTRY = "dampyr.export.kinds"
 
-__all__ = ["export", "names"]
+__all__ = ["available_kinds", "export"]
 
 
-def names() -> list[str]:
+def available_kinds() -> list[str]:
     """The kinds of export."""
-    return _names(REGISTRY)
+    return names(REGISTRY)
 
 
 def export(
     damper: Damper, to: str, out: str | Path, name: str = "damper", allow_extrapolation: bool = False
 ) -> list[Path]:
-    """Write ``damper`` as ``to`` (one of `names`) into the folder ``out``; the files written.
+    """Write ``damper`` as ``to`` (one of `available_kinds`) into the folder ``out``; the files written.
 
     ``name`` is its name there. Inputs outside the calibrated range are refused by what is written, unless
     ``allow_extrapolation``. Raises :class:`~dampyr.errors.InputError` for an unknown kind or a name that the target

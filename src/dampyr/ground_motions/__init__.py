@@ -25,8 +25,7 @@ from dampyr.ground_motions.measures import (
     significant_duration,
 )
 from dampyr.ground_motions.motion import GroundMotion
-from dampyr.ground_motions.motion_files import formats as available_formats
-from dampyr.ground_motions.motion_files import read
+from dampyr.ground_motions.motion_files import available_formats, read
 from dampyr.ground_motions.resampling import resampled
 from dampyr.ground_motions.response_spectrum import STANDARD_PERIODS, Spectrum, spectrum
 from dampyr.ground_motions.soils import FIRM, MEDIUM, SOFT, Soil

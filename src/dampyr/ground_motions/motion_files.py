@@ -11,8 +11,8 @@ from dampyr.ground_motions.motion import GroundMotion
 REGISTRY = "dampyr.ground_motions.formats"
 
 
-def formats() -> dict[str, tuple[str, ...]]:
-    """The formats on the shelf and their suffixes."""
+def available_formats() -> dict[str, tuple[str, ...]]:
+    """The formats that can be read, and their suffixes."""
     return {name: module.SUFFIXES for name, module in registry.members(REGISTRY)}
 
 
@@ -35,5 +35,5 @@ def read(path: str | Path, units: str | None = None, dt: float | None = None) ->
         if file.suffix.lower() in module.SUFFIXES:
             motion: GroundMotion = module.read(file, units, dt)
             return motion
-    available = ", ".join(sorted(suffix for suffixes in formats().values() for suffix in suffixes))
+    available = ", ".join(sorted(suffix for suffixes in available_formats().values() for suffix in suffixes))
     raise FileError(file, f"the suffix {file.suffix!r} is not a ground motion's; dampyr reads {available}")

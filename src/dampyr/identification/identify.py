@@ -20,7 +20,7 @@ from dampyr.identification.score import Score, score
 from dampyr.identification.screening import held_in
 from dampyr.identification.splits import PARTS, split_tasks
 from dampyr.identification.validation import Validation, cross_validate
-from dampyr.models import Damper, compose, names
+from dampyr.models import Damper, available_parts, compose
 from dampyr.records import Record, check_bandwidth, nominal_inputs
 from dampyr.to_json import plain
 
@@ -134,7 +134,7 @@ class Identified:
 def choices() -> dict[str, Any]:
     """Allowed values of the options: models that stand alone, add-ons, and losses and splits with their words."""
     return {
-        "models": [name for name in names() if _stands_alone(name)],
+        "models": [name for name in available_parts() if _stands_alone(name)],
         "add_ons": list(ADD_ONS),
         "losses": {name: LOSS_WORDS.get(name, name) for name in LOSSES},
         "splits": {name: SPLIT_WORDS.get(name, name) for name in SPLITS},

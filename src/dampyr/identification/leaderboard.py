@@ -41,7 +41,7 @@ from dampyr.identification.screening import (
     validations_of,
 )
 from dampyr.identification.validation import Validation
-from dampyr.models import names, part
+from dampyr.models import available_parts, part
 from dampyr.records import Record, check_bandwidth
 
 ADD_ONS = ("spring", "delay", "lag", "compliance")
@@ -170,7 +170,7 @@ def leaderboard(
         bandwidth = chosen_bandwidth(listed, options)
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
     allowed, left_out = _allowed(add_ons, listed)
-    bases = list(models) if models else [*(name for name in names() if not part(name).add_on), *PAIRS]
+    bases = list(models) if models else [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
     screened = screen_all(bases, small, allowed, seed, options, executor, lambda done: report("screening models", done))
     best = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
     if not best:

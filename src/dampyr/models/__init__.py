@@ -1,8 +1,8 @@
 """Models of hysteresis, the laws by which they follow the input, and dampers made of them.
 
-A *part* is one model or add-on (`names`), a *damper* is a composition of parts with one *law* per parameter over the coil's
-voltage or current. `Damper.force` gives the force along a path, `Damper.load` and `Damper.save` read and write its card.
-`published` holds parameter sets from the literature.
+A *part* is one model or add-on (`available_parts` lists them), a *damper* is a composition of parts with one *law* per
+parameter over the coil's voltage or current. `Damper.force` gives the force along a path, `Damper.load` and `Damper.save`
+read and write its card. `published` holds parameter sets from the literature.
 """
 
 from dampyr.models import published
@@ -10,9 +10,10 @@ from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.damper import Damper
 from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
 from dampyr.models.part import REGISTRY, part
-from dampyr.registry import names as _names
+from dampyr.registry import names
 
 __all__ = [
+    "available_parts",
     "Composition",
     "Constant",
     "Damper",
@@ -20,12 +21,11 @@ __all__ = [
     "Law",
     "Polynomial",
     "compose",
-    "names",
     "part",
     "published",
 ]
 
 
-def names() -> list[str]:
+def available_parts() -> list[str]:
     """The names of all parts."""
-    return _names(REGISTRY)
+    return names(REGISTRY)

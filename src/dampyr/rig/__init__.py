@@ -7,8 +7,7 @@
         table.go(0.005)
 """
 
-from dampyr.rig.connect import connect, open_rig, simulated
-from dampyr.rig.connect import connect as load
+from dampyr.rig.connect import connect, simulated
 from dampyr.rig.drive import Drive, Reversals
 from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings, load_settings
@@ -20,8 +19,6 @@ __all__ = [
     "RigSettings",
     "Table",
     "connect",
-    "load",
     "load_settings",
-    "open_rig",
     "simulated",
 ]

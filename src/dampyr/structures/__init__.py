@@ -10,7 +10,7 @@ a batch system.
 """
 
 from dampyr.structures.building import Building, Condensed, condense
-from dampyr.structures.control_law import control_law, control_laws
+from dampyr.structures.control_law import available_control_laws, control_law
 from dampyr.structures.ensemble import ensemble
 from dampyr.structures.ensemble_grid import cases as ensemble_cases
 from dampyr.structures.ensemble_run import EnsembleOptions, EnsembleResult, Limit, evaluate_ensemble, run_ensemble
@@ -39,7 +39,7 @@ __all__ = [
     "Condensed",
     "respond",
     "control_law",
-    "control_laws",
+    "available_control_laws",
     "simulate",
     "SimulateOptions",
     "Simulated",

@@ -28,7 +28,7 @@ MIN_LAG = 2e-5  # s, as `dampyr.structures.sites.MIN_DELAY`: steps resolve the l
 MAX_PARTS = 400  # of a sample of the motion: steps of 50 us at 20 ms, far below the period of any controller
 
 
-def control_laws() -> list[str]:
+def available_control_laws() -> list[str]:
     """The names of the laws in the registry ``dampyr.structures.control``."""
     return registry.names(REGISTRY)
 

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 THESIS = "raminelli_2020"
 
 
-def damper_names() -> list[str]:
+def available_dampers() -> list[str]:
     """The names of all published dampers: the dissertation's, then those of `dampyr.models.published`."""
     from dampyr.models import published
 
-    return [THESIS, *published.names()]
+    return [THESIS, *published.available_sets()]
 
 
 def published_damper(name: str) -> Damper:

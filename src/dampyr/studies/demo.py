@@ -68,7 +68,7 @@ def campaign() -> campaigns.Campaign:
          "cycles": CYCLES, "rest_before": "1 s"}
         for voltage, size, frequency in sines
     ]  # fmt: skip
-    return campaigns.read({"name": "demo", "rest_between": "0 s", "step": steps})
+    return campaigns.campaign_of({"name": "demo", "rest_between": "0 s", "step": steps})
 
 
 def rig_settings() -> RigSettings:

@@ -38,7 +38,7 @@ class Choices(BaseModel):
 def list_choices(here: Here) -> Choices:
     """Dampers, control laws and ground motions that can be chosen."""
     motions = safe_paths.files(here.data / MOTIONS, MOTION_SUFFIXES)
-    return Choices(dampers=dampers(here.data), laws=structures.control_laws(), motions=motions)
+    return Choices(dampers=dampers(here.data), laws=structures.available_control_laws(), motions=motions)
 
 
 @router.post("/responses", status_code=202)

@@ -26,7 +26,7 @@ from dampyr.errors import InputError
 from dampyr.models.damper import Damper
 from dampyr.models.published._about import About, read_sets
 
-__all__ = ["about", "damper", "names"]
+__all__ = ["about", "available_sets", "damper"]
 
 
 @lru_cache(maxsize=1)
@@ -35,7 +35,7 @@ def _sets() -> dict[str, About]:
     return {name: about for file in files for name, about in read_sets(file).items()}
 
 
-def names() -> list[str]:
+def available_sets() -> list[str]:
     """The names of all sets."""
     return sorted(_sets())
 
@@ -43,9 +43,9 @@ def names() -> list[str]:
 def about(name: str) -> About:
     """Where the set called ``name`` comes from; :class:`~dampyr.errors.InputError` lists the names if there is none."""
     if name not in _sets():
-        close = get_close_matches(name, names(), n=1)
+        close = get_close_matches(name, available_sets(), n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
-        raise InputError(f"{name!r} is not among the published sets; {hint}choose from {', '.join(names())}")
+        raise InputError(f"{name!r} is not among the published sets; {hint}choose from {', '.join(available_sets())}")
     return _sets()[name]
 
 
