@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,14 +11,17 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.ground_motions import integrals
 from dampyr.ground_motions.oscillator import oscillator_peaks
-from dampyr.representation import as_html, as_text
+from dampyr.representation import Representation, Summary, data_frame
 from dampyr.units import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GroundMotion:
+class GroundMotion(Representation):
     """Ground acceleration (n,) [m/s2] every ``dt`` seconds from t = 0, linear between samples.
 
     Checked when made: at least two finite samples, dt > 0; an :class:`~dampyr.errors.InputError` says what
@@ -91,19 +94,14 @@ class GroundMotion:
 
     def to_dataframe(self) -> Any:
         """Time and acceleration as a ``pandas.DataFrame``, one row a sample."""
-        from pandas import DataFrame
+        return data_frame({"time_s": self.time, "acceleration_m_per_s2": self.acceleration})
 
-        return DataFrame({"time_s": self.time, "acceleration_m_per_s2": self.acceleration})
-
-    def __repr__(self) -> str:
-        return as_text(*self._summary())
-
-    def _repr_html_(self) -> str:
+    def _small_figure(self) -> Figure:
         from dampyr.figures.ground_motion import ground_motion
 
-        return as_html(*self._summary(), figure=lambda: ground_motion(self.time, self.acceleration))
+        return ground_motion(self.time, self.acceleration)
 
-    def _summary(self) -> tuple[str, list[tuple[str, str]]]:
+    def _summary(self) -> Summary:
         rows = [
             ("samples", f"{self.n}, every {1e3 * self.dt:.4g} ms, {self.duration:.4g} s"),
             ("peak", f"{self.pga:.4g} m/s² ({self.pga / STANDARD_GRAVITY:.3g} g)"),

@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.representation import as_html, as_text, extent
+from dampyr.representation import Representation, Summary, column_name, data_frame, extent
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from dampyr.figures.style import Axis
 
 Array = NDArray[np.float64]
@@ -98,7 +100,7 @@ def _plot_axes() -> dict[str, Axis]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Record:
+class Record(Representation):
     """One test on one clock, in SI units, checked when made and never changed afterwards.
 
     Parameters
@@ -189,21 +191,15 @@ class Record:
 
     def to_dataframe(self) -> Any:
         """The channels as a ``pandas.DataFrame``, one row a sample, one column a channel, named as ``displacement_m``."""
-        from pandas import DataFrame
-
         there = {c: getattr(self, c) for c in CHANNELS if getattr(self, c) is not None}
-        columns = {f"{c}_{CHANNELS[c].replace('/', '_per_')}": np.broadcast_to(v, (self.n,)) for c, v in there.items()}
-        return DataFrame(columns)
+        return data_frame({column_name(c, CHANNELS[c]): np.broadcast_to(v, (self.n,)) for c, v in there.items()})
 
-    def __repr__(self) -> str:
-        return as_text(*self._summary())
-
-    def _repr_html_(self) -> str:
+    def _small_figure(self) -> Figure:
         from dampyr.figures.loops import loops
 
-        return as_html(*self._summary(), figure=lambda: loops(self.displacement, self.velocity, self.force))
+        return loops(self.displacement, self.velocity, self.force)
 
-    def _summary(self) -> tuple[str, list[tuple[str, str]]]:
+    def _summary(self) -> Summary:
         rows = [
             ("samples", f"{self.n}, {self.time[0]:.4g} … {self.time[-1]:.4g} s, every {1e3 * self.dt:.4g} ms"),
             ("displacement", extent(self.displacement, "mm", 1e3)),

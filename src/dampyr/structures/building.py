@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.representation import as_html, as_text, extent, listing
+from dampyr.representation import Representation, Summary, data_frame, extent, listing
 
 Array = NDArray[np.float64]
 GROUND = ("0", "ground")
@@ -39,7 +39,7 @@ FEW = 4  # floors and modes that a short text lists one by one
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Building:
+class Building(Representation):
     """Mass ``M`` [kg], damping ``C`` [N s/m] and stiffness ``K`` [N/m], each (n, n), floors from the
     ground up.
 
@@ -131,20 +131,12 @@ class Building:
 
     def to_dataframe(self) -> Any:
         """The modes as a ``pandas.DataFrame``: frequency, period and damping ratio, one row a mode."""
-        from pandas import DataFrame
-
         f = self.frequencies
         with np.errstate(divide="ignore"):
             table = {"frequency_Hz": f, "period_s": 1.0 / f, "damping_ratio": self.damping_ratios}
-        return DataFrame(table, index=range(1, self.n + 1)).rename_axis("mode")
+        return data_frame(table, range(1, self.n + 1), "mode")
 
-    def __repr__(self) -> str:
-        return as_text(*self._summary())
-
-    def _repr_html_(self) -> str:
-        return as_html(*self._summary())
-
-    def _summary(self) -> tuple[str, list[tuple[str, str]]]:
+    def _summary(self) -> Summary:
         few = self.n <= FEW
         modes = ", ".join(
             f"{f:.4g} Hz ({100 * z:.3g} %)" for f, z in list(zip(self.frequencies, self.damping_ratios))[:FEW]

@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.representation import as_html, as_text, listing
+from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from dampyr.figures.style import Axis
 
 Array = NDArray[np.float64]
+FEW = 4  # dampers that a short text lists one by one
 
 
 _UNITS = {
@@ -81,8 +84,8 @@ class Run:
     reason: str = ""
 
 
-@dataclass(frozen=True, eq=False)
-class Energy:
+@dataclass(frozen=True, eq=False, repr=False)
+class Energy(Representation):
     """Energies [J] in coordinates relative to the ground, (samples,) each; ``dampers`` is (sites, samples).
 
     ``residual`` = input - kinetic - strain - viscous - dampers; it is the error of the balance and falls
@@ -94,6 +97,16 @@ class Energy:
     strain: Array
     viscous: Array
     dampers: Array
+
+    def _summary(self) -> Summary:
+        shares = [("input", self.input), ("dampers", self.damper), ("viscous", self.viscous)]
+        rows = [("samples", str(len(self.input)))]
+        rows += [(name, f"{float(values[-1]):.4g} J at the end") for name, values in shares]
+        rows += [
+            ("strain", "peak " + extent(np.max(self.strain), "J")),
+            ("kinetic", "peak " + extent(np.max(self.kinetic), "J")),
+        ]
+        return "Energy", [*rows, ("residual", extent(self.residual, "J"))]
 
     @property
     def damper(self) -> Array:
@@ -171,7 +184,7 @@ def _plot_axes() -> dict[str, Axis]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Response:
+class Response(Representation):
     """The response of a building with n floors and N damper sites, T samples.
 
     Histories stand at the samples of the ground motion. Peaks of displacement and drift are those of the
@@ -219,33 +232,36 @@ class Response:
 
     def to_dataframe(self) -> Any:
         """The peaks as a ``pandas.DataFrame``, one row a floor and the storey below it."""
-        from pandas import DataFrame
-
         table = {
             "peak_displacement_m": self.peak_displacement,
             "peak_drift_m": self.peak_drift,
             "peak_acceleration_m_per_s2": self.peak_acceleration,
         }
-        return DataFrame(table, index=list(self.floors)).rename_axis("floor")
+        return data_frame(table, self.floors, "floor")
 
-    def __repr__(self) -> str:
-        return as_text(*self._summary())
-
-    def _repr_html_(self) -> str:
+    def _small_figure(self) -> Figure:
         from dampyr.figures.building import building_response
 
-        cases = {f"floor {self.floors[-1]}": self.displacement[-1]}
-        return as_html(*self._summary(), figure=lambda: building_response(self.time, cases))
+        return building_response(self.time, {f"floor {self.floors[-1]}": self.displacement[-1]})
 
-    def _summary(self) -> tuple[str, list[tuple[str, str]]]:
+    def _table(self) -> Table:
+        rows = [
+            [str(name), float(1e3 * x), float(1e3 * d), float(a)]
+            for name, x, d, a in zip(self.floors, self.peak_displacement, self.peak_drift, self.peak_acceleration)
+        ]
+        return ("floor", "peak displacement [mm]", "peak drift of its storey [mm]", "peak acceleration [m/s²]"), rows
+
+    def _summary(self) -> Summary:
         def peaks(values: Array, factor: float, unit: str) -> str:
             return listing([f"{factor * v:.4g}" for v in values], 6) + f" {unit}"
 
         rows = [
             ("time", f"{len(self.time)} samples, {self.time[-1]:.4g} s; {self.scheme}, step {1e3 * self.step:.4g} ms")
         ]
-        for site, value, law, unit in zip(self.sites, self.inputs, self.laws, self.input_units):
-            rows.append(("damper", f"{site}, {law or f'{value:g} {unit}'}"))
+        dampers = list(zip(self.sites, self.inputs, self.laws, self.input_units))
+        rows += [("damper", f"{site}, {law or f'{value:g} {unit}'}") for site, value, law, unit in dampers[:FEW]]
+        if len(dampers) > FEW:
+            rows.append(("", f"and {len(dampers) - FEW} more dampers"))
         rows += [
             ("displacement", "peak " + peaks(self.peak_displacement, 1e3, "mm")),
             ("drift", "peak " + peaks(self.peak_drift, 1e3, "mm")),
