@@ -161,13 +161,16 @@ def name_axes(axes: Axes, x: Axis, y: Axis) -> None:
 
 
 def legend(fig: Figure, *axes: Axes, columns: int = 3, min_entries: int = 2) -> None:
-    """The names on the axes, each once, above the figure; none when there are fewer than ``min_entries``."""
+    """The names on the axes, each once, above the figure, or below where a title stands above it.
+
+    There is none when there are fewer than ``min_entries``.
+    """
     handles: dict[str, Any] = {}
     for each in axes:
         for handle, name in zip(*each.get_legend_handles_labels(), strict=True):
             handles.setdefault(name, handle)
     if len(handles) >= min_entries:
-        loc = "outside upper left"
+        loc = "outside lower left" if fig.get_suptitle() else "outside upper left"
         fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(len(handles), columns))
 
 

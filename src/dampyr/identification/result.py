@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from dampyr.errors import InputError
 from dampyr.identification.data_sheet import SHEETS, contradictions
 from dampyr.identification.diagnostics import no_interval, notes, trouble_of
 from dampyr.identification.fit_data import Piece
+from dampyr.identification.law_panels import law_panels
 from dampyr.identification.normal_equations import modelled_force
 from dampyr.identification.problem import Problem
 from dampyr.identification.residuals import Residuals, Trace, analyse, motion
@@ -21,8 +22,14 @@ from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.identification.variable_projection import Outcome
 from dampyr.models import Damper
 from dampyr.records import Record, cycles
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, listing, percent
+from dampyr.units import for_people
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+SHOWN = 6  # parameters that a short text lists one by one
 
 
 @dataclass(frozen=True)
@@ -37,7 +44,64 @@ class Nuisance:
 
 
 @dataclass(frozen=True)
-class Fit:
+class FitPlots:
+    """Each method draws one figure and returns its matplotlib axes ``(k,)``.
+
+    ``record`` is the name of one of the fitted records; without it that with the median L1 ratio is drawn.
+    """
+
+    fit: Fit
+
+    def loops(self, record: str | None = None) -> Any:
+        """Measured and fitted force over displacement and over velocity."""
+        from dampyr.figures import style
+        from dampyr.figures.loops import loops
+
+        return style.in_pyplot(loops, *self.measured_and_fitted(record))
+
+    def history(self, record: str | None = None) -> Any:
+        """Measured and fitted force over time, and the residual below."""
+        from dampyr.figures import style
+        from dampyr.figures.history import history
+
+        k = self._number(record)
+        piece = self.fit.problem.pieces[k]
+        return style.in_pyplot(history, piece.t, piece.force, self.fit.forces[k], name="fit", title=piece.name)
+
+    def residual(self) -> Any:
+        """The residual over the velocity, a panel an input: median and quartiles, before and beyond the stroke's middle."""
+        return self.fit.residuals.plot.velocity()
+
+    def laws(self) -> Any:
+        """Each parameter over the input: the law, the fitted values with 95 % intervals, the calibrated range."""
+        from dampyr.figures import style
+        from dampyr.figures.laws import parameters_against_input
+
+        fit, damper = self.fit, self.fit.damper
+        if damper is None:
+            raise InputError(f"this fit made no damper, so there are no laws to draw: {fit.reason}")
+        panels = law_panels(fit.problem, fit.outcome.point, fit.intervals(), damper)
+        axis = style.VOLTAGE if damper.input == "V" else style.CURRENT
+        return style.in_pyplot(parameters_against_input, panels, damper.range, axis)
+
+    def measured_and_fitted(self, record: str | None = None) -> tuple[Array, Array, Array, dict[str, Array], str]:
+        """Displacement m, velocity m/s, measured force N, that of the fit by its name, and the record: what `loops` draws."""
+        k = self._number(record)
+        piece = self.fit.problem.pieces[k]
+        return piece.x, piece.v, piece.force, {"fit": self.fit.forces[k]}, piece.name
+
+    def _number(self, record: str | None) -> int:
+        names = [piece.name for piece in self.fit.problem.pieces]
+        if record is None:
+            errors = [one.l1 for one in self.fit.scores.values()]
+            return int(np.argsort(errors)[len(errors) // 2])
+        if record not in names:
+            raise InputError(f"{record!r} is not among the fitted records; choose from {listing(names, 8)}")
+        return names.index(record)
+
+
+@dataclass(frozen=True, repr=False)
+class Fit(Representation):
     """The result of `fit`.
 
     ``damper`` carries the laws, their covariance and the calibrated ranges, or is None where ``reason`` says why the numbers
@@ -69,6 +133,65 @@ class Fit:
     outcome: Outcome = field(repr=False)
     records: tuple[Record, ...] = field(repr=False)
     starts: tuple[int, int] = (1, 1)
+
+    @property
+    def plot(self) -> FitPlots:
+        """Figures: ``fit.plot.loops()``, ``.history()``, ``.residual()`` and ``.laws()``, each giving matplotlib axes."""
+        return FitPlots(self)
+
+    def to_dataframe(self) -> Any:
+        """The fitted numbers as a ``pandas.DataFrame``, SI units: value, errors, 95 % interval, unit; a row a parameter."""
+        spans = self.intervals()
+        columns = {
+            "value": list(self.parameters.values()),
+            "standard_error": [self.stderr[label] for label in self.parameters],
+            "naive_error": [self.naive_stderr[label] for label in self.parameters],
+            "low_95": [spans[label][0] for label in self.parameters],
+            "high_95": [spans[label][1] for label in self.parameters],
+            "unit": [self.units[label] for label in self.parameters],
+        }
+        return data_frame(columns, list(self.parameters), "parameter")
+
+    def _small_figure(self) -> Figure:
+        from dampyr.figures.loops import loops
+
+        return loops(*self.plot.measured_and_fitted())
+
+    def _summary(self) -> Summary:
+        scores = [one.l1 for one in self.scores.values()]
+        samples = sum(piece.t.size for piece in self.problem.pieces)
+        rows = [
+            ("records", f"{len(self.records)}, {samples} samples, {self._inputs()}"),
+            ("search", ("" if self.converged else "did not converge: ") + self.reason),
+            (
+                "L1",
+                f"{percent(float(np.mean(scores)))} on average, {percent(max(scores))} at worst, of the fitted records",
+            ),
+        ]
+        by_name: dict[str, list[str]] = {}
+        for label in self.parameters:
+            by_name.setdefault(label.partition(" @ ")[0], []).append(label)
+        for name, labels in list(by_name.items())[:SHOWN]:
+            unit, factor = for_people(self.units[labels[0]])
+            rows.append((name, extent([self.parameters[label] for label in labels], unit, factor)))
+        if len(by_name) > SHOWN:
+            rows.append(("", f"and {len(by_name) - SHOWN} more parameters"))
+        rows.append(("errors", f"clustered by {self.clusters}"))
+        if self.notes:
+            rows.append(("notes", f"{counted(len(self.notes), 'note')}: {self.notes[0]}"))
+        return f"Fit {str(self.problem.composition)!r}", rows
+
+    def _inputs(self) -> str:
+        values, unit = self.residuals.inputs, self.residuals.unit
+        return f"at {listing([f'{u:.4g}' for u in values])} {unit}"
+
+    def _table(self) -> Table:
+        rows = []
+        for label, (low, high) in self.intervals().items():
+            unit, factor = for_people(self.units[label])
+            numbers = (self.parameters[label], low, high, self.stderr[label])
+            rows.append([label, *(float(factor * value) for value in numbers), unit or "1"])
+        return ("parameter", "value", "95 % from", "to", "standard error", "unit"), rows
 
     @property
     def nuisance_spread(self) -> dict[str, float]:

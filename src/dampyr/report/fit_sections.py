@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.figures.correlation import MARKED, correlation, strong_pairs
-from dampyr.figures.laws import Law, parameters_against_input
+from dampyr.figures.laws import parameters_against_input
 from dampyr.figures.scores import scores as scores_by_input
-from dampyr.figures.style import CURRENT, VOLTAGE, Axis
+from dampyr.figures.style import CURRENT, VOLTAGE
 from dampyr.identification import Fit, Score
+from dampyr.identification.law_panels import law_panels
 from dampyr.report.best_and_worst import by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text, sentence
 from dampyr.units import for_people
@@ -98,30 +99,8 @@ def _correlations_in_words(correlations: NDArray[np.float64], names: list[str]) 
 
 def law_figure(fit: Fit, damper: Damper) -> Figure:
     """Each parameter over the input: the law, the fitted values with 95 % intervals, the calibrated range."""
-    start, end = damper.range
-    inputs = np.linspace(start, end, 200)
-    intervals = fit.intervals()
-    panels = []
-    short = [column.name.partition(".")[2] for column in fit.problem.columns]
-    for column, span in zip(fit.problem.columns, fit.problem.slices, strict=True):
-        if not column.size:
-            continue
-        unit, factor = for_people(column.quantity.unit)
-        name = column.name.partition(".")[2]
-        spans = [intervals[label] for label in column.labels(damper.input)]
-        errors = [0.5 * (high - low) for low, high in spans]
-        points = (np.array(column.knots), fit.outcome.point.theta[span])
-        if column.size == 1:
-            points = (np.array([0.5 * (start + end)]), points[1])
-        panels.append(
-            Law(
-                Axis(name if short.count(name) == 1 else column.name, unit, factor),
-                curve=(inputs, damper.all_laws[column.name](inputs)),
-                points=points,
-                error=np.where(np.isfinite(errors), errors, 0.0),
-            )
-        )
-    return parameters_against_input(panels, (start, end), VOLTAGE if damper.input == "V" else CURRENT)
+    panels = law_panels(fit.problem, fit.outcome.point, fit.intervals(), damper)
+    return parameters_against_input(panels, damper.range, VOLTAGE if damper.input == "V" else CURRENT)
 
 
 def score_table(scores: dict[str, Score], caption: str) -> Table:

@@ -7,31 +7,19 @@ from dampyr.figures.residual_sizes import residual_sizes
 from dampyr.figures.residual_velocity import residual_velocity
 from dampyr.figures.style import CURRENT, VOLTAGE
 from dampyr.identification import Residuals, findings, warnings_of
-from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES, Group
+from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
-
-MAX_PANELS = 6  # inputs: more panels cannot be read on a page
 
 
 def residual_section(residuals: Residuals) -> Section:
     """The analysis in words, figures and tables."""
-    words, groups = _words(residuals), _groups(residuals)
-    directions, sizes = _direction_table(groups), _size_table(residuals)
-    curves = {
-        name: {branch: (c.velocity, c.lower, c.median, c.upper) for branch, c in group.curves.items()}
-        for name, group in groups.items()
-    }
-    relative = {}
-    for group in residuals.groups:
-        members = [r for r in residuals.records if r.name in group.records]
-        columns = zip(*((r.input_value, r.stroke, r.frequency, r.relative) for r in members), strict=True)
-        relative[f"{group.input_value:.5g} {residuals.unit}"] = tuple(columns)
+    words, directions, sizes = _words(residuals), _direction_table(residuals), _size_table(residuals)
     return Section(
         "Residuals",
         [
             *words,
             FigureBlock(
-                residual_velocity(curves),
+                residual_velocity(residuals.velocity_bands()),
                 "The residual over the velocity (positive: the damper is pulled): median and the half of the samples around "
                 "it, before the motion passes the middle of its stroke (speeding up) and beyond it (slowing down).",
             ),
@@ -42,7 +30,7 @@ def residual_section(residuals: Residuals) -> Section:
                 "cycle is an error of the model.",
             ),
             FigureBlock(
-                residual_sizes(relative, VOLTAGE if residuals.unit == "V" else CURRENT),  # type: ignore[arg-type]
+                residual_sizes(residuals.sizes_by_input(), VOLTAGE if residuals.unit == "V" else CURRENT),
                 "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
             ),
             sizes,
@@ -68,14 +56,8 @@ def _words(residuals: Residuals) -> list[Block]:
     return [*blocks, Text(criterion)]
 
 
-def _groups(residuals: Residuals) -> dict[str, Group]:
-    """By input while a page can hold that, else all records as one."""
-    if len(residuals.groups) > MAX_PANELS:
-        return {"all records": residuals.whole}
-    return {f"{group.input_value:.5g} {residuals.unit}": group for group in residuals.groups}
-
-
-def _direction_table(groups: dict[str, Group]) -> Table:
+def _direction_table(residuals: Residuals) -> Table:
+    groups = residuals.groups_of_a_figure()
     rows: list[list[Cell]] = [
         [name, side, group.sides[side].mean, group.sides[side].rms, group.sides[side].samples]
         for name, group in groups.items()
