@@ -4,13 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
-from dampyr.identification.acceptance import QUANTITIES, Acceptance, Quantity, Tolerance, Verdict, accept
+from dampyr.identification.acceptance import (
+    QUANTITIES,
+    Acceptance,
+    AcceptancePlots,
+    Quantity,
+    Tolerance,
+    Verdict,
+    accept,
+    in_short,
+    used_of_band,
+)
 from dampyr.models import Damper
 from dampyr.records import Record, nominal_inputs
+from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.to_json import plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -29,12 +43,49 @@ class AcceptOptions:
             raise InputError(f"{what}; choose from {', '.join(QUANTITIES)}")
 
 
-@dataclass(frozen=True)
-class Accepted:
+@dataclass(frozen=True, repr=False)
+class Accepted(Representation):
     """Result of `accept_records`: the judgement of each record; ``reference`` is what the reference is called."""
 
     reference: str
     results: tuple[Acceptance, ...]
+
+    @property
+    def plot(self) -> AcceptancePlots:
+        """Figures of all records: ``accepted.plot.forces()`` and ``.used()``, each giving matplotlib axes."""
+        return AcceptancePlots(self.results)
+
+    def to_dataframe(self) -> Any:
+        """The judgement of each record as a ``pandas.DataFrame``; ``worst_deviation`` is a ratio."""
+        columns = {
+            "input": [one.input_value for one in self.results],
+            "verdict": [one.verdict for one in self.results],
+            "points": [len(one.points) for one in self.results],
+            "judged": [len(one.judged) for one in self.results],
+            "outside": [len(one.outside) for one in self.results],
+            "worst_deviation": [one.worst.deviation if one.worst else None for one in self.results],
+        }
+        return data_frame(columns, [one.record for one in self.results], "record")
+
+    def _small_figure(self) -> Figure | None:
+        from dampyr.figures.acceptance import band_used
+
+        judged = [one for one in self.results if one.judged]
+        return band_used(used_of_band(judged)) if judged else None
+
+    def _summary(self) -> Summary:
+        rows = [("verdict", self.verdict), ("records", in_short(self.results))]
+        if self.results:
+            rows.append(("band", f"{self.results[0].tolerance}, judged by {', '.join(self.results[0].quantities)}"))
+        return f"Accepted by {self.reference!r}", rows
+
+    def _table(self) -> Table:
+        rows = [
+            [one.record, one.verdict, len(one.points), len(one.judged), len(one.outside),
+             None if one.worst is None or one.worst.deviation is None else 100 * one.worst.deviation]
+            for one in self.results
+        ]  # fmt: skip
+        return ("record", "verdict", "points", "judged", "outside", "worst off by [%]"), rows
 
     @property
     def verdict(self) -> Verdict:

@@ -22,13 +22,17 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from dampyr.errors import InputError
 from dampyr.identification.reference_cycles import SAME, Expected, Reference, expected, groups
 from dampyr.records import Cycle, Record, cycle_table, cycles
+from dampyr.representation import Representation, Summary, Table, data_frame
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Quantity = Literal["extension", "compression", "energy"]
 Verdict = Literal["passed", "failed", "not judged"]
@@ -102,7 +106,28 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Acceptance:
+class AcceptancePlots:
+    """Each method draws one figure of these ``results`` and returns its matplotlib axes ``(k,)``."""
+
+    results: tuple[Acceptance, ...]
+
+    def forces(self) -> Any:
+        """The forces at the peak velocities of every cycle, and the band."""
+        from dampyr.figures import style
+        from dampyr.figures.acceptance import peak_velocity_band
+
+        return style.in_pyplot(peak_velocity_band, *forces_and_band(self.results))
+
+    def used(self) -> Any:
+        """How far each judged cycle lies from the reference, in halves of the band: its edges are at -1 and 1."""
+        from dampyr.figures import style
+        from dampyr.figures.acceptance import band_used
+
+        return style.in_pyplot(band_used, used_of_band(self.results))
+
+
+@dataclass(frozen=True, repr=False)
+class Acceptance(Representation):
     """The judgement of one record. ``reason`` says why it is not judged as a whole, "" where it is.
 
     ``offset`` is what was taken from the measured forces, N; None: the mean over whole cycles of each record.
@@ -116,6 +141,49 @@ class Acceptance:
     offset: float | None
     points: tuple[Point, ...]
     reason: str = ""
+
+    @property
+    def plot(self) -> AcceptancePlots:
+        """Figures: ``acceptance.plot.forces()`` and ``.used()``, each giving matplotlib axes."""
+        return AcceptancePlots((self,))
+
+    def to_dataframe(self) -> Any:
+        """The points as a ``pandas.DataFrame``: SI units, forces in compression negative."""
+        names = {
+            "cycle": "cycle", "quantity": "quantity", "speed": "speed_m_per_s", "stroke_m": "stroke_m",
+            "measured": "measured", "expected": "expected", "low": "low", "high": "high", "inside": "inside",
+            "deviation": "deviation", "reason": "reason",
+        }  # fmt: skip
+        columns = {head: [getattr(p, name) for p in self.points] for name, head in names.items()}
+        return data_frame(columns | {"unit": [UNITS[p.quantity] for p in self.points]})
+
+    def _small_figure(self) -> Figure | None:
+        from dampyr.figures.acceptance import peak_velocity_band
+
+        return peak_velocity_band(*forces_and_band([self])) if self.points else None
+
+    def _summary(self) -> Summary:
+        given = "input not known" if self.input_value is None else f"{self.input_value:.4g} {self.input}"
+        rows = [
+            ("verdict", self.verdict),
+            ("input", given),
+            ("band", f"{self.tolerance} of the reference"),
+            ("points", f"{len(self.points)}, {len(self.judged)} judged, {len(self.outside)} outside"),
+        ]
+        worst = self.worst
+        if worst is not None and worst.deviation is not None:
+            rows.append(("worst", f"{worst.quantity} of cycle {worst.cycle}, {100 * worst.deviation:+.3g} %"))
+        if self.unjudged:
+            rows.append(("not judged", next(iter(self.unjudged))))
+        return f"Acceptance of {self.record!r}", rows
+
+    def _table(self) -> Table:
+        heads = ("cycle", "quantity", "peak velocity [mm/s]", "measured", "expected", "from", "to", "unit", "inside")
+        rows = [
+            [p.cycle, p.quantity, 1e3 * p.speed, p.measured, p.expected, p.low, p.high, UNITS[p.quantity], p.inside]
+            for p in self.points
+        ]
+        return heads, rows
 
     @property
     def judged(self) -> tuple[Point, ...]:
@@ -219,6 +287,28 @@ def band(acceptances: Iterable[Acceptance], quantity: Quantity) -> list[tuple[fl
     points = [p for one in acceptances for p in one.judged if p.quantity == quantity]
     rows = np.array([(p.speed, p.expected, p.low, p.high) for p in points], dtype=float).reshape(-1, 4)
     return [(speed, middle, low, high) for speed, middle, low, high in groups(rows, SAME).tolist()]
+
+
+Drawn = dict[bool | None, tuple[list[float], list[float]]]
+
+
+def forces_and_band(acceptances: Sequence[Acceptance]) -> tuple[list[list[tuple[float, float, float, float]]], Drawn]:
+    """The bands of extension and compression, and peak speeds m/s and forces N of the points inside, outside and not judged."""
+    points: dict[bool | None, list[Point]] = {True: [], False: [], None: []}
+    for one in acceptances:
+        for p in one.points:
+            if p.quantity != "energy":
+                points[p.inside].append(p)
+    drawn = {state: ([p.speed for p in own], [p.measured for p in own]) for state, own in points.items()}
+    return [band(acceptances, "extension"), band(acceptances, "compression")], drawn
+
+
+def used_of_band(acceptances: Sequence[Acceptance]) -> dict[str, dict[str, list[float]]]:
+    """Record -> quantity -> what each judged cycle uses of the band; see `Point.used`."""
+    return {
+        one.record: {q: [p.used or 0.0 for p in one.judged if p.quantity == q] for q in one.quantities}
+        for one in acceptances
+    }
 
 
 def _checked_quantities(quantities: Iterable[Quantity], band: Tolerance) -> tuple[Quantity, ...]:

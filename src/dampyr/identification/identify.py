@@ -10,7 +10,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from multiprocessing import get_context
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
 from dampyr.identification.fit import Fit, fit
@@ -22,7 +22,11 @@ from dampyr.identification.splits import PARTS, split_tasks
 from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import Damper, available_parts, compose
 from dampyr.records import Record, check_bandwidth, nominal_inputs
+from dampyr.representation import Representation, Summary, Table, counted, percent
 from dampyr.to_json import plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Progress = Callable[[str, float], None]
 
@@ -89,8 +93,8 @@ class IdentifyOptions:
         return {name: getattr(self, name) for name in shared}
 
 
-@dataclass(frozen=True)
-class Identified:
+@dataclass(frozen=True, repr=False)
+class Identified(Representation):
     """Result of `identify`: the ``fit``, its ``validations``, the ``board`` of models where none was named.
 
     ``predicted`` holds the scores of the records of the role "validation", or why one could not be predicted.
@@ -101,6 +105,26 @@ class Identified:
     board: Leaderboard | None
     predicted: Mapping[str, Score | str]
     validation_records: tuple[Record, ...] = ()
+
+    def _small_figure(self) -> Figure:
+        return self.fit._small_figure()
+
+    def _summary(self) -> Summary:
+        title, rows = self.fit._summary()
+        rows = list(rows)
+        if self.board is not None:
+            rows.insert(
+                0, ("chosen", f"of {counted(len(self.board.screened), 'model')} by {percent(self.board.winner.error)}")
+            )
+        rows += [("predicts", f"{percent(one.error)} L1, split by {one.split}") for one in self.validations]
+        if self.predicted:
+            l1 = [one.l1 for one in self.predicted.values() if not isinstance(one, str)]
+            mean = percent(sum(l1) / len(l1)) if l1 else "none could be predicted"
+            rows.append(("validation", f"{counted(len(self.predicted), 'record')}, L1 {mean}"))
+        return title.replace("Fit", "Identified", 1), rows
+
+    def _table(self) -> Table:
+        return self.fit._table()
 
     @property
     def damper(self) -> Damper | None:

@@ -23,7 +23,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -43,6 +43,10 @@ from dampyr.identification.screening import (
 from dampyr.identification.validation import Validation
 from dampyr.models import available_parts, part
 from dampyr.records import Record, check_bandwidth
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 ADD_ONS = ("spring", "delay", "lag", "compliance")
 FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is chosen by hand
@@ -56,8 +60,8 @@ ENTRY_KEYS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Entry:
+@dataclass(frozen=True, repr=False)
+class Entry(Representation):
     """A finalist. ``error`` is what the ranking goes by; ``l1``, ``nrmse``, ``pointwise`` and ``energy`` (its size) are means
     over records that were left out, ``unseen_input`` the mean L1 ratio over inputs that were left out (NaN where there are
     fewer than three). ``seconds`` is the time of the fit to all records. ``fit`` is None where it made no damper."""
@@ -78,9 +82,17 @@ class Entry:
     aic: float = float("nan")
     bic: float = float("nan")
 
+    def _summary(self) -> Summary:
+        return f"Entry {self.model!r}", [
+            ("error", f"{percent(self.error)}, L1 {percent(self.l1)}, of unseen inputs {percent(self.unseen_input)}"),
+            ("NRMSE", f"{percent(self.nrmse)}, pointwise {percent(self.pointwise)}, energy {percent(self.energy)}"),
+            ("fit", f"{counted(self.parameters, 'parameter')}, {self.seconds:.3g} s; {self.reason}"),
+            ("criteria", f"AIC {self.aic:.6g}, BIC {self.bic:.6g}"),
+        ]
 
-@dataclass(frozen=True)
-class Leaderboard:
+
+@dataclass(frozen=True, repr=False)
+class Leaderboard(Representation):
     """The finalists by rising validation error, what was screened before, and what was chosen for all."""
 
     entries: tuple[Entry, ...]
@@ -88,6 +100,73 @@ class Leaderboard:
     bandwidth: float | None
     left_out: tuple[str, ...]
     seconds: float
+
+    def plot(self) -> Any:
+        """The validation error of every screened model, bare and with add-ons; the matplotlib axes ``(1,)``."""
+        from dampyr.figures import style
+        from dampyr.figures.leaderboard import leaderboard_figure
+
+        return style.in_pyplot(leaderboard_figure, *self.screened_errors())
+
+    def to_dataframe(self) -> Any:
+        """The finalists as a ``pandas.DataFrame``, the best first; errors are ratios, ``seconds`` s."""
+        keys = [key for key in ENTRY_KEYS if key != "model"]
+        columns = {key: [getattr(entry, key) for entry in self.entries] for key in keys}
+        return data_frame(columns, [entry.model for entry in self.entries], "model")
+
+    def screened_errors(self) -> tuple[list[str], list[float], list[float]]:
+        """Each screened model with its add-ons in lines below it, its error bare, and its error with them."""
+        models = [
+            one.best.model.replace(one.base, one.base + "\n", 1).replace("\n + ", "\n+ ").rstrip("\n")
+            for one in self.screened
+        ]
+        return models, [one.bare.error for one in self.screened], [one.best.error for one in self.screened]
+
+    def _small_figure(self) -> Figure | None:
+        from dampyr.figures.leaderboard import leaderboard_figure
+
+        return leaderboard_figure(*self.screened_errors()) if self.screened else None
+
+    def _summary(self) -> Summary:
+        rows = [("winner", f"{self.winner.model}, validation error {percent(self.winner.error)}")]
+        if self.runner_up:
+            rows.append(("runner-up", f"{self.runner_up.model}, {percent(self.runner_up.error)}"))
+        trials = sum(len(one.trials) for one in self.screened)
+        rows += [
+            (
+                "screened",
+                f"{counted(len(self.screened), 'model')}, {counted(trials, 'composition')}, {self.seconds:.3g} s",
+            ),
+            ("velocity", self.velocity),
+        ]
+        if self.left_out:
+            rows.append(("left out", listing(self.left_out, 2)))
+        return f"Leaderboard of {counted(len(self.entries), 'finalist')}", rows
+
+    def _table(self) -> Table:
+        heads = (
+            "model",
+            "error [%]",
+            "L1 [%]",
+            "unseen input [%]",
+            "NRMSE [%]",
+            "parameters",
+            "AIC",
+            "BIC",
+            "time [s]",
+        )
+        rows = [
+            [
+                e.model,
+                *(100 * v for v in (e.error, e.l1, e.unseen_input, e.nrmse)),
+                e.parameters,
+                e.aic,
+                e.bic,
+                e.seconds,
+            ]
+            for e in self.entries
+        ]
+        return heads, rows
 
     @property
     def velocity(self) -> str:

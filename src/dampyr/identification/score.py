@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.records import Record, cycles, motion_start, with_velocity
+from dampyr.representation import Representation, Summary, percent
 
 Array = NDArray[np.float64]
 SETTLING = 2.0  # s after the motion starts: the unknown past is forgotten by then
@@ -42,8 +43,8 @@ class Window:
         return slice(self.first, self.last + 1)
 
 
-@dataclass(frozen=True)
-class Score:
+@dataclass(frozen=True, repr=False)
+class Score(Representation):
     """Ratios without unit (0.05 is 5 %); ``peak_force`` and ``energy`` are signed errors, model over measured less one.
 
     ``energy`` is per cycle (of the whole cycles in the window), NaN where there is none. ``offset`` in N is what was
@@ -58,6 +59,16 @@ class Score:
     energy: float
     offset: float
     window: Window
+
+    def _summary(self) -> Summary:
+        return f"Score, L1 {percent(self.l1)}", [
+            ("NRMSE", f"{percent(self.nrmse)}, R² {self.r2:.4g}"),
+            ("pointwise", percent(self.pointwise)),
+            ("peak force", f"{100 * self.peak_force:+.3g} % against the measured one"),
+            ("energy", f"{100 * self.energy:+.3g} % against the measured one, per cycle"),
+            ("offset", f"{self.offset:.4g} N"),
+            ("window", f"{self.window.start:.4g} … {self.window.end:.4g} s"),
+        ]
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, for JSON."""

@@ -17,6 +17,7 @@ from dampyr.identification import parallel
 from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import compose
 from dampyr.records import Record, check_bandwidth, cycles, default_bandwidth, measure, motion_start, with_velocity
+from dampyr.representation import Representation, Summary, Table, counted, percent
 
 #: compositions that are tried like a model of the catalogue, and what one of the two parts leaves to the other
 PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}}
@@ -42,12 +43,23 @@ class Trial:
     reason: str = ""
 
 
-@dataclass(frozen=True)
-class Screened:
+@dataclass(frozen=True, repr=False)
+class Screened(Representation):
     """One model of the catalogue: every trial, the bare one first; the best is `best`."""
 
     base: str
     trials: tuple[Trial, ...]
+
+    def _summary(self) -> Summary:
+        return f"Screened {self.base!r}", [
+            ("bare", percent(self.bare.error)),
+            ("best", f"{percent(self.best.error)}, {self.best.model}"),
+            ("tried", counted(len(self.trials), "composition")),
+        ]
+
+    def _table(self) -> Table:
+        rows = [[one.model, 100 * one.error, one.seconds, one.reason] for one in self.trials]
+        return ("model", "validation error [%]", "time [s]", "reason"), rows
 
     @property
     def bare(self) -> Trial:

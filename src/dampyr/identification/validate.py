@@ -7,14 +7,19 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
 from dampyr.identification.score import SETTLING, Array, Score, compare, prediction
+from dampyr.identification.validation import score_columns, score_table
 from dampyr.models import Damper
 from dampyr.records import Record, nominal_inputs, write_comparison
 from dampyr.records.comparison import check_free, file_name
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
 from dampyr.to_json import plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -30,7 +35,38 @@ class ValidateOptions:
 
 
 @dataclass(frozen=True)
-class Validated:
+class ValidatedPlots:
+    """Each method draws one figure and returns its matplotlib axes ``(k,)``; ``record`` is a record's name."""
+
+    validated: Validated
+
+    def history(self, record: str) -> Any:
+        """Measured and predicted force over time, the record's offset taken, and the residual below."""
+        from dampyr.figures import style
+        from dampyr.figures.history import history
+
+        one, predicted = self.validated.measured_and_predicted(record)
+        return style.in_pyplot(history, one.time, one.force, predicted, name="predicted", title=one.name)
+
+    def loops(self, record: str) -> Any:
+        """Measured and predicted force over displacement, and over velocity where the record has it."""
+        from dampyr.figures import style
+        from dampyr.figures.loops import loops
+
+        one, predicted = self.validated.measured_and_predicted(record)
+        forces = {"predicted": predicted}
+        return style.in_pyplot(loops, one.displacement, one.velocity, one.force, forces, title=one.name)
+
+    def scores(self) -> Any:
+        """The L1 ratio of each record, by input."""
+        from dampyr.figures import style
+        from dampyr.figures.scores import scores
+
+        return style.in_pyplot(scores, self.validated.l1_by_input())
+
+
+@dataclass(frozen=True, repr=False)
+class Validated(Representation):
     """Result of `validate`: the scores by record, and the predicted forces in N, without the records' offsets."""
 
     card: str
@@ -38,6 +74,49 @@ class Validated:
     records: tuple[Record, ...]
     scores: Mapping[str, Score]
     forces: Mapping[str, Array]
+
+    @property
+    def plot(self) -> ValidatedPlots:
+        """Figures: ``validated.plot.history(name)``, ``.loops(name)`` and ``.scores()``, each giving matplotlib axes."""
+        return ValidatedPlots(self)
+
+    def to_dataframe(self) -> Any:
+        """The score of each record as a ``pandas.DataFrame``: ratios, and the offset in N."""
+        columns = {f"input_{self.damper.input}": [record.input_value for record in self.records]}
+        return data_frame(columns | score_columns(self.scores), list(self.scores), "record")
+
+    def measured_and_predicted(self, record: str) -> tuple[Record, Array]:
+        """A record by its name and the force N that is predicted for it, with the record's offset."""
+        names = [one.name for one in self.records]
+        if record not in names:
+            raise InputError(f"{record!r} is not among the records; choose from {listing(names, 8)}")
+        return self.records[names.index(record)], self.forces[record] + self.scores[record].offset
+
+    def l1_by_input(self) -> dict[str, list[float]]:
+        """The L1 ratio of each record, by its input in words."""
+        groups: dict[str, list[float]] = {}
+        for one in sorted(self.records, key=lambda one: math.inf if one.input_value is None else one.input_value):
+            name = "not known" if one.input_value is None else f"{one.input_value:.4g} {self.damper.input}"
+            groups.setdefault(name, []).append(self.scores[one.name].l1)
+        return groups
+
+    def _small_figure(self) -> Figure:
+        from dampyr.figures.scores import scores
+
+        return scores(self.l1_by_input())
+
+    def _summary(self) -> Summary:
+        l1 = {name: one.l1 for name, one in self.scores.items()}
+        worst = max(l1, key=lambda name: l1[name])
+        seen = len(self.fitted_on & set(l1))
+        return f"Validated {self.card!r}", [
+            ("model", str(self.damper.composition)),
+            ("records", f"{counted(len(self.records), 'record')}, of which the damper was fitted on {seen}"),
+            ("L1", f"{percent(sum(l1.values()) / len(l1))} on average, {percent(l1[worst])} in {worst}"),
+        ]
+
+    def _table(self) -> Table:
+        return score_table(self.scores)
 
     @property
     def fitted_on(self) -> set[str]:

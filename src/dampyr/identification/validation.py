@@ -7,10 +7,10 @@ the offset is taken, and every score says what the damper was fitted on.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,10 +20,14 @@ from dampyr.identification.score import SETTLING, Score, score
 from dampyr.identification.splits import Target, Task, split_tasks
 from dampyr.models import Composition, Damper
 from dampyr.records import Record, check_bandwidth, motion_start
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
-class Fold:
+@dataclass(frozen=True, repr=False)
+class Fold(Representation):
     """One part of the split: what was fitted, what was predicted, and how well (nothing where the fit gave no damper).
 
     ``outside`` says which predicted records go beyond what the fitted ones covered, and by how much.
@@ -35,14 +39,68 @@ class Fold:
     reason: str
     outside: dict[str, str]
 
+    def _summary(self) -> Summary:
+        l1 = [one.l1 for one in self.scores.values()]
+        rows = [
+            ("fitted on", counted(len(self.fitted_on), "record")),
+            ("predicted", listing(list(self.scores), 3) if self.scores else f"nothing: {self.reason}"),
+        ]
+        if l1:
+            rows.append(("L1", f"{percent(float(np.mean(l1)))} on average, {percent(max(l1))} at worst"))
+        if self.outside:
+            rows.append(("outside", f"{counted(len(self.outside), 'record')} beyond what was fitted"))
+        return "Fold", rows
 
-@dataclass(frozen=True)
-class Validation:
-    """All folds of one split; ``inputs`` are those of the predicted records, in V or A, by name."""
+    def _table(self) -> Table:
+        return score_table(self.scores)
+
+
+@dataclass(frozen=True, repr=False)
+class Validation(Representation):
+    """All folds of one split; ``inputs`` are those of the predicted records, by name, in ``unit``, V or A."""
 
     split: str
     folds: tuple[Fold, ...]
     inputs: dict[str, float] = field(default_factory=dict)
+    unit: str = ""
+
+    def plot(self) -> Any:
+        """The L1 ratio of each predicted record, by input; the matplotlib axes ``(1,)``."""
+        from dampyr.figures import style
+        from dampyr.figures.scores import scores
+
+        return style.in_pyplot(scores, self._l1_by_input())
+
+    def to_dataframe(self) -> Any:
+        """The score of each predicted record as a ``pandas.DataFrame``: ratios, the offset in N, and which part it was in."""
+        part = {name: k for k, fold in enumerate(self.folds, 1) for name in fold.scores}
+        columns = {"part": list(part.values()), f"input_{self.unit}".rstrip("_"): [self.inputs.get(n) for n in part]}
+        return data_frame(columns | score_columns(self.scores), list(part), "record")
+
+    def _small_figure(self) -> Figure | None:
+        from dampyr.figures.scores import scores
+
+        return scores(self._l1_by_input()) if self.scores else None
+
+    def _l1_by_input(self) -> dict[str, list[float]]:
+        groups: dict[str, list[float]] = {}
+        for u in self.by_input:
+            own = [one.l1 for name, one in self.scores.items() if self.inputs.get(name, 0.0) == u]
+            groups[f"{u:.4g} {self.unit}".rstrip()] = own
+        return groups
+
+    def _summary(self) -> Summary:
+        rows = [
+            ("error", f"{percent(self.error)}, the mean L1 ratio of predicted records, every input counting the same"),
+            ("records", f"{len(self.scores)} predicted in {counted(len(self.folds), 'part')}"),
+            ("by input", listing([f"{percent(e)} at {u:.4g} {self.unit}".rstrip() for u, e in self.by_input.items()])),
+        ]
+        if self.failed:
+            rows.append(("failed", f"{counted(len(self.failed), 'part')}: {next(iter(self.failed.values()))}"))
+        return f"Validation, split by {self.split}", rows
+
+    def _table(self) -> Table:
+        return score_table(self.scores)
 
     @property
     def scores(self) -> dict[str, Score]:
@@ -70,6 +128,22 @@ class Validation:
     def as_dict(self) -> dict[str, Any]:
         """Split, folds and inputs, for `dampyr.to_json`."""
         return {"split": self.split, "folds": self.folds, "inputs": self.inputs}
+
+
+def score_table(scores: Mapping[str, Score]) -> Table:
+    """One row a record, ratios in percent."""
+    heads = ("record", "L1 [%]", "NRMSE [%]", "R²", "pointwise [%]", "peak force [%]", "energy [%]", "offset [N]")
+    rows = [
+        [name, 100 * s.l1, 100 * s.nrmse, s.r2, 100 * s.pointwise, 100 * s.peak_force, 100 * s.energy, s.offset]
+        for name, s in scores.items()
+    ]
+    return heads, rows
+
+
+def score_columns(scores: Mapping[str, Score]) -> dict[str, list[float]]:
+    """The columns of a data frame of scores: ratios, and the offset in N."""
+    names = {name: name for name in ("l1", "nrmse", "r2", "pointwise", "peak_force", "energy")} | {"offset": "offset_N"}
+    return {head: [getattr(one, name) for one in scores.values()] for name, head in names.items()}
 
 
 def cross_validate(
@@ -110,7 +184,8 @@ def cross_validate(
         done.append(_fold(model, task, options))
     if progress:
         progress(1.0)
-    return Validation(split, tuple(done), {r.name: float(r.input_value or 0.0) for r in listed})
+    inputs = {r.name: float(r.input_value or 0.0) for r in listed}
+    return Validation(split, tuple(done), inputs, listed[0].input or "")
 
 
 def _fold(model: str | Composition, task: Task, options: dict[str, Any]) -> Fold:

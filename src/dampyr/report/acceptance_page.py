@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.figures.acceptance import band_used, peak_velocity_band
-from dampyr.identification import Acceptance, Accepted, Point
-from dampyr.identification.acceptance import UNITS, band, in_short
+from dampyr.identification import Acceptance, Accepted
+from dampyr.identification.acceptance import UNITS, forces_and_band, in_short, used_of_band
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.html_page import page, write_page
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads
@@ -101,7 +97,7 @@ def _forces(results: Sequence[Acceptance]) -> list[Block]:
             groups.setdefault(_input(one), []).append(one)
     blocks: list[Block] = [
         FigureBlock(
-            _band(some),
+            peak_velocity_band(*forces_and_band(some)),
             f"{name}: forces at the peak velocities of every cycle, extension above and compression below. The band is drawn "
             "through the mean of points of one speed; each point is judged by its own.",
         )
@@ -112,29 +108,16 @@ def _forces(results: Sequence[Acceptance]) -> list[Block]:
     return blocks or [Text("No record has a whole cycle.")]
 
 
-def _band(some: Sequence[Acceptance]) -> Figure:
-    points: dict[bool | None, list[Point]] = {True: [], False: [], None: []}
-    for one in some:
-        for p in one.points:
-            if p.quantity != "energy":
-                points[p.inside].append(p)
-    drawn = {state: ([p.speed for p in own], [p.measured for p in own]) for state, own in points.items()}
-    return peak_velocity_band([band(some, "extension"), band(some, "compression")], drawn)
-
-
 def _used(results: Sequence[Acceptance]) -> list[Block]:
     judged = [one for one in results if one.judged]
     if not judged:
         return [Text("No point was judged.")]
     worst = sorted(judged, key=lambda one: -abs(one.worst.used or 0.0) if one.worst else 0.0)[:MAX_ROWS]
     shown = [one for one in judged if one in worst]
-    rows: dict[str, dict[str, list[float]]] = {
-        one.record: {q: [p.used or 0.0 for p in one.judged if p.quantity == q] for q in one.quantities} for one in shown
-    }
     few = f" Of {len(judged)} records the {MAX_ROWS} worst are shown." if len(shown) < len(judged) else ""
     return [
         FigureBlock(
-            band_used(rows),
+            band_used(used_of_band(shown)),
             f"Every judged cycle of every record: 0 is the reference, the edges of the band are at −1 and 1.{few}",
         )
     ]

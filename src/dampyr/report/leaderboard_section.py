@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from dampyr.figures.leaderboard import leaderboard_figure
-from dampyr.identification import Leaderboard, Screened
+from dampyr.identification import Leaderboard
 from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text
 
 NAMES = ("", "model", "error", "L1", "unseen input", "NRMSE", "pointwise", "energy", "parameters", "AIC", "BIC", "fit")
@@ -33,11 +33,7 @@ def leaderboard_section(board: Leaderboard) -> Section:
             Text(words),
             Table(NAMES, rows, UNITS, caption="The finalists, validated on all records.", digits=3),
             FigureBlock(
-                leaderboard_figure(
-                    [_in_two_lines(one) for one in board.screened],
-                    [one.bare.error for one in board.screened],
-                    [one.best.error for one in board.screened],
-                ),
+                leaderboard_figure(*board.screened_errors()),
                 "Every model on a few short records: bare, and with the add-ons that improved it.",
             ),
             _screened(board),
@@ -59,11 +55,6 @@ def _screened(board: Leaderboard) -> Table:
         caption=caption,
         digits=3,
     )
-
-
-def _in_two_lines(one: Screened) -> str:
-    """The model, and its add-ons in a line below it."""
-    return one.best.model.replace(one.base, one.base + "\n", 1).replace("\n + ", "\n+ ").rstrip("\n")
 
 
 def _percent(error: float) -> float | None:
