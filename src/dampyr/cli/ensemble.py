@@ -136,7 +136,7 @@ def _run(
 def _print(dataset: Any, curves: Sequence[Fragility]) -> None:
     from dampyr.report import sentence
     from dampyr.report.ensemble_page import summary_rows, trust
-    from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, limit_in_words, remarks
+    from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, remarks
 
     columns, units, rows = summary_rows(dataset)
     names = ", ".join(str(name) for name in dataset.building_name.values)
@@ -144,7 +144,7 @@ def _print(dataset: Any, curves: Sequence[Fragility]) -> None:
     for each in curves:
         click.echo()
         notes = [sentence(remark) for remark in remarks(each)]
-        title = f"Fragility over {each.intensity}: {limit_in_words(each)}; 90 % bands over {each.motions} motions"
+        title = f"Fragility over {each.intensity}: {each.limit_in_words}; 90 % bands over {each.motions} motions"
         print_table(title, COLUMNS, fragility_rows(each), fragility_units(each), notes=notes)
     click.echo()
     click.echo("\n".join(trust(dataset)))

@@ -23,6 +23,14 @@ SCALE = Axis("scale of the motions", "1")
 PROBABILITY = Axis("probability of exceeding", "%", 100.0)
 
 
+MAX_CURVES = len(style.SERIES)  # in one figure: as many as there are colours
+
+
+def axis_of(intensity: str) -> Axis:
+    """How an intensity is shown: "pga", "sa" or "scale", else a measure of the reader's own."""
+    return {"pga": PGA, "sa": SA, "scale": SCALE}.get(intensity, Axis("intensity, your measure", "its unit"))
+
+
 @dataclass(frozen=True)
 class Fragile:
     """One curve: ``probability`` over ``intensity`` SI (n,), None without a curve; ``band`` (low, high); ``counted``

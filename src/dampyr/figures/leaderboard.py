@@ -29,7 +29,7 @@ def leaderboard_figure(models: Sequence[str], bare: Sequence[float], best: Seque
                 )
             panel.plot(100 * combined, row, "o", ms=6, color=style.BLUE, label=_first("with add-ons", row))
         panel.set_yticks(range(len(shown)), [name for name, _, _ in shown])
-        panel.invert_yaxis()
+        panel.set_ylim(len(shown) - 0.5, -0.5)
         panel.set_xlim(left=0)
         panel.grid(visible=False, axis="y")
         panel.set_xlabel("validation error [%]")

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 import dampyr
+from dampyr.figures.fragility import axis_of
 from dampyr.figures.incremental import incremental_curves
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
-from dampyr.report.fragility_section import axis_of, fragility_section
+from dampyr.report.fragility_section import fragility_section
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental, summary
 

@@ -6,35 +6,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dampyr.figures.fragility import PGA, SA, SCALE, Fragile, fragility_curves
-from dampyr.figures.style import Axis
+from dampyr.figures.fragility import MAX_CURVES, axis_of, fragility_curves
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
 from dampyr.structures import Curve, Fragility
+from dampyr.structures.fragility import LEVEL, drawn_curves
 
-LEVEL = 0.9  # of the bands, as in the command's JSON
-MAX_CURVES = 6  # in a figure: as many as there are colours
-FULL = 3.3  # standard deviations above the median
 COLUMNS = ("case", "median", "from", "to", "beta", "direct median", "direct beta", "cases", "exceed", "without bound")
 FEW = " From fewer than 40 motions the band is too narrow away from the median."
 DIRECT = (
     "Direct: from the intensity at which each motion first exceeds the limit, linear between its scales; motions that never "
     "exceed it, or do so at the weakest scale already, enter the likelihood as censored."
 )
-
-
-def axis_of(intensity: str) -> Axis:
-    """How an intensity is shown."""
-    return {"pga": PGA, "sa": SA, "scale": SCALE}.get(intensity, Axis("intensity, your measure", "its unit"))
-
-
-def limit_in_words(fragility: Fragility) -> str:
-    """Such as ``drift above 12 mm``, ``drift above 1 % of the height``."""
-    value, unit = {
-        "m": (1e3 * fragility.limit, "mm"),
-        "": (100 * fragility.limit, "% of the height"),
-        "m/s^2": (fragility.limit, "m/s²"),
-    }.get(fragility.limit_unit, (fragility.limit, fragility.limit_unit))
-    return f"{fragility.quantity} above {value:.4g} {unit}"
 
 
 def fragility_rows(fragility: Fragility) -> list[list[Cell]]:
@@ -95,7 +77,7 @@ def fragility_section(fragility: Fragility) -> Section:
     )
     notes = "\n\n".join(sentence(each) for each in remarks(fragility))
     text: list[Block] = [Text(notes)] if notes else []
-    return Section(f"Fragility: {limit_in_words(fragility)}", [*_figures(fragility, caption), table, *text])
+    return Section(f"Fragility: {fragility.limit_in_words}", [*_figures(fragility, caption), table, *text])
 
 
 def _figures(fragility: Fragility, caption: str) -> list[Block]:
@@ -103,21 +85,4 @@ def _figures(fragility: Fragility, caption: str) -> list[Block]:
     parts: list[Sequence[Curve]] = [
         fragility.curves[k : k + MAX_CURVES] for k in range(0, len(fragility.curves), MAX_CURVES)
     ]
-    return [
-        FigureBlock(fragility_curves({c.name: _fragile(c, _reach(part)) for c in part}, axis), caption)
-        for part in parts
-    ]
-
-
-def _reach(curves: Sequence[Curve]) -> float:
-    """How far a figure goes: to where the last curve is nearly 1, at most as far as the motions."""
-    max_level = max(float(c.levels.max()) for c in curves)
-    full = [c.theta * np.exp(FULL * c.beta) for c in curves]
-    return max_level if np.isnan(full).any() else float(min(max_level, max(full)))
-
-
-def _fragile(c: Curve, reach: float) -> Fragile:
-    x = np.linspace(0.0, reach, 301)[1:]
-    at, share, _ = c.shares()
-    near = at <= reach
-    return Fragile(x, c.at(x) if c.exists else None, c.band(x, LEVEL), (at[near], share[near]))
+    return [FigureBlock(fragility_curves(drawn_curves(part), axis), caption) for part in parts]

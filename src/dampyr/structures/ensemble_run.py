@@ -6,21 +6,26 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, kanai_tajimi
 from dampyr.models import Damper
+from dampyr.representation import Representation, Summary, Table, column_name, counted, data_frame, listing
 from dampyr.structures.building import Building
 from dampyr.structures.ensemble import run
 from dampyr.structures.ensemble_grid import STEPS, Cases, cases
 from dampyr.structures.fragility import Curve, Fragility, fragility
+from dampyr.structures.incremental import incremental
 from dampyr.structures.peaks import INTENSITIES
 from dampyr.structures.simulate import all_inputs, check_inputs, installed
 from dampyr.structures.store import UNITS
 from dampyr.structures.summary import summary
 from dampyr.to_json import plain
 from dampyr.units import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PRECISIONS = (64, 32)  # bits
 SYNTHETIC_DT = 0.01  # s: 100 samples a second, the rate of many accelerographs
@@ -76,13 +81,77 @@ class EnsembleOptions:
             raise InputError(f"draws = {self.draws} is not allowed; it must be 0 or more")
 
 
-@dataclass(frozen=True, eq=False)
-class EnsembleResult:
+@dataclass(frozen=True)
+class EnsemblePlots:
+    """Each method draws one figure and returns its matplotlib axes ``(k,)``."""
+
+    result: EnsembleResult
+
+    def fragility(self, number: int = 0) -> Any:
+        """The fragility curves of one limit, counted from 0 in the order of the options."""
+        if not 0 <= number < len(self.result.curves):
+            raise InputError(
+                f"number = {number} is not allowed; there are {len(self.result.curves)} limits, counted from 0"
+            )
+        return self.result.curves[number].plot()
+
+    def incremental(self, name: str | None = None, quantity: str = "drift") -> Any:
+        """Peaks over the intensity for each motion, with fractiles; of one case, by default the first."""
+        return incremental(self.result.dataset, quantity, self.result.intensity).plot(name)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EnsembleResult(Representation):
     """Result of `run_ensemble`: the ``dataset`` of peaks, and the ``curves`` over ``intensity``, one for each limit."""
 
     dataset: Any
     curves: tuple[Fragility, ...]
     intensity: str
+
+    @property
+    def plot(self) -> EnsemblePlots:
+        """Figures: ``result.plot.fragility()`` and ``.incremental()``, each giving matplotlib axes."""
+        return EnsemblePlots(self)
+
+    def to_dataframe(self) -> Any:
+        """Medians and 84 % fractiles of the peaks as a ``pandas.DataFrame``, SI units: one row a case and scale."""
+        rows = summary(self.dataset)
+        columns: dict[str, Any] = {"case": [row.name for row in rows], "scale": [row.scale for row in rows]}
+        for quantity in rows[0].peaks:
+            pairs = [row.peaks[quantity] or (None, None) for row in rows]
+            for k, part in enumerate(("median", "fractile_84")):
+                columns[column_name(f"{quantity}_{part}", UNITS[quantity])] = [pair[k] for pair in pairs]
+        return data_frame(columns)
+
+    def _small_figure(self) -> Figure | None:
+        return self.curves[0]._small_figure() if self.curves else None
+
+    def _summary(self) -> Summary:
+        sizes, attributes = self.dataset.sizes, self.dataset.attrs
+        each = (
+            (sizes["damper"], "damper case"),
+            (sizes["input"], "input"),
+            (sizes["motion"], "motion"),
+            (sizes["scale"], "scale"),
+        )
+        rows = [
+            ("building", listing([str(name) for name in self.dataset.building_name.values])),
+            ("cases", f"{attributes['cases']}: {', '.join(counted(n, noun) for n, noun in each)}"),
+            (
+                "accuracy",
+                f"{attributes['accuracy']}, largest change on halving the step {100 * attributes['error_estimate']:.2g} %",
+            ),
+            ("without bound", f"{attributes['unbounded']} cases"),
+        ]
+        rows += [("fragility", f"{curve.limit_in_words}, over {curve.intensity}") for curve in self.curves[:4]]
+        return "EnsembleResult", rows
+
+    def _table(self) -> Table:
+        rows = [
+            [row.name, row.scale, *(1e3 * v for v in (row.peaks.get("drift") or (float("nan"),) * 2))]
+            for row in summary(self.dataset)
+        ]
+        return ("case", "scale", "drift, median [mm]", "84 % [mm]"), rows
 
     def as_dict(self) -> dict[str, Any]:
         """Peaks and curves for JSON, SI units."""

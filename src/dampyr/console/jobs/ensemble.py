@@ -15,7 +15,7 @@ from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.report import write_ensemble_page
 from dampyr.report.ensemble_page import summary_rows, trust
-from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, limit_in_words, remarks
+from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, remarks
 from dampyr.structures import EnsembleResult, run_ensemble
 from dampyr.to_json import plain
 
@@ -44,7 +44,7 @@ def _summarise(result: EnsembleResult) -> dict[str, Any]:
     columns, units, rows = summary_rows(dataset)
     summary = {
         "cases": dataset.attrs["cases"],
-        "limit": limit_in_words(curves),
+        "limit": curves.limit_in_words,
         "motions": curves.motions,
         "peaks": {"columns": columns, "units": units, "rows": rows},
         "table": {"columns": list(COLUMNS), "units": fragility_units(curves), "rows": fragility_rows(curves)},
