@@ -8,14 +8,16 @@ them (`dampyr.campaigns.recorded_tests`).
 from __future__ import annotations
 
 import sqlite3
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from dampyr.errors import FileError, InputError
+from dampyr.representation import Representation, Summary, Table, data_frame
 
 NAME = "journal.sqlite"
 SCHEMA = 1  # of the tables below; raised when they change
@@ -70,7 +72,7 @@ class Event:
     detail: str
 
 
-class Journal:
+class Journal(Representation):
     """The journal of a folder; made where there is none."""
 
     def __init__(self, folder: str | Path) -> None:
@@ -87,6 +89,23 @@ class Journal:
             raise FileError(self.path, f"cannot be used ({problem}); see to the disk, or {REPAIR}") from problem
         except (sqlite3.Error, ValueError) as problem:
             raise FileError(self.path, f"is no journal of a campaign, or is broken ({problem}); {REPAIR}") from problem
+
+    def to_dataframe(self) -> Any:
+        """The tests in their order as a ``pandas.DataFrame``: state, attempt and reason."""
+        entries = self.tests()
+        columns = {name: [getattr(entry, name) for entry in entries] for name in ("state", "attempt", "reason")}
+        return data_frame(columns, [entry.name for entry in entries], "test")
+
+    def _summary(self) -> Summary:
+        states = Counter(entry.state for entry in self.tests())
+        return f"Journal of {self.said('name')!r}", [
+            ("folder", self.path.parent.name),
+            ("tests", ", ".join(f"{count} {state}" for state, count in states.items()) or "none"),
+            ("events", str(len(self.events()))),
+        ]
+
+    def _table(self) -> Table:
+        return ("test", "state", "attempt", "reason"), [[e.name, e.state, e.attempt, e.reason] for e in self.tests()]
 
     def _check_schema(self) -> None:
         version = self.said("schema")

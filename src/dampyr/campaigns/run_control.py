@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from dampyr.errors import DampyrError, RigFault
+from dampyr.representation import Representation, Summary
 from dampyr.rig.interlock import Samples
 
 
@@ -22,8 +23,8 @@ def exit_status(problem: BaseException) -> Literal["stopped", "aborted", "failed
     return "aborted" if isinstance(problem, RigFault) and problem.ring == "operator" else "failed"
 
 
-@dataclass(frozen=True, eq=False)
-class Progress:
+@dataclass(frozen=True, eq=False, repr=False)
+class Progress(Representation):
     """How far a campaign is.
 
     ``done`` of ``total`` tests are complete; ``fraction`` of the one under way; ``time_left`` s of rig time; ``force`` N,
@@ -43,15 +44,27 @@ class Progress:
     temperature: float = 0.0
     samples: Samples | None = None
 
+    def _summary(self) -> Summary:
+        return f"Progress, {self.done} of {self.total} tests", [
+            ("test", f"{self.name}, {self.phase}, {100 * self.fraction:.3g} %"),
+            ("cycles", f"{self.cycles:.3g} of {self.planned_cycles:.3g}"),
+            ("time left", f"{self.time_left:.4g} s"),
+            ("now", f"{self.force:.4g} N, {1e3 * self.stroke:.4g} mm peak to peak, {self.temperature:.4g} °C"),
+        ]
 
-@dataclass
-class Control:
+
+@dataclass(repr=False)
+class Control(Representation):
     """The buttons. Pause acts after the test under way, stop and abort at once."""
 
     abort_now: Callable[[str], None] | None = None
     _paused: threading.Event = field(default_factory=threading.Event)
     _stopped: threading.Event = field(default_factory=threading.Event)
     _aborted: str = ""
+
+    def _summary(self) -> Summary:
+        pressed = ["pause"] * self.paused + ["stop"] * self._stopped.is_set() + ["abort"] * self.aborted
+        return "Control", [("pressed", ", ".join(pressed) or "nothing")]
 
     def pause(self) -> None:
         """Wait, armed and at rest, after the test under way."""

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from dampyr.figures import style
 from dampyr.figures.style import Axis
+from dampyr.representation import Representation, Summary, extent
 from dampyr.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -31,8 +32,8 @@ def axis_of(intensity: str) -> Axis:
     return {"pga": PGA, "sa": SA, "scale": SCALE}.get(intensity, Axis("intensity, your measure", "its unit"))
 
 
-@dataclass(frozen=True)
-class Fragile:
+@dataclass(frozen=True, repr=False)
+class Fragile(Representation):
     """One curve: ``probability`` over ``intensity`` SI (n,), None without a curve; ``band`` (low, high); ``counted``
     (intensity, share), shown as points."""
 
@@ -40,6 +41,18 @@ class Fragile:
     probability: ArrayLike | None
     band: tuple[ArrayLike, ArrayLike] | None = None
     counted: tuple[ArrayLike, ArrayLike] | None = None
+
+    def _small_figure(self) -> Figure:
+        return fragility_curves({"curve": self})
+
+    def _summary(self) -> Summary:
+        levels = 0 if self.counted is None else np.size(self.counted[0])
+        return "Fragile", [
+            ("intensity", f"{np.size(self.intensity)} values, {extent(self.intensity, '')} (SI)"),
+            ("curve", "none" if self.probability is None else extent(self.probability, "")),
+            ("band", "none" if self.band is None else "a lower and an upper edge"),
+            ("counted", f"{levels} levels"),
+        ]
 
 
 def fragility_curves(curves: Mapping[str, Fragile], axis: Axis = PGA, title: str = "") -> Figure:

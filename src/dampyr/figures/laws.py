@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike
 
 from dampyr.figures import style
 from dampyr.figures.style import VOLTAGE, Axis
+from dampyr.representation import Representation, Summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
-class Law:
+@dataclass(frozen=True, repr=False)
+class Law(Representation):
     """One parameter over the input, for one panel.
 
     ``axis`` names it and its unit; ``curve`` (inputs, values) is the law; ``points`` (inputs, values) are
@@ -32,6 +33,14 @@ class Law:
     points: tuple[ArrayLike, ArrayLike] | None = None
     error: ArrayLike | None = None
     others: Mapping[str, tuple[ArrayLike, ArrayLike]] = field(default_factory=dict)
+
+    def _small_figure(self) -> Figure:
+        return parameters_against_input([self])
+
+    def _summary(self) -> Summary:
+        rows = [("curve", self.curve), ("points", self.points), *self.others.items()]
+        shown = [(name, f"{np.size(each[0])} inputs") for name, each in rows if each is not None]
+        return f"Law {self.axis.label!r}", shown
 
 
 def parameters_against_input(

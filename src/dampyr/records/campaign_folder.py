@@ -18,6 +18,7 @@ from dampyr.errors import FileError, InputError, MissingData
 from dampyr.records.folder import read_folder
 from dampyr.records.record import CHANNELS, Label, Record, Role, as_role
 from dampyr.records.record_files import read
+from dampyr.representation import Representation, Summary
 from dampyr.units import round_trip, to_si
 
 TABLE = "campaign.csv"
@@ -29,8 +30,8 @@ PUBLISHED = {
 }
 
 
-@dataclass(frozen=True)
-class CampaignRow:
+@dataclass(frozen=True, repr=False)
+class CampaignRow(Representation):
     """One row of a campaign's table, SI.
 
     ``file`` is None when the row has no file, or when the file is not in the folder (``file_name`` then still
@@ -44,6 +45,18 @@ class CampaignRow:
     role: Role
     sha256: str
     published: Mapping[str, float]
+
+    def _summary(self) -> Summary:
+        printed = ", ".join(f"{name} {value:.4g}" for name, value in self.published.items())
+        rows = [
+            ("table", f"{self.label.table or 'none'}" + (f", row {self.label.row}" if self.label.row else "")),
+            ("label", f"{1e3 * self.label.peak_to_peak_m:.4g} mm peak to peak, {self.label.frequency_hz:.4g} Hz"),
+            ("voltage", f"{self.voltage:.4g} V"),
+            ("role", self.role),
+            ("file", "not in the folder" if self.file is None else self.file.name),
+            ("published", f"{printed} (SI)" if printed else ""),
+        ]
+        return f"CampaignRow {self.file_name!r}", [row for row in rows if row[1]]
 
     @property
     def table(self) -> str:

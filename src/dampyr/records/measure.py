@@ -20,12 +20,13 @@ from dampyr.records.force_offset import mean_force
 from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
 from dampyr.records.velocity import default_bandwidth, differentiate
+from dampyr.representation import Representation, Summary
 
 ORDERS = 7  # harmonics of the motion: those of a distorted sine fall off, and higher ones lie in the noise
 
 
-@dataclass(frozen=True)
-class Measured:
+@dataclass(frozen=True, repr=False)
+class Measured(Representation):
     """What was measured over the whole cycles of a record, SI.
 
     Attributes
@@ -53,6 +54,18 @@ class Measured:
     distortion: float
     cycles: int
     motion_start: float
+
+    def _summary(self) -> Summary:
+        orders = ", ".join(f"{k}: {100 * v:.2g} %" for k, v in self.harmonics.items())
+        return "Measured", [
+            ("motion", f"{self.frequency_hz:.4g} Hz, {1e3 * self.peak_to_peak_m:.4g} mm peak to peak"),
+            ("peak speed", f"{1e3 * self.peak_speed:.4g} mm/s"),
+            ("energy", f"{self.energy_per_cycle:.4g} J per cycle"),
+            ("mean force", f"{self.mean_force:.4g} N"),
+            ("drift", f"{1e3 * self.drift_m_per_s:.3g} mm/s"),
+            ("harmonics", f"{orders}; distortion {100 * self.distortion:.2g} %"),
+            ("cycles", f"{self.cycles}, from {self.motion_start:.4g} s"),
+        ]
 
 
 def measure(record: Record) -> Measured:

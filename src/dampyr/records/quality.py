@@ -9,6 +9,7 @@ import numpy as np
 
 from dampyr.records.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
+from dampyr.representation import Representation, Summary
 
 GAP = 1.5  # median intervals: halfway to one missing sample
 MAX_PLATEAU = 5  # equal samples: a smooth extreme has fewer
@@ -16,8 +17,8 @@ PLATEAU_OF_CYCLE = 0.05  # of a cycle: a sine counted in fine steps stays at its
 EXCURSION = 0.1  # of the median distance between turning points: far beyond noise and encoder steps
 
 
-@dataclass(frozen=True)
-class Quality:
+@dataclass(frozen=True, repr=False)
+class Quality(Representation):
     """How well a record is sampled.
 
     Attributes
@@ -44,6 +45,17 @@ class Quality:
     quantum: Mapping[str, float]
     saturated: Mapping[str, int]
     per_cycle: float | None
+
+    def _summary(self) -> Summary:
+        per_cycle = "no whole cycle" if self.per_cycle is None else f"{self.per_cycle:.4g} per cycle"
+        rows = [
+            ("samples", f"{self.samples}, every {1e3 * self.dt:.4g} ms, {per_cycle}"),
+            ("jitter", f"{100 * self.jitter:.2g} % of the interval"),
+            ("gaps", f"{len(self.gaps)}" + (f", the first at {self.gaps[0][0]:.4g} s" if self.gaps else "")),
+        ]
+        rows += [(f"{name} step", f"{value:.3g} {CHANNELS[name]}") for name, value in self.quantum.items()]
+        rows += [(f"{name} saturated", f"{count} samples") for name, count in self.saturated.items()]
+        return "Quality", rows
 
     @property
     def notes(self) -> tuple[str, ...]:

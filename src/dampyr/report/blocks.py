@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 from dampyr.errors import InputError
+from dampyr.representation import Representation, Summary, counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from dampyr.representation import Table as ColumnsAndRows
 
 Kind = Literal["agrees", "differs", "cannot be checked", "passed", "failed", "not judged"]
 
@@ -29,15 +32,23 @@ class Verdict:
 Cell = str | float | int | bool | Verdict | None
 
 
-@dataclass(frozen=True)
-class Text:
+@dataclass(frozen=True, repr=False)
+class Text(Representation):
     """One or more paragraphs of plain text; an empty line parts them."""
 
     text: str
 
+    def _summary(self) -> Summary:
+        return f"Text of {counted(len(self.paragraphs), 'paragraph')}", [("", each) for each in self.paragraphs[:4]]
 
-@dataclass(frozen=True)
-class Table:
+    @property
+    def paragraphs(self) -> list[str]:
+        """The paragraphs."""
+        return [part.strip() for part in self.text.split("\n\n") if part.strip()]
+
+
+@dataclass(frozen=True, repr=False)
+class Table(Representation):
     """Rows under named columns, sortable by the reader.
 
     ``units`` stand under the names ("" for none); numbers get ``digits`` significant digits and are aligned
@@ -60,25 +71,53 @@ class Table:
             if len(row) != width:
                 raise InputError(f"row {number} of a table has {len(row)} cells; its columns are {width}")
 
+    def _summary(self) -> Summary:
+        rows = [("columns", ", ".join(self._heads())), ("rows", str(len(self.rows))), ("caption", self.caption)]
+        return "Table", [row for row in rows if row[1]]
 
-@dataclass(frozen=True)
-class FigureBlock:
+    def _table(self) -> ColumnsAndRows:
+        rows = [[cell.kind if isinstance(cell, Verdict) else cell for cell in row] for row in self.rows]
+        return self._heads(), rows
+
+    def _heads(self) -> list[str]:
+        units = self.units or [""] * len(self.columns)
+        return [f"{name} [{unit}]" if unit else name for name, unit in zip(self.columns, units, strict=True)]
+
+
+@dataclass(frozen=True, repr=False)
+class FigureBlock(Representation):
     """A figure with its caption; ``alt`` says in words what it shows, for those who cannot see it."""
 
     figure: Figure
     caption: str
     alt: str = ""
 
+    def _small_figure(self) -> Figure:
+        return self.figure
+
+    def _summary(self) -> Summary:
+        width, height = self.figure.get_size_inches()
+        return f"FigureBlock, {width:.3g} × {height:.3g} in", [("caption", self.caption)]
+
 
 Block = Text | Table | FigureBlock | Verdict
 
 
-@dataclass(frozen=True)
-class Section:
+@dataclass(frozen=True, repr=False)
+class Section(Representation):
     """A heading and what stands under it."""
 
     title: str
     blocks: Sequence[Block]
+
+    def _summary(self) -> Summary:
+        return f"Section {self.title!r}", [(type(block).__name__, _first_words(block)) for block in self.blocks]
+
+
+def _first_words(block: Block) -> str:
+    if isinstance(block, Verdict):
+        return block.kind
+    return block.text if isinstance(block, Text) else block.caption
 
 
 def sentence(text: str) -> str:

@@ -136,7 +136,7 @@ def _block(block: Block, prefix: str, labels: Iterator[str]) -> dict[str, Any]:
 
     match block:
         case Text():
-            return {"kind": "text", "paragraphs": [part.strip() for part in block.text.split("\n\n") if part.strip()]}
+            return {"kind": "text", "paragraphs": block.paragraphs}
         case Verdict():
             return {"kind": "verdict", "verdict": block}
         case FigureBlock():

@@ -103,5 +103,6 @@ def _firsts(plan: Plan) -> list[PlannedTest]:
 
 def _drive(each: PlannedTest) -> FigureBlock:
     drive = each.drive
-    time = np.arange(drive.n) * drive.period
-    return FigureBlock(planned_drive(time, drive.displacement, drive.voltage), sentence(f"{each.name}: {each.words}"))
+    return FigureBlock(
+        planned_drive(drive.time, drive.displacement, drive.voltage), sentence(f"{each.name}: {each.words}")
+    )

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from dampyr.atomic_write import write_whole
 from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
+from dampyr.representation import Representation, Summary
 from dampyr.rig.settings import LoadCell, RigSettings
 from dampyr.units import Quantity
 
@@ -25,8 +26,8 @@ Array = NDArray[np.float64]
 SPREAD = 0.02  # by which a measured scale may differ from the one before without a warning
 
 
-@dataclass(frozen=True)
-class Calibration:
+@dataclass(frozen=True, repr=False)
+class Calibration(Representation):
     """force = scale*(volts - zero) [N], displacement = count*(counts + 1/2 - middle) [m], temperature = slope*volts + base."""
 
     scale: Annotated[float, Quantity("N/V")]
@@ -36,6 +37,14 @@ class Calibration:
     slope: Annotated[float, Quantity("K/V")] = 100.0
     base: Annotated[float, Quantity("degC")] = 0.0
     how: str = "from the rig's settings"
+
+    def _summary(self) -> Summary:
+        return "Calibration", [
+            ("force", f"{self.scale:.6g} N/V, zero at {self.zero:.4g} V"),
+            ("displacement", f"{1e6 * self.count:.4g} µm a count, middle at {self.middle:.6g} counts"),
+            ("temperature", f"{self.slope:.4g} K/V, {self.base:.4g} °C at 0 V"),
+            ("from", self.how.removeprefix("from ")),
+        ]
 
     def force(self, volts: Array) -> Array:
         """N."""

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError, RigFault
+from dampyr.representation import Representation, Summary
 from dampyr.rig.acquisition import Acquisition
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
 from dampyr.rig.drive import Drive
@@ -34,8 +35,8 @@ QUICK = 0.2  # s of work during which the board's buffer is enough
 HOMING = 120.0  # s that the search for the index may take
 
 
-@dataclass
-class Rig:
+@dataclass(repr=False)
+class Rig(Representation):
     """A rig that is connected and not armed; see `dampyr.rig.connect` and `dampyr.rig.simulated`.
 
     ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
@@ -62,6 +63,19 @@ class Rig:
         self.warmth = Warmth(self.settings, self.settings.specimen.room)
         if self.threaded:
             self.on_close.append(disable_gc())
+
+    def _summary(self) -> Summary:
+        calibration, limits = self.calibration, self.settings.limits
+        return f"Rig {self.settings.name!r}", [
+            ("connection", f"{type(self.board).__name__}, {self.settings.wires.serial or 'in this process'}"),
+            ("time", "passes while it is read" if self.clocked_by_reads else "passes by itself"),
+            (
+                "limits",
+                f"{1e3 * limits.stroke:.4g} mm peak to peak, {1e3 * limits.speed:.4g} mm/s, {limits.force:.4g} N",
+            ),
+            ("calibration", "none" if calibration is None else f"{calibration.scale:.6g} N/V, {calibration.how}"),
+            ("interlock", "on" if self.interlocked else "off"),
+        ]
 
     @contextmanager
     def armed(self) -> Iterator[Table]:
@@ -110,7 +124,7 @@ class Rig:
         self.close()
 
 
-class Table:
+class Table(Representation):
     """An armed rig. Everything is in m, s, N and V; displacement from the middle of the stroke, extension positive.
 
     ``check`` is called for every block while something is waited for; what it raises ends the waiting, and `stop` the motion.
@@ -124,6 +138,12 @@ class Table:
             rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
         )
         self.check: Callable[[], None] = no_check
+
+    def _summary(self) -> Summary:
+        return f"Table of {self.rig.settings.name!r}, armed", [
+            ("position", f"{1e3 * self.position:.4g} mm, {'homed' if self.homed else 'not homed'}"),
+            ("temperature", f"{self.temperature:.4g} °C, estimated"),
+        ]
 
     def begin(self) -> None:
         """Start sampling and arm; the board and the Uno are aligned where the table rests."""

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from dampyr.records import campaign_rows
+from dampyr.representation import Representation, Summary, listing
 from dampyr.studies.raminelli_2020.finding import Printed
 
 PARAMETERS = ("kx", "kw", "rho")
@@ -77,8 +79,8 @@ def _rows() -> tuple[Row, ...]:
     return tuple(rows)
 
 
-@dataclass(frozen=True)
-class Published:
+@dataclass(frozen=True, repr=False)
+class Published(Representation):
     """Everything that is compared."""
 
     example: Example = Example()
@@ -111,6 +113,16 @@ class Published:
     reductions: tuple[Printed, ...] = field(default_factory=lambda: _numbers("7.01 13.66"))
     highest_voltage: Printed = Printed("3.6")
     actuator_speed: Printed = Printed("16.8")
+
+    def _summary(self) -> Summary:
+        tables = Counter(row.table for row in self.rows)
+        return "Published, Raminelli (2020)", [
+            ("tests", ", ".join(f"{count} in table {name}" for name, count in sorted(tables.items()))),
+            ("table 4.1", ", ".join(self.table_4_1)),
+            ("cubics", ", ".join(self.cubics) + " over the voltage, (4.6) to (4.8)"),
+            ("peaks", f"{listing([each.text for each in self.peaks])} mm, of chapter 5"),
+            ("errors", f"{self.error_at_0.text} % at 0 V, {self.error_validation.text} % of the validation"),
+        ]
 
     def table(self, table: str) -> list[Row]:
         """The rows of one table."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -10,6 +11,7 @@ from typing import Any
 
 from dampyr.errors import MissingData
 from dampyr.records import locate
+from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.studies.raminelli_2020.appendix_a import rig
 from dampyr.studies.raminelli_2020.campaign_records import Campaign, Progress, load
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
@@ -25,14 +27,36 @@ from dampyr.studies.raminelli_2020.study_part import Part
 OUTCOMES: tuple[Outcome, ...] = ("agrees", "differs", "cannot be checked")
 
 
-@dataclass(frozen=True)
-class Study:
+@dataclass(frozen=True, repr=False)
+class Study(Representation):
     """Everything that was compared; ``left_out`` says what was not done for lack of data, and how to get them."""
 
     parts: tuple[Part, ...]
     data: Path | None
     left_out: tuple[str, ...]
     page: Path | None = None
+
+    def to_dataframe(self) -> Any:
+        """The findings as a ``pandas.DataFrame``: published and own values in the printed units, and the verdict."""
+        names = ("artefact", "quantity", "published", "ours", "unit", "verdict", "reason")
+        return data_frame({name: [getattr(finding, name) for finding in self.findings] for name in names})
+
+    def _summary(self) -> Summary:
+        verdicts = Counter(finding.verdict for finding in self.findings)
+        rows = [
+            ("findings", ", ".join(f"{verdicts[each]} {each}" for each in OUTCOMES if verdicts[each])),
+            ("errata", str(len(self.errata))),
+            ("left out", "; ".join(self.left_out) or "nothing"),
+            ("page", "" if self.page is None else self.page.name),
+        ]
+        return "Study of Raminelli (2020)", [row for row in rows if row[1]]
+
+    def _table(self) -> Table:
+        rows = [
+            [name, summary["verdict"], *(summary[kind] for kind in OUTCOMES)]
+            for name, summary in ((name, artefact_summary(own)) for name, own in self.artefacts.items())
+        ]
+        return ("artefact", "verdict", *OUTCOMES), rows
 
     @property
     def findings(self) -> list[Finding]:
