@@ -1,0 +1,347 @@
+"""Every public object shows itself in a few lines, in a notebook as a table, and draws and tabulates what it holds.
+
+`EXAMPLES` has one object of each public class. A class that is new is not in it, and fails the first test.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+import re
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from types import SimpleNamespace
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import dampyr as dp
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.figures import laws as law_figures
+from dampyr.figures import style
+from dampyr.figures.fragility import Fragile
+from dampyr.identification.residuals import motion
+from dampyr.representation import MAX_LETTERS, MAX_LINES, Representation, as_html, as_text
+from dampyr.rig.calibration import calibration_of
+from dampyr.structures.ensemble_run import synthetic_motions
+from dampyr.studies.raminelli_2020.study import Study
+from dampyr.studies.raminelli_2020.study_part import Part
+from tests.identification.synthetic import sine
+
+LINES, LETTERS = 15, 1500
+MOTIONS = ((0.005, 1.0), (0.010, 0.5), (0.008, 0.8))  # m, Hz
+VOLTS = (0.0, 1.0, 2.0)
+STEPS = [{"kind": "sine", "amplitude": ["5 mm", "8 mm"], "frequency": "1 Hz", "voltage": "0.8712 V", "cycles": 2}]
+
+
+def public_classes() -> list[type]:
+    """Every class that some ``__all__`` of dampyr names; protocols have no objects of their own."""
+    classes = set()
+    for found in pkgutil.walk_packages(dp.__path__, "dampyr."):
+        if found.name.endswith("__main__"):
+            continue
+        module = importlib.import_module(found.name)
+        members = [getattr(module, name) for name in getattr(module, "__all__", ())]
+        classes |= {each for each in members if inspect.isclass(each) and not getattr(each, "_is_protocol", False)}
+    return sorted(classes, key=label)
+
+
+def label(cls: type) -> str:
+    """Such as ``identification.Fit``."""
+    return f"{cls.__module__.split('.')[1]}.{cls.__name__}"
+
+
+EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
+    "campaigns.Campaign": lambda made: made.campaign,
+    "campaigns.Control": lambda made: dp.campaigns.Control(),
+    "campaigns.Finding": lambda made: dp.campaigns.Finding("voltage", "needs 9 V; the limit is 4.4 V"),
+    "campaigns.Header": lambda made: made.campaign.header,
+    "campaigns.Journal": lambda made: made.journal,
+    "campaigns.Peaks": lambda made: dp.campaigns.Peaks(0.010, 0.063),
+    "campaigns.Plan": lambda made: made.plan,
+    "campaigns.PlannedTest": lambda made: made.plan.tests[0],
+    "campaigns.Progress": lambda made: dp.campaigns.Progress(1, 2, "01-sine", "recording", 0.5, 4.0),
+    "campaigns.Stopped": lambda made: dp.campaigns.Stopped("the campaign was stopped by its operator"),
+    "campaigns.Test": lambda made: made.campaign.tests[0],
+    "figures.Fragile": lambda made: Fragile(np.linspace(0.1, 3.0, 300), np.linspace(0.0, 1.0, 300)),
+    "figures.Law": lambda made: law_figures.Law(
+        style.Axis("kx", "N s/mm", 1e-3), curve=(np.linspace(0, 2, 200), np.linspace(800, 2600, 200))
+    ),
+    "ground_motions.GroundMotion": lambda made: made.motion,
+    "ground_motions.Measures": lambda made: dp.ground_motions.measures(made.motion),
+    "ground_motions.RisePlateauDecay": lambda made: dp.ground_motions.RisePlateauDecay(0.1, 0.5, 0.05),
+    "ground_motions.ShinozukaSato": lambda made: dp.ground_motions.ShinozukaSato(0.2, 0.6),
+    "ground_motions.Soil": lambda made: dp.ground_motions.MEDIUM,
+    "ground_motions.Spectrum": lambda made: dp.ground_motions.spectrum(made.motion, damping=(0.02, 0.05)),
+    "identification.AcceptOptions": lambda made: dp.identification.AcceptOptions(),
+    "identification.Acceptance": lambda made: made.accepted.results[0],
+    "identification.Accepted": lambda made: made.accepted,
+    "identification.Entry": lambda made: made.board.entries[0],
+    "identification.Fit": lambda made: made.fit,
+    "identification.Fold": lambda made: made.validation.folds[0],
+    "identification.Identified": lambda made: dp.identification.Identified(
+        made.fit, (made.validation,), made.board, {"test": made.fit.scores[made.records[0].name]}
+    ),
+    "identification.IdentifyOptions": lambda made: dp.identification.IdentifyOptions(),
+    "identification.Leaderboard": lambda made: made.board,
+    "identification.LimitCycle": lambda made: dp.identification.LimitCycle(
+        800.0, 2.1e6, 42e3, 50.2, -0.009, -0.004, (41e3, 43e3), np.linspace(-0.01, 0.01, 500), np.linspace(-50, 50, 500)
+    ),
+    "identification.Nuisance": lambda made: next(iter(made.fit.nuisances.values())),
+    "identification.PlasticRegion": lambda made: dp.identification.plastic_region(made.records[-1]),
+    "identification.Point": lambda made: made.accepted.results[0].points[0],
+    "identification.Residuals": lambda made: made.fit.residuals,
+    "identification.Score": lambda made: made.fit.scores[made.records[0].name],
+    "identification.Screened": lambda made: made.board.screened[0],
+    "identification.Tolerance": lambda made: dp.identification.Tolerance(),
+    "identification.Trace": lambda made: trace_of(made.records[0]),
+    "identification.Trend": lambda made: dp.identification.Trend("stroke", 1.0, 0.7, 0.01, 8, 0.2, True),
+    "identification.Trial": lambda made: made.board.screened[0].trials[0],
+    "identification.ValidateOptions": lambda made: dp.identification.ValidateOptions(),
+    "identification.Validated": lambda made: made.validated,
+    "identification.Validation": lambda made: made.validation,
+    "identification.Window": lambda made: made.fit.scores[made.records[0].name].window,
+    "models.Composition": lambda made: made.damper.composition,
+    "models.Constant": lambda made: dp.models.Constant(3.0),
+    "models.Damper": lambda made: made.fit.damper,
+    "models.Interpolation": lambda made: made.fit.damper.all_laws["dahl.kx"],
+    "models.Polynomial": lambda made: made.damper.all_laws["dahl.kx"],
+    "records.CampaignRow": lambda made: dp.records.campaign_rows()[0],
+    "records.Cycle": lambda made: dp.records.cycle_table(made.records[0])[0],
+    "records.Delay": lambda made: dp.records.estimate_delay(made.records[0]),
+    "records.Label": lambda made: dp.records.Label(0.02, 1.0, "4.2", 1),
+    "records.Measured": lambda made: dp.records.measure(made.records[0]),
+    "records.Overview": lambda made: dp.records.overview(made.records[0]),
+    "records.Quality": lambda made: dp.records.quality(made.records[0]),
+    "records.Record": lambda made: made.records[0],
+    "report.FigureBlock": lambda made: dp.report.FigureBlock(
+        dp.report.ground_motion(made.motion.time, made.motion.acceleration), "The ground."
+    ),
+    "report.Section": lambda made: dp.report.Section("Numbers", [made.page_table, dp.report.Text("None.")]),
+    "report.Table": lambda made: made.page_table,
+    "report.Text": lambda made: dp.report.Text("\n\n".join(f"Paragraph {k}. " + "word " * 200 for k in range(9))),
+    "report.Verdict": lambda made: dp.report.Verdict("agrees"),
+    "rig.Calibration": lambda made: calibration_of(made.rig.settings),
+    "rig.Drive": lambda made: made.plan.tests[0].drive,
+    "rig.Reversals": lambda made: dp.rig.Reversals(0.8, 1.0),
+    "rig.Rig": lambda made: made.rig,
+    "rig.RigSettings": lambda made: made.rig.settings,
+    "rig.Table": lambda made: made.table,
+    "structures.Building": lambda made: dp.structures.shear_building([1e5] * 40, [1e8] * 40, damping_ratio=0.05),
+    "structures.Condensed": lambda made: made.condensed,
+    "structures.Curve": lambda made: made.ensemble.curves[0].curves[0],
+    "structures.Energy": lambda made: made.response.energy,
+    "structures.EnsembleOptions": lambda made: dp.structures.EnsembleOptions(inputs=(0.0, 1.98)),
+    "structures.EnsembleResult": lambda made: made.ensemble,
+    "structures.Fragility": lambda made: made.ensemble.curves[0],
+    "structures.Incremental": lambda made: made.incremental,
+    "structures.Limit": lambda made: dp.structures.Limit(),
+    "structures.Response": lambda made: made.response,
+    "structures.SimulateOptions": lambda made: dp.structures.SimulateOptions(inputs=(1.98,)),
+    "structures.Simulated": lambda made: made.simulated,
+    "structures.StateSpace": lambda made: dp.structures.state_space(made.building),
+    "structures.Sweep": lambda made: made.incremental.sweeps[0],
+    "studies.Finding": lambda made: made.study.findings[0],
+    "studies.Published": lambda made: dp.studies.raminelli_2020.PUBLISHED,
+    "studies.Study": lambda made: made.study,
+}
+NEEDS_A_RECORD = {("identification.Validated", "history"), ("identification.Validated", "loops")}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespace]:
+    """What the examples are made of: a few simulated records, a building, and a rig in this process."""
+    made = SimpleNamespace()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)
+        _identify(made)
+        _build(made)
+    made.page_table = dp.report.Table(("x", "y"), [[k, 0.5 * k] for k in range(1000)], ("mm", "N"))
+    made.campaign = dp.campaigns.campaign_of({"name": "a notebook", "operator": "me", "step": STEPS})
+    made.plan = dp.campaigns.plan(made.campaign)
+    made.journal = dp.campaigns.Journal(tmp_path_factory.mktemp("journal"))
+    made.journal.plan("1234", [test.name for test in made.campaign.tests], {"name": "a notebook"})
+    finding = dp.studies.raminelli_2020.Finding("table 4.1", "kx", 0.802, 0.8017, "N s/mm", "agrees", "")
+    made.study = Study((Part("a title", [finding], []),), None, ())
+    with dp.rig.simulated(in_process=True) as made.rig, made.rig.armed() as made.table:
+        yield made
+    made.journal.close()
+
+
+def _identify(made: SimpleNamespace) -> None:
+    made.damper = dp.studies.raminelli_2020.damper()
+    made.records = [
+        sine(made.damper, u, f"{1e3 * a:g} mm at {u:g} V", a, f, noise=8.0, seed=k)
+        for k, (u, a, f) in enumerate((u, a, f) for u in VOLTS for a, f in MOTIONS)
+    ]
+    made.fit = dp.identification.fit("dahl", made.records)
+    made.validation = dp.identification.cross_validate("dahl", made.records, folds=3)
+    made.accepted = dp.identification.accept_records(made.records, made.damper)
+    made.validated = dp.identification.validate(made.damper, made.records)
+    entry = dp.identification.Entry(
+        "dahl", 0.09, 0.09, 0.1, 0.12, 0.01, 0.1, 9, 1.0, True, "converged", (made.validation,), made.fit, -4e4, -4e4
+    )
+    trials = tuple(dp.identification.Trial(name, 0.1, 1.0) for name in ("dahl", "dahl + spring"))
+    screened = tuple(dp.identification.Screened(name, trials) for name in ("dahl", "bingham"))
+    made.board = dp.identification.Leaderboard((entry, entry), screened, 15.0, ("lag was not tried",), 60.0)
+
+
+def _build(made: SimpleNamespace) -> None:
+    S = dp.structures
+    made.motion, made.building = dp.ground_motions.el_centro(), S.two_storey()
+    made.simulated = S.simulate(made.building, made.motion, made.damper, S.SimulateOptions(inputs=(0.0, 1.98)))
+    made.condensed = made.building.condensed([2])
+    made.response = made.simulated.cases["1.98 V"]
+    options = S.EnsembleOptions(inputs=(0.0, 1.98), bare=True, scales=(0.5, 1.0), limits=(S.Limit(value=0.015),))
+    made.ensemble = S.run_ensemble(made.building, synthetic_motions(4, duration=8.0), made.damper, options)
+    made.incremental = S.incremental(made.ensemble.dataset)
+
+
+def trace_of(record: dp.records.Record) -> Any:
+    """The residual of a model that says 0 N."""
+    return dp.identification.Trace(
+        record.name, record.time, record.displacement, record.velocity, record.force, record.force, 0.0, *motion(record)
+    )
+
+
+def test_every_public_class_has_an_example() -> None:
+    assert sorted(set(map(label, public_classes())) - set(EXAMPLES)) == []
+
+
+@pytest.fixture(params=sorted(EXAMPLES))
+def example(request: pytest.FixtureRequest, made: SimpleNamespace) -> Any:
+    one = EXAMPLES[request.param](made)
+    assert label(type(one)) == request.param
+    return one
+
+
+def test_its_text_is_a_few_lines_without_addresses(example: Any) -> None:
+    text = repr(example)
+    assert len(text.splitlines()) <= LINES, text
+    assert len(text) <= LETTERS, text
+    assert not re.search(r"0x[0-9a-f]+|array\(|\bobject at\b|PosixPath|lambda", text), text
+
+
+def test_a_notebook_gets_html_that_stands_alone(example: Any) -> None:
+    if not hasattr(example, "_repr_html_"):
+        return
+    html = example._repr_html_()
+    ElementTree.fromstring(html)
+    assert not re.search(r"<script|<link|<img|\bsrc=|href=\"(?!#)|url\((?!#)", html)
+    assert "array(" not in html
+
+
+def test_the_same_object_gives_the_same_html(made: SimpleNamespace) -> None:
+    assert made.fit._repr_html_() == made.fit._repr_html_()
+
+
+def test_its_title_is_its_class(example: Any) -> None:
+    if isinstance(example, Representation):
+        assert repr(example).startswith(f"<{type(example).__name__}")
+
+
+def drawings(example: Any) -> list[tuple[str, Callable[..., Any]]]:
+    """The calls that draw it, by name."""
+    plot = getattr(example, "plot", None)
+    if plot is None or isinstance(example, dp.campaigns.Journal):
+        return []
+    if inspect.ismethod(plot):
+        return [("plot", plot)]
+    names = [name for name, _ in inspect.getmembers(type(plot), inspect.isfunction) if not name.startswith("_")]
+    return [
+        (name, getattr(plot, name))
+        for name in names
+        if inspect.signature(getattr(plot, name)).return_annotation == "Any"
+    ]
+
+
+@pytest.fixture
+def agg() -> Iterator[Any]:
+    """Matplotlib without a screen; every figure closed afterwards."""
+    import matplotlib as mpl
+    from matplotlib import pyplot
+
+    before = mpl.get_backend()
+    pyplot.switch_backend("agg")
+    yield pyplot
+    pyplot.close("all")
+    pyplot.switch_backend(before)
+
+
+def test_its_plots_are_axes_with_units_and_something_on_them(example: Any, agg: Any) -> None:
+    from matplotlib.axes import Axes
+
+    for name, draw in drawings(example):
+        needs = (label(type(example)), name) in NEEDS_A_RECORD
+        axes = draw(next(iter(example.scores))) if needs else draw()
+        assert len(axes) >= 1, name
+        assert all(isinstance(each, Axes) for each in axes), name
+        shown = [each for each in axes if each.axison]
+        assert all(each.lines or each.collections or each.patches for each in shown), name
+        words = {each.get_xlabel() for each in shown} | {each.get_ylabel() for each in shown}
+        assert len(words - {""}) >= 1, name
+        assert all(re.search(r"\[.+\]$", text) for text in words - {"", "floor"}), (name, words)
+        figure = axes[0].figure
+        figure.canvas.draw()
+        pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+        assert np.mean(np.any(pixels < 250, axis=-1)) > 0.005, f"{name} is blank"
+        agg.close(figure)
+
+
+def test_its_table_is_a_data_frame(example: Any) -> None:
+    import pandas as pd
+
+    if not hasattr(example, "to_dataframe"):
+        return
+    frame = example.to_dataframe()
+    assert isinstance(frame, pd.DataFrame)
+    assert len(frame) >= 1
+    assert all(isinstance(name, str) and name for name in frame.columns)
+
+
+def test_a_table_without_pandas_says_what_to_install(made: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    with pytest.raises(InputError, match="needs pandas, which is not installed; install it with: python -m pip"):
+        made.records[0].to_dataframe()
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda m: m.fit.plot.loops("no such"), "'no such' is not among the fitted records; choose from 5 mm at 0 V"),
+        (lambda m: m.validated.plot.history("no such"), "'no such' is not among the records; choose from"),
+        (lambda m: m.damper.plot.loops(amplitude=-1.0), "amplitude = -1 m is not allowed; it must be greater than 0"),
+        (lambda m: m.ensemble.plot.fragility(7), "number = 7 is not allowed; there are 1 limits"),
+        (lambda m: m.ensemble.curves[0].plot(["no such"]), "there is no curve 'no such'; choose from no damper"),
+        (lambda m: m.ensemble.curves[0].plot([]), "names has 0 curves; a figure shows 1 to 6"),
+        (lambda m: m.simulated.plot.history("9"), "'9' is no floor of .*; choose from 1, 2"),
+        (
+            lambda m: dp.ground_motions.spectrum(m.motion).plot("force"),
+            "'force' is no quantity of a spectrum; choose from displacement",
+        ),
+        (lambda m: dp.ground_motions.spectrum(m.motion, 1.0).plot(), "a figure needs two periods or more"),
+        (lambda m: m.records[0].plot.history("current"), "has no channel 'current' to draw; choose from displacement"),
+        (lambda m: m.response.plot.history("no such"), "'no such' is no history of this response; choose from"),
+    ],
+)
+def test_a_wrong_name_says_which_there_are(
+    made: SimpleNamespace, agg: Any, call: Callable[[SimpleNamespace], Any], sentence: str
+) -> None:
+    with pytest.raises(InputError, match=sentence):
+        call(made)
+
+
+def test_long_texts_are_cut_and_html_is_escaped() -> None:
+    rows: Sequence[tuple[str, str]] = [(f"row {k}", "word " * 100) for k in range(40)]
+    lines = as_text("A <title>", rows).splitlines()
+    assert len(lines) == MAX_LINES + 1
+    assert lines[-1].endswith("and 28 more")
+    assert max(map(len, lines)) <= MAX_LETTERS + len("  row 39  ")
+    html = as_html("A <title>", [("<b>", "1 < 2 & 3")], (("a", "b"), [["x", 1.5]] * 40))
+    ElementTree.fromstring(html)
+    assert "A &lt;title&gt;" in html
+    assert "1 &lt; 2 &amp; 3" in html
+    assert "and 16 more rows" in html
