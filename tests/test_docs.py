@@ -42,6 +42,7 @@ HOW_TO = [
         "control",
         "rig",
         "acceptance",
+        "python",
     )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
