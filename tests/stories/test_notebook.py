@@ -1,7 +1,7 @@
 """The walk through the Python face, docs/tutorials/python.ipynb, runs as a notebook runs it, and every picture shows something.
 
-A cell's last expression is shown as a notebook shows it, unless a semicolon ends it. ``DAMPYR_NOTEBOOK_PAGE=walk.html`` writes all
-that was shown as one page, to look at.
+A cell's last expression is shown as a notebook does, unless a semicolon ends it. With ``DAMPYR_NOTEBOOK_PAGE=walk.html`` all
+that was shown is written to a page, to look at.
 """
 
 from __future__ import annotations

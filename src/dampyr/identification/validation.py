@@ -126,8 +126,8 @@ class Validation(Representation):
         return float("inf") if self.failed or not self.by_input else float(np.mean(list(self.by_input.values())))
 
     def as_dict(self) -> dict[str, Any]:
-        """Split, folds and inputs, for `dampyr.to_json`."""
-        return {"split": self.split, "folds": self.folds, "inputs": self.inputs}
+        """Split, folds and inputs with their unit, for `dampyr.to_json`."""
+        return {"split": self.split, "folds": self.folds, "inputs": self.inputs, "unit": self.unit}
 
 
 def score_table(scores: Mapping[str, Score]) -> Table:
