@@ -40,10 +40,10 @@ STEPS = [{"kind": "sine", "amplitude": ["5 mm", "8 mm"], "frequency": "1 Hz", "v
 def public_classes() -> list[type]:
     """Every class that some ``__all__`` of dampyr names; protocols have no objects of their own."""
     classes = set()
-    for found in pkgutil.walk_packages(dp.__path__, "dampyr."):
-        if found.name.endswith("__main__"):
+    for package_module in pkgutil.walk_packages(dp.__path__, "dampyr."):
+        if package_module.name.endswith("__main__"):
             continue
-        module = importlib.import_module(found.name)
+        module = importlib.import_module(package_module.name)
         members = [getattr(module, name) for name in getattr(module, "__all__", ())]
         classes |= {each for each in members if inspect.isclass(each) and not getattr(each, "_is_protocol", False)}
     return sorted(classes, key=label)
