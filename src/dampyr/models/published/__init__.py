@@ -1,6 +1,6 @@
 """Published parameter sets: TOML files with the printed numbers, their units and their source.
 
-`names` lists the sets, `about` says where one comes from and what was read of it, and `damper` makes it::
+`available_sets` lists the sets, `about` says where one comes from and what was read of it, and `damper` makes it::
 
     import dampyr as dp
 
