@@ -12,6 +12,16 @@ from types import ModuleType
 from dampyr.errors import InputError
 
 
+def summary(module: ModuleType) -> str:
+    """The first paragraph of a member's docstring in one line, without the full stop: what it is, for lists."""
+    return " ".join((module.__doc__ or "").partition("\n\n")[0].split()).rstrip(".")
+
+
+def title(module: ModuleType) -> str:
+    """What a member is called in a list: its `summary` up to the first colon."""
+    return summary(module).partition(":")[0]
+
+
 def names(package: str) -> list[str]:
     """The names of the members, sorted: the public modules of the package called ``package``."""
     folder = import_module(package)

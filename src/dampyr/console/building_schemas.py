@@ -7,15 +7,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from dampyr import ground_motions, structures
+from dampyr import ground_motions, registry, structures
 from dampyr.console import safe_paths
 from dampyr.ground_motions import GroundMotion
+from dampyr.ground_motions.motion_files import REGISTRY as FORMATS
 from dampyr.structures import EnsembleOptions, Limit, SimulateOptions
 from dampyr.structures.ensemble_run import SYNTHETIC_DURATION, SYNTHETIC_PGA, synthetic_motions
 from dampyr.studies import THESIS
 
 MOTIONS = "motions"
-MOTION_SUFFIXES = (".at2", ".csv", ".txt", ".dat", ".mat")
+MOTION_SUFFIXES = tuple(suffix for _, module in registry.members(FORMATS) for suffix in module.SUFFIXES)
 
 Positive = Annotated[float, Field(ge=1e-6, le=1e15, allow_inf_nan=False)]  # beyond, sums of squares overflow
 

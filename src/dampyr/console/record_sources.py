@@ -10,6 +10,7 @@ from typing import Any
 
 from dampyr import records
 from dampyr.console import safe_paths
+from dampyr.console.record_formats import PLAIN_TEXT, SUFFIXES
 from dampyr.errors import DampyrError, InputError, MissingData
 from dampyr.records import Record
 from dampyr.records.campaign_folder import TABLE, campaign_rows
@@ -18,7 +19,6 @@ from dampyr.records.folder import natural
 from dampyr.records.folder_metadata import reading_of
 from dampyr.records.text_columns import has_numbers
 
-SUFFIXES = (".mat", ".csv", ".txt", ".h5")
 OWN = "data"
 NOT_RECORDS = ("ensembles/",)
 MAX_RECORDS = 500  # each is read and described for the list of a page
@@ -71,7 +71,7 @@ def _order(name: str) -> tuple[Any, ...]:
 
 
 def _is_record(path: Path) -> bool:
-    if path.suffix.lower() not in (".csv", ".txt"):
+    if path.suffix.lower() not in PLAIN_TEXT:
         return True
     try:
         return has_numbers(path) and not reading_of(path.parent).is_ignored(path)

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
 from dampyr.identification.fit import Fit, fit
-from dampyr.identification.leaderboard import ADD_ONS, Leaderboard, leaderboard
+from dampyr.identification.leaderboard import Leaderboard, leaderboard
 from dampyr.identification.robust import LOSSES, check_loss
 from dampyr.identification.score import Score, score
 from dampyr.identification.screening import held_in
 from dampyr.identification.splits import PARTS, split_tasks
 from dampyr.identification.validation import Validation, cross_validate
-from dampyr.models import Damper, available_parts, compose
+from dampyr.models import Damper, available_parts, compose, part
 from dampyr.records import Record, check_bandwidth, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, counted, percent
 from dampyr.to_json import plain
@@ -156,10 +156,10 @@ class Identified(Representation):
 
 
 def choices() -> dict[str, Any]:
-    """Allowed values of the options: models that stand alone, add-ons, and losses and splits with their words."""
+    """Allowed values of the options: models, add-ons, and losses and splits with their words."""
     return {
-        "models": [name for name in available_parts() if _stands_alone(name)],
-        "add_ons": list(ADD_ONS),
+        "models": [name for name in available_parts() if not part(name).add_on],
+        "add_ons": [name for name in available_parts() if part(name).add_on],
         "losses": {name: LOSS_WORDS.get(name, name) for name in LOSSES},
         "splits": {name: SPLIT_WORDS.get(name, name) for name in SPLITS},
     }
@@ -323,10 +323,3 @@ def _predicted(fit_result: Fit, records: Sequence[Record]) -> dict[str, Score | 
         except InputError as problem:
             scores[record.name] = str(problem)
     return scores
-
-
-def _stands_alone(name: str) -> bool:
-    try:
-        return name not in ADD_ONS and bool(compose(name))
-    except InputError:
-        return False

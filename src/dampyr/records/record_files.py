@@ -92,7 +92,8 @@ def read(
     Parameters
     ----------
     path
-        ``.mat`` (the campaign's MATLAB files), ``.csv`` and ``.txt`` (columns), ``.h5`` (dampyr's own).
+        such as ``.mat`` (the campaign's MATLAB files), ``.csv`` and ``.txt`` (columns), ``.h5`` (dampyr's own); each file of
+        ``dampyr.records.formats`` is one format.
     voltage, current
         The damper's input at the coil, V or A, where the file does not hold it. A measured column of the file
         gives way to it where it agrees (to 5 %, or 0.05 V or A if that is more); else it is an error.
@@ -144,7 +145,7 @@ def _as_the_folder_says(record: Record, metadata: FolderReading, path: Path) -> 
 
 
 def write(record: Record, path: str | Path, **details: Any) -> Path:
-    """Write ``record`` to ``path`` (.h5, .csv, .mat) whole or not at all, and return the path.
+    """Write ``record`` to ``path`` (.h5, .csv, .mat, ...) whole or not at all, and return the path.
 
     ``details`` go to the format, such as ``raw`` for :func:`dampyr.records.formats.h5.write`.
     """

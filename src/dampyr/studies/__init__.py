@@ -1,4 +1,8 @@
-"""Published studies run again, the published value beside ours, and the demonstration of the whole chain."""
+"""Published studies run again, the published value beside ours, and the demonstration of the whole chain.
+
+A study is one module or package of this folder. Where it has a function ``damper()``, that damper is offered with the published
+sets, by the command line and by the console.
+"""
 
 from __future__ import annotations
 
@@ -14,21 +18,21 @@ THESIS = "raminelli_2020"
 
 
 def available_dampers() -> list[str]:
-    """The names of all published dampers: the dissertation's, then those of `dampyr.models.published`."""
+    """The names of all published dampers: of the studies that have one, then those of `dampyr.models.published`."""
     from dampyr.models import published
 
-    return [THESIS, *published.available_sets()]
+    own = [name for name, study in registry.members(__name__) if hasattr(study, "damper")]
+    return [*own, *published.available_sets()]
 
 
 def published_damper(name: str) -> Damper:
     """The published damper of this name; :class:`~dampyr.errors.InputError` with the known names if there is none."""
     from dampyr.models import published
 
-    if name != THESIS:
-        return published.damper(name)
-    from dampyr.studies import raminelli_2020
-
-    return raminelli_2020.damper()
+    if name in registry.names(__name__) and hasattr(study := registry.member(__name__, name), "damper"):
+        damper: Damper = study.damper()
+        return damper
+    return published.damper(name)
 
 
 def __getattr__(name: str) -> ModuleType:

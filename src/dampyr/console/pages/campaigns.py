@@ -22,6 +22,7 @@ from dampyr.console.grid import (
 )
 from dampyr.console.rigs import rig_file, rig_settings
 from dampyr.console.state import Here
+from dampyr.console.step_texts import StepKind, step_kinds
 from dampyr.errors import InputError
 from dampyr.report.plan_page import plan_notes
 
@@ -134,6 +135,12 @@ def save(name: Name, request: Saved, here: Here) -> File:
             )
         write_whole(path, request.text)
     return File(name=name, text=request.text, grid=_grid(request.text))
+
+
+@router.get("/kinds")
+def list_kinds() -> list[StepKind]:
+    """Every kind of step that a campaign may have, with its table to begin from."""
+    return step_kinds()
 
 
 @router.post("/text")

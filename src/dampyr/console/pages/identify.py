@@ -11,6 +11,7 @@ from pydantic import BaseModel, Field
 
 from dampyr.console import record_sources, safe_paths
 from dampyr.console.cards import CARDS
+from dampyr.console.damper_files import export_kinds, zipped_export
 from dampyr.console.dampers import damper_of, title_of
 from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
 from dampyr.console.job_routes import Id, JobState, as_job_state
@@ -28,12 +29,13 @@ router = APIRouter()
 
 
 class Choices(BaseModel):
-    """What can be chosen: models that make a force by themselves, add-ons, and losses and splits with their words."""
+    """What can be chosen: models, add-ons, and losses, splits and kinds of export with their words."""
 
     models: list[str]
     add_ons: list[str]
     losses: dict[str, str]
     splits: dict[str, str]
+    exports: dict[str, str]
 
 
 class Card(BaseModel):
@@ -51,7 +53,7 @@ class SavedCard(BaseModel):
 @router.get("/choices")
 def list_choices() -> Choices:
     """Allowed values of a request."""
-    return Choices(**choices())
+    return Choices(**choices(), exports=export_kinds())
 
 
 @router.post("/jobs", status_code=202)
@@ -86,20 +88,28 @@ def read_curves(here: Here, id: Id, record: Annotated[str, Query(max_length=200)
 @router.post("/jobs/{id}/card", status_code=201)
 def save_card(here: Here, id: Id, card: Card) -> SavedCard:
     """Save the damper's card in the folder ``cards`` of the data folder; an existing one is not replaced."""
-    source = _done(here, id) / CARD
-    if not source.is_file():
-        raise InputError("this fit made no damper, so there is no card; see its reason")
+    damper = _damper(here, id)
     if not safe_paths.is_name(card.name):
         raise InputError(f"{card.name!r} is not a file name; use letters, digits, space and .()+@=-_")
     target = safe_paths.inside(here.data, f"{CARDS}/{card.name}.toml")
     safe_paths.check_quota(here.data, 2**16, here.quota)
     target.parent.mkdir(exist_ok=True)
-    damper = Damper.load(source)
     with safe_paths.ALONE:
         if target.exists():
             raise HTTPException(409, f"there is a card {card.name!r} already; choose another name")
         damper.save(target)
     return SavedCard(name=target.name)
+
+
+@router.get("/jobs/{id}/export", response_class=Response, responses={200: {"content": {"application/zip": {}}}})
+def give_export(here: Here, id: Id, to: Annotated[str, Query(max_length=40)]) -> Response:
+    """The damper for another tool as `dampyr export` writes it, in a zip."""
+    content = zipped_export(_damper(here, id), to)
+    return Response(
+        content,
+        media_type="application/zip",
+        headers={"content-disposition": f'attachment; filename="damper-{to}.zip"'},
+    )
 
 
 @router.get("/jobs/{id}/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
@@ -115,6 +125,13 @@ def _done(here: AppState, id: str, kinds: tuple[str, ...] = (KIND,)) -> Any:
         raise MissingData("that job is not an identification")
     here.jobs.result(id)
     return here.jobs.place(id)
+
+
+def _damper(here: AppState, id: str) -> Damper:
+    card = _done(here, id) / CARD
+    if not card.is_file():
+        raise InputError("this fit made no damper, so there is no card; see its reason")
+    return Damper.load(card)
 
 
 def _check_keys(here: AppState, keys: list[str]) -> None:

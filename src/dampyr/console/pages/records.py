@@ -21,6 +21,7 @@ from dampyr.console import curves, limits, record_acceptance, record_sources, sa
 from dampyr.console import record_notes as written
 from dampyr.console.curves import Line
 from dampyr.console.error_responses import without_places
+from dampyr.console.record_formats import FIGURE, MEDIA_TYPES, NEED_VELOCITY, SUFFIXES, RecordFormats, offered_formats
 from dampyr.console.security import MAX_UPLOAD
 from dampyr.console.state import Here
 from dampyr.errors import DampyrError, InputError
@@ -29,7 +30,6 @@ from dampyr.to_json import plain
 
 TITLE, ORDER = "Records", 30
 UPLOADS = "uploads"
-FORMATS = {"csv": "text/csv", "mat": "application/octet-stream", "h5": "application/x-hdf5", "png": "image/png"}
 Key = Annotated[str, Query(min_length=3, max_length=340, description="Such as data/uploads/test.h5.")]
 
 router = APIRouter()
@@ -153,8 +153,8 @@ async def take(
 ) -> Taken:
     """Upload a record: it is read in a process with limits and saved as an .h5 file in the folder ``uploads``."""
     said = {"voltage": voltage, "current": current, "units": _pairs(unit), "columns": _pairs(column)}
-    if not safe_paths.is_name(name) or Path(name).suffix.lower() not in record_sources.SUFFIXES:
-        raise InputError(f"{name!r} is not a valid record name; it must end in {', '.join(record_sources.SUFFIXES)}")
+    if not safe_paths.is_name(name) or Path(name).suffix.lower() not in SUFFIXES:
+        raise InputError(f"{name!r} is not a valid record name; it must end in {', '.join(SUFFIXES)}")
     target = safe_paths.inside(here.data, f"{UPLOADS}/{Path(name).stem}.h5")
     if target.exists():
         raise HTTPException(409, f"there is a record {target.stem!r} already; rename the file, and upload it again")
@@ -179,8 +179,16 @@ def remove(here: Here, name: Annotated[str, InPath(max_length=110)]) -> None:
     written.write_note(here.data, f"{record_sources.OWN}/{UPLOADS}/{name}", "")
 
 
-@router.get("/export", response_class=Response, responses={200: {"content": {kind: {} for kind in FORMATS.values()}}})
-def give(here: Here, key: Key, format: Annotated[str, Query(pattern="^(csv|mat|h5|png)$")]) -> FileResponse:
+@router.get("/formats")
+def list_formats() -> RecordFormats:
+    """The formats that are read and written."""
+    return offered_formats()
+
+
+@router.get(
+    "/export", response_class=Response, responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}}
+)
+def give(here: Here, key: Key, format: Annotated[str, Query(pattern=f"^({'|'.join(MEDIA_TYPES)})$")]) -> FileResponse:
     """One record as a file: csv and h5 in SI, mat as the campaign's files, png a figure of its loops."""
     record = record_sources.read(here.data, key)
     folder = Path(tempfile.mkdtemp(prefix="dampyr-"))
@@ -192,19 +200,19 @@ def give(here: Here, key: Key, format: Annotated[str, Query(pattern="^(csv|mat|h
         raise
     name = "".join(c if c.isascii() and (c.isalnum() or c in "._-") else "_" for c in record.name) + path.suffix
     return FileResponse(
-        path, media_type=FORMATS[format], filename=name, background=BackgroundTask(shutil.rmtree, folder)
+        path, media_type=MEDIA_TYPES[format], filename=name, background=BackgroundTask(shutil.rmtree, folder)
     )
 
 
 def _write(record: Record, path: Path) -> None:
-    if path.suffix == ".png":
+    if path.suffix == f".{FIGURE}":
         from dampyr.figures.loops import loops
         from dampyr.figures.style import save
 
         shown = _with_velocity(record)
         save(loops(shown.displacement, shown.velocity, shown.force, title=record.name), path)
     else:
-        records.write(_with_velocity(record) if path.suffix == ".mat" else record, path)
+        records.write(_with_velocity(record) if path.suffix in NEED_VELOCITY else record, path)
 
 
 def _with_velocity(record: Record) -> Record:

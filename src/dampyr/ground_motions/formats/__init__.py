@@ -1,1 +1,1 @@
-"""Earthquake formats: one file each, with ``SUFFIXES`` and ``read(path, units, dt) -> GroundMotion``."""
+"""Formats of ground motions: one file each, with ``SUFFIXES`` and ``read(path, units, dt) -> GroundMotion``."""

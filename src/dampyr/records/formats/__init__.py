@@ -2,5 +2,6 @@
 
 Each has ``read(path, request)``, which returns a :class:`~dampyr.records.record.Record`; those that can also write have
 ``write(record, path)``. ``PLAIN_TEXT = True`` marks a format whose files may be prose: those without a line of numbers are
-left out of a folder.
+left out of a folder. ``NEEDS_VELOCITY = True`` marks one that can hold a record only with its velocity. ``TITLE`` is what
+people call the format (by default its suffix in capitals), ``MEDIA_TYPE`` what a browser does.
 """

@@ -10,6 +10,7 @@ from dampyr.records import text_columns
 from dampyr.records.record import CHANNELS, Record
 from dampyr.records.record_files import Request
 
+TITLE, MEDIA_TYPE = "CSV", "text/csv"
 PLAIN_TEXT = True
 
 

@@ -36,6 +36,7 @@ from dampyr.records.record_files import Request
 from dampyr.records.self_contained import check_contained
 from dampyr.units import to_si
 
+TITLE, MEDIA_TYPE = "HDF5", "application/x-hdf5"
 FORMAT = "dampyr record"
 SCHEMA = 2  # the one that is written
 SUPPORTED_SCHEMAS = (1, 2)  # schema 1 had no /rows

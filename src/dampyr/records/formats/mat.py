@@ -19,6 +19,8 @@ from dampyr.records.record import Array, Record
 from dampyr.records.record_files import Request
 from dampyr.units import to_si
 
+TITLE = "MAT (version 5)"
+NEEDS_VELOCITY = True
 UNITS = {"displacement": "mm", "velocity": "mm/s", "force": "N"}
 VARIABLES = {"displacement": "dist", "force": "forc"}
 NEEDED = ("Ts", "dist", "forc", "x_F")

@@ -6,6 +6,7 @@ from dampyr.records import text_columns
 from dampyr.records.record import Record
 from dampyr.records.record_files import Request
 
+TITLE = "text"
 PLAIN_TEXT = True
 
 

@@ -1,7 +1,7 @@
 // Records judged by a reference damper: the request, the band with its points, and the points outside.
 import { get, query as asQuery } from "./api.js";
 import { chart, COLOURS } from "./chart.js";
-import { choice, field, h, number, section, tick } from "./dom.js";
+import { choice, field, h, number, section, short, tick } from "./dom.js";
 import { attempt } from "./notice.js";
 import { table } from "./table.js";
 
@@ -10,7 +10,6 @@ const QUANTITIES = ["extension", "compression", "energy"];
 const START = { reference: "", tolerance: "15", force: "0", energy: "0", offset: "", judge: QUANTITIES };
 const SHAPES = [[true, "circle"], [false, "cross"], [null, "square"]];
 const BADGES = { passed: "badge good", failed: "badge bad", "not judged": "badge" };
-const short = (key) => key.split("/").at(-1).replace(/\.(mat|csv|txt|h5|toml)$/, "");
 
 /** The request in an address. */
 export function fromAddress(query) {

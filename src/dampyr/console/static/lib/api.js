@@ -34,6 +34,17 @@ export const remove = (path) => ask("DELETE", path);
 export const upload = async (path, file) =>
   (await ask("PUT", path, file, { "content-type": "application/octet-stream" })).json();
 
+/** Save an answer as a file, by the name that it has. */
+export async function download(path) {
+  const answer = await ask("GET", path);
+  const name = /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "");
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(await answer.blob());
+  link.download = name ? name[1] : "";
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
 /** Query text of an object: lists repeat, what is undefined or empty is left out. */
 export function query(values) {
   const parameters = new URLSearchParams();

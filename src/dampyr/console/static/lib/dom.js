@@ -52,6 +52,9 @@ export function section(title, ...children) {
   return h("section", {}, h("h2", {}, title), children);
 }
 
+/** The name of a file without its folders and its suffix. */
+export const short = (key) => key.split("/").at(-1).replace(/\.[^.]+$/, "");
+
 const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 
 /** A number for a person: significant digits, a true minus, powers of ten written out; – where there is none. */

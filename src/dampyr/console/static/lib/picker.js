@@ -1,10 +1,8 @@
 // Records to choose from, with boxes to tick, by source.
 import { get, query as asQuery } from "./api.js";
-import { button, choice, field, h, number } from "./dom.js";
+import { button, choice, field, h, number, short } from "./dom.js";
 import { attempt } from "./notice.js";
 import { table } from "./table.js";
-
-const short = (key) => key.split("/").at(-1).replace(/\.(mat|csv|txt|h5)$/, "");
 
 /** picker(chosen keys, changed): an element, and `chosen()` the keys. */
 export async function picker(start, changed) {

@@ -12,12 +12,13 @@ const COLUMNS = [{ name: "test" }, { name: "duration", unit: "s" }, { name: "pea
   { name: "force", unit: "N" }, { name: "coil", unit: "V" }, { name: "", words: "accepted by the rig", plain: true }];
 
 export async function show(root, query) {
-  const [files, rigs] = await Promise.all([get("campaigns/files"), get("bench/rigs")]);
+  const [files, rigs, kinds] = await Promise.all([get("campaigns/files"), get("bench/rigs"), get("campaigns/kinds")]);
   const form = gridForm();
   const source = h("textarea", { class: "source", spellcheck: "false", id: "source", maxlength: "65536" });
   const rig = choice(rigs.map((one) => [one.name, one.title]), { id: "plan-rig" });
   const name = h("input", { type: "text", id: "file", maxlength: "100", required: true });
   const open = choice([["", "new campaign"], ...files], { id: "open" });
+  const kind = choice(kinds.map((one) => [one.name, one.title]), { id: "kind" });
   const beyond = h("p", { class: "soft", hidden: true }, "This campaign is more than a grid of sines: edit its text.");
   const plan = h("div", { id: "plan", "aria-live": "polite" });
   const run = h("a", { class: "button", href: "#/bench", hidden: true, id: "to-bench" }, "Run on the bench");
@@ -146,19 +147,31 @@ export async function show(root, query) {
       return ready;
     });
   });
-  source.addEventListener("input", () => {
+  function edited() {
     form.element.hidden = true;
     beyond.hidden = false;
     keep();
     soon(dryRun);
-  });
+  }
+
+  /** A step of the chosen kind at the end of the text, once that says what the grid does. */
+  async function add() {
+    if (!(await upToDate())) return;
+    const before = source.value.trimEnd();
+    source.value = `${before}${before ? "\n\n" : ""}${kinds.find((one) => one.name === kind.value).text}`;
+    edited();
+    source.scrollTop = source.scrollHeight;
+  }
+
+  source.addEventListener("input", edited);
   name.addEventListener("input", keep);
   open.addEventListener("change", () => start(load));
   rig.addEventListener("change", () => (later ? start(later) : start(dryRun)));
   const files_ = h("div", { class: "fields" }, field("Open", open), field("Save as", name), field("Rig", rig));
   root.append(h("div", { class: "split" },
     h("div", { class: "side" }, files_, h("div", { class: "row" }, button("Save", save, { class: "main", id: "save" }), run), restored, form.element, beyond,
-      h("details", { open: true }, h("summary", {}, "As TOML"), field("Text", source, "what is planned, saved and run"))),
+      h("details", { open: true }, h("summary", {}, "As TOML"), field("Text", source, "what is planned, saved and run"),
+        h("div", { class: "row" }, field("Kind of step", kind), button("Add the step", add, { id: "add" })))),
     plan));
   const request = query.get("open");
   if (request && files.includes(request)) open.value = request;

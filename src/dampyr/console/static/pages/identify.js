@@ -1,5 +1,5 @@
 // Identify: records and a model on the left, the result on the right. A fit is a job that continues without the page.
-import { get, post, query as asQuery } from "../lib/api.js";
+import { download, get, post, query as asQuery } from "../lib/api.js";
 import { before } from "../lib/before.js";
 import { chart } from "../lib/chart.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
@@ -79,7 +79,8 @@ export async function show(root, query) {
         h("p", { class: `verdict ${r.converged ? "good" : "bad"}` }, `${r.converged ? "The search" : "It did not converge: the search"} ${r.reason}. L1 ${number(100 * r.mean_l1, 3)} % on average over what it was fitted to.`),
         r.predictions.map((one) => h("p", {}, `It predicts ${one.records} records that it was not fitted on, by ${one.split}, with an L1 of ${number(100 * one.mean_l1, 3)} %.`)),
         r.held.map((one) => h("p", {}, one.problem || `Validation record ${one.record}: L1 ${number(100 * one.l1, 3)} %, predicted.`)),
-        h("div", { class: "row" }, r.card ? [field("Name of the card", name), button("Save the card", keep, { class: "main" })] : h("span", {}, "There is no damper to save."),
+        h("div", { class: "row" }, r.card ? [field("Name of the card", name), button("Save the card", keep, { class: "main" }), Object.entries(choices.exports).map(([kind, words]) =>
+          button(`Save as ${words}`, () => attempt(() => download(`identify/jobs/${id}/export?${asQuery({ to: kind })}`))))] : h("span", {}, "There is no damper to save."),
           h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
         r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((one) => h("li", {}, one)))) : null),
       r.data.leaderboard ? board(r.data.leaderboard.entries) : "",

@@ -2,7 +2,7 @@
 import { acceptance, forAddress, fromAddress } from "../lib/acceptance.js";
 import { get, put, query as asQuery, remove, upload } from "../lib/api.js";
 import { chart, COLOURS } from "../lib/chart.js";
-import { button, choice, field, h, number, section } from "../lib/dom.js";
+import { button, choice, field, h, number, section, short } from "../lib/dom.js";
 import { attempt, say } from "../lib/notice.js";
 import { table } from "../lib/table.js";
 
@@ -19,7 +19,7 @@ export async function show(root, query) {
   const cached = new Map();
   let listed = [];
   let charts = [];
-  const sources = await get("records/sources");
+  const [sources, formats] = await Promise.all([get("records/sources"), get("records/formats")]);
   state.source ??= sources.at(-1).name;
 
   const list = h("div");
@@ -32,7 +32,7 @@ export async function show(root, query) {
       h("div", { class: "side" },
         h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter), field("Role", role)),
         list,
-        uploads((key) => ((state.source = source.value = "data"), (state.open = [key]), load(true)))),
+        uploads(formats.read, (key) => ((state.source = source.value = "data"), (state.open = [key]), load(true)))),
       sheet),
   );
 
@@ -201,8 +201,8 @@ export async function show(root, query) {
         fill();
       }
     };
-    const exports = ["csv", "mat", "h5", "png"].map((format) =>
-      h("a", { class: "button", href: `/api/records/export?${asQuery({ key, format })}`, download: "" }, { csv: "CSV", mat: "MAT", h5: "HDF5", png: "PNG" }[format]));
+    const exports = formats.written.map((format) =>
+      h("a", { class: "button", href: `/api/records/export?${asQuery({ key, format: format.name })}`, download: "" }, format.title));
     const away = key.startsWith("data/uploads/") ? button("Delete the record", () => drop(key), { class: "quiet" }) : null;
     return section(a.name,
       h("p", {}, a.notes.length ? a.notes.map((note) => h("span", { class: "badge bad" }, note)) : h("span", { class: "badge good" }, "no remarks")),
@@ -224,13 +224,13 @@ export async function show(root, query) {
 }
 
 /** The upload form: a file, and what the file does not state itself. */
-function uploads(taken) {
-  const file = h("input", { type: "file", accept: ".csv,.txt,.mat,.h5" });
+function uploads(formats, taken) {
+  const file = h("input", { type: "file", accept: formats.map((one) => `.${one.name}`).join() });
   const voltage = h("input", { type: "text", inputmode: "decimal" });
   const units = h("input", { type: "text", placeholder: "displacement=mm force=N" });
   const columns = h("input", { type: "text", placeholder: "force=Load cell; time=Clock" });
   const go = h("button", { type: "submit", class: "main" }, "Upload");
-  const form = h("form", {}, field("File", file, "CSV, text, MAT (version 5) or HDF5, at most 64 MiB"),
+  const form = h("form", {}, field("File", file, `${formats.map((one) => one.title).join(", ")}; at most 64 MiB`),
     h("div", { class: "fields" }, field("Voltage at the coil, V", voltage, "where the file does not state it"), field("Units", units, "where the header does not state them"), field("Columns", columns, "where the names are not recognised")),
     h("div", { class: "row" }, go));
   form.addEventListener("submit", async (event) => {
@@ -251,7 +251,6 @@ function uploads(taken) {
 
 const times = (values, factor) => (factor === 1 ? values : values.map((value) => factor * value));
 const hint = () => h("p", { class: "soft" }, "Drag over a chart to zoom in; double-click to show all.");
-export const short = (key) => key.split("/").at(-1).replace(/\.(mat|csv|txt|h5)$/, "");
 
 const nameOf = (one) => ({ key: one.key, show: h("span", { class: "named", title: one.key }, short(one.key), flags(one)) });
 
