@@ -10,7 +10,7 @@ BENCH_LOCK := requirements/bench.lock
 BENCH_READY := $(BENCH_VENV)/ready
 WORKERS ?= 2
 
-.PHONY: help demo test prove endure check bench lock clean compiler chromium axe blas
+.PHONY: help demo test prove endure check docs bench lock clean compiler chromium axe blas
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
@@ -18,6 +18,7 @@ help:
 	@echo "make prove   the long proofs (fixed seeds)"
 	@echo "make endure  long campaigns and the bench in real time, for about an hour, on a machine with nothing else to do"
 	@echo "make check   style, types and the layers of the house"
+	@echo "make docs    the generated lists and pages of README.md and docs, written again"
 	@echo "make bench   timings on this machine, printed and never asserted (BENCH=million: that one)"
 	@echo "make lock    resolve $(LOCK) and $(BENCH_LOCK) again (needs uv)"
 	@echo "make clean   remove .venv, .venv-bench, out and all caches"
@@ -75,6 +76,9 @@ check: $(READY)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tools/check_names.py
+
+docs: $(READY)
+	$(BIN)/python tools/make_docs.py
 
 # Benches have an environment of their own: their peers (OpenSees, jax) are large, and nothing else needs them. A peer that
 # cannot be installed is told of in the table.

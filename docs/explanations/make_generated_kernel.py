@@ -1,9 +1,8 @@
-"""Write generated-kernel.md from a kernel of the batch engine: ``python docs/explanations/make_generated_kernel.py``."""
+"""The page generated-kernel.md, from a kernel of the batch engine; ``make docs`` writes it."""
 
 from __future__ import annotations
 
 import ast
-from pathlib import Path
 
 import numpy as np
 
@@ -13,12 +12,11 @@ from dampyr.structures.batch import assemble
 from dampyr.structures.batch.modal import step
 from dampyr.structures.batch.run_blocks import CONSTANTS, functions_of
 
-PAGE = Path(__file__).with_name("generated-kernel.md")
 HEAD = """# A generated kernel
 
 An [ensemble](ensembles.md) runs through a kernel that is written for its building and for the parts of its dampers, and then
 compiled by numba. This page prints a small one: one floor, a damper of the Dahl model in storey 1, the peak of its
-displacement. `docs/explanations/make_generated_kernel.py` writes this page; a test checks that.
+displacement. `make docs` writes this page; a test checks that.
 
 A kernel is written as text because every line of it depends on the case: how many coordinates the building has, which of
 their coefficients are 0, which formulas the damper's parts bring. In this form the compiler takes eight histories at a time
@@ -84,7 +82,3 @@ def _wrapped(line: str) -> str:
     assert isinstance(statement, ast.Tuple)
     values = [f"        {ast.unparse(value)},\n" for value in statement.elts]
     return f"    return (\n{''.join(values)}    )"
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")

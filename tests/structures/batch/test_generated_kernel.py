@@ -10,7 +10,7 @@ DOCS = Path(__file__).resolve().parents[3] / "docs" / "explanations"
 def test_the_page_of_the_generated_kernel_is_current() -> None:
     page = (DOCS / "generated-kernel.md").read_text(encoding="utf-8")
     made = runpy.run_path(str(DOCS / "make_generated_kernel.py"))["page"]()
-    assert page == made, "run python docs/explanations/make_generated_kernel.py"
+    assert page == made, "run make docs"
 
 
 def test_no_name_of_the_kernel_has_two_meanings() -> None:

@@ -1,0 +1,355 @@
+"""Write every generated list of the documentation, and the pages that are generated whole.
+
+::
+
+    python tools/make_docs.py           # make docs: writes what has changed, and names it
+    python tools/make_docs.py --check   # writes nothing; exit status 1 and the pages that are out of date
+
+A generated list stands in a page between ``<!-- generated: NAME -->`` and ``<!-- end -->``, on lines of their own or in a line,
+and NAME is one of `LISTS`. All of them are read from the registries, so that a new member is in every list without an edit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+import re
+import runpy
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import MISSING, Field, fields
+from pathlib import Path
+from textwrap import fill
+from typing import Any, get_origin, get_type_hints
+
+import click
+
+from dampyr import registry
+from dampyr.cli import cli
+from dampyr.config import origin, split
+from dampyr.models import part, published
+from dampyr.units import Quantity, for_people
+
+CHECKOUT = Path(__file__).resolve().parents[1]
+PARTS, STEPS, LAWS = "dampyr.models.parts", "dampyr.campaigns.steps", "dampyr.structures.control"
+RECORDS, MOTIONS = "dampyr.records.formats", "dampyr.ground_motions.formats"
+EXPORTS, STUDIES, COMMANDS = "dampyr.export.kinds", "dampyr.studies", "dampyr.cli"
+WHOLE_PAGES = {"docs/explanations/generated-kernel.md": "docs/explanations/make_generated_kernel.py"}
+COMMANDS_PAGE = "docs/reference/commands.md"
+MARKS = re.compile(r"(<!-- generated: ([\w-]+) -->)(.*?)(<!-- end -->)", re.DOTALL)
+SHARED_SETTINGS = ("low", "high", "period", "lag")  # of every control law
+HELP_WIDTH = 140  # characters of a command's summary
+
+
+def main() -> int:
+    """Write the pages, or name those that are out of date."""
+    parser = argparse.ArgumentParser(description="Generated lists and pages of the documentation.")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit status 1 where a page is out of date")
+    check = parser.parse_args().check
+    changed = {path: text for path, text in pages() if path.read_text(encoding="utf-8") != text}
+    for path, text in changed.items():
+        if not check:
+            path.write_text(text, encoding="utf-8")
+        print(f"{path.relative_to(CHECKOUT)} {'is out of date: run make docs' if check else 'written'}")
+    return int(check and bool(changed))
+
+
+def pages() -> Iterator[tuple[Path, str]]:
+    """Every page with a generated list, and every page that is generated whole, as it has to be."""
+    for path in [CHECKOUT / "README.md", *sorted((CHECKOUT / "docs").rglob("*.md"))]:
+        text = path.read_text(encoding="utf-8")
+        if MARKS.search(text):
+            yield path, MARKS.sub(_filled, text)
+    for page, generator in WHOLE_PAGES.items():
+        yield CHECKOUT / page, runpy.run_path(str(CHECKOUT / generator))["page"]()
+
+
+def _filled(marks: re.Match[str]) -> str:
+    opening, name, before, end = marks.groups()
+    if name not in LISTS:
+        raise SystemExit(f"there is no generated list {name!r}; choose from {', '.join(sorted(LISTS))}")
+    text = LISTS[name]().strip("\n")
+    return f"{opening}\n{text}\n{end}" if before.startswith("\n") else f"{opening}{text}{end}"
+
+
+def in_line(package: str) -> str:
+    """The names of the members, in a line."""
+    return ", ".join(f"`{name}`" for name in registry.names(package))
+
+
+def table(head: list[str], rows: list[list[str]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" if line[0] != "---" else f"|{'|'.join(line)}|" for line in lines)
+
+
+def markdown(text: str) -> str:
+    """A docstring as Markdown: displayed equations, mathematics in a line, code."""
+    text = re.sub(r"^\.\. math:: (.*(?:\n[ ]+\S.*)*)", lambda m: "$$" + " ".join(m[1].split()) + "$$", text, flags=re.M)
+    text = re.sub(r":math:`([^`]+)`", r"$\1$", text)
+    text = re.sub(r":(?:class|func|mod):`~?([^`]+)`", r"`\1`", text)
+    return re.sub(r"``([^`]+)``", r"`\1`", text).replace("\\|v\\|", "|v|")
+
+
+def about(module: Any) -> str:
+    """The docstring of a module as Markdown."""
+    return markdown(inspect.getdoc(module) or "")
+
+
+def cell(text: str) -> str:
+    """A text as a cell of a table."""
+    return markdown(" ".join(text.split())).replace("|", "\\|")
+
+
+# Models
+
+
+def part_sections() -> str:
+    """Each part: its docstring, its states and its parameters."""
+    return "\n".join(map(part_section, registry.names(PARTS)))
+
+
+def part_section(name: str) -> str:
+    """The section of one part."""
+    p = part(name)
+    states = ", ".join(f"`{key}` in [{low:g}, {high:g}]" for key, (low, high) in p.states.items()) or "none"
+    rows = [
+        [f"`{key}`", q.unit or "1", q.range_in_words(), "yes" if q.linear else "no"] for key, q in p.parameters.items()
+    ]
+    parameters = table(["parameter", "unit", "allowed", "linear"], rows)
+    return "\n".join([f"## `{name}`", "", about(p.module), "", f"State: {states}.", "", parameters, ""])
+
+
+def set_table() -> str:
+    """One row for each published set."""
+    rows = []
+    for name in published.names():
+        one = published.about(name)
+        low, high = one.limits
+        others = ", ".join(f"`{other}`" for other in one.differs) or "-"
+        rows.append([f"[`{name}`](#{name})", one.claims, f"{low:g} to {high:g} {one.input}", others])
+    return table(["set", "claims", "input", "differs from"], rows)
+
+
+def set_sections() -> str:
+    """Each published set with its numbers as printed."""
+    return "\n".join(map(set_section, published.names()))
+
+
+def set_section(name: str) -> str:
+    """The section of one published set."""
+    one = published.about(name)
+    items = [
+        f"**Paper:** {one.paper}; {one.where}.",
+        f"**Read:** {one.read}.",
+        f"**Device:** {one.device}.",
+        f"**Input:** {one.limits[0]:g} to {one.limits[1]:g} {one.input}: {one.limits_from}.",
+        *(f"**Note:** {note}." for note in one.notes),
+        *(f"**Differs:** `{other}` {what}." for other, what in one.differs.items()),
+    ]
+    lines = [fill(item, 118, subsequent_indent="  ", break_long_words=False, initial_indent="- ") for item in items]
+    rows = [[f"`{letter}`", f"{number:.15g}", unit] for letter, (number, unit) in one.printed.items()]
+    printed = table(["as printed", "number", "unit"], rows)
+    return "\n".join([f"## `{name}`", "", markdown(one.description), "", *lines, "", printed, ""])
+
+
+# Campaigns
+
+
+def campaign_header() -> str:
+    """The fields above the steps of a campaign."""
+    from dampyr.campaigns import Header
+
+    return field_table(Header)
+
+
+def step_sections() -> str:
+    """Each kind of step: its purpose, its path, and its fields."""
+    from dampyr.campaigns.kinds import kind
+
+    sections = [
+        [f"## `{name}`", "", about(module), "", field_table(kind(name)), ""] for name, module in registry.members(STEPS)
+    ]
+    return "\n".join("\n".join(section) for section in sections)
+
+
+def field_table(cls: Any) -> str:
+    """The fields of a dataclass."""
+    hints = get_type_hints(cls, include_extras=True)
+    rows = [
+        [f"`{f.name}`", unit_of(hints[f.name]), default_of(f, hints[f.name]), origin(hints[f.name])]
+        for f in fields(cls)
+    ]
+    return table(["field", "unit", "default", "what"], rows)
+
+
+def unit_of(hint: Any) -> str:
+    """The SI unit, or what else a value is; of a list, of each entry."""
+    plain, quantity = split(hint)
+    words = {int: "whole number", str: "text", bool: "true or false", float: "1"}
+    label = quantity.unit or "1" if quantity else words[plain]
+    label = label if label != "1" else "–"
+    return f"list, {label}" if get_origin(plain) is tuple else label
+
+
+def default_of(field: Field[Any], hint: Any) -> str:
+    """The default as a person types it."""
+    if field.default is MISSING:
+        return "required"
+    _, quantity = split(hint)
+    if field.default is None:
+        return "none"
+    if isinstance(field.default, bool):
+        return str(field.default).lower()
+    if quantity is None or not quantity.unit:
+        return f"{field.default}".removesuffix(".0") or "none"
+    return typed(field.default, quantity)
+
+
+def typed(value: Any, quantity: Quantity) -> str:
+    """A value in the unit that people read."""
+    unit, factor = ("s", 1.0) if quantity.unit == "s" else for_people(quantity.unit)
+    if isinstance(value, tuple):
+        return ", ".join(f"{each * factor:g} {unit}" for each in value)
+    return f"{value * factor:g} {unit}"
+
+
+# Control laws
+
+
+def law_table() -> str:
+    """One row for each control law: what it is, its equation, and its own settings."""
+    rows = []
+    for name, module in registry.members(LAWS):
+        own = [field for field in fields(class_of(module)) if field.name not in SHARED_SETTINGS]
+        settings = ", ".join(f"`{field.name}`{setting(field.default)}" for field in own)
+        label, _, words = registry.summary(module).partition(": ")
+        equation = re.search(r"^\$\$(.*)\$\$$", about(module), flags=re.M)
+        rows.append([f"`{name}`", words or label, f"${equation[1]}$" if equation else "", settings])
+    return table(["law", "what", "input", "settings of its own"], rows)
+
+
+def setting(default: Any) -> str:
+    """The default of a setting, where it is a number."""
+    return f" = {default:g}" if isinstance(default, float) else ""
+
+
+def class_of(module: Any) -> type:
+    """The class that is called as its file."""
+    wanted = module.__name__.rpartition(".")[2].replace("_", "")
+    return next(c for name, c in vars(module).items() if isinstance(c, type) and name.lower() == wanted)
+
+
+def sections_of(package: str) -> str:
+    """Each member with its docstring."""
+    return "\n".join(f"## `{name}`\n\n{about(module)}\n" for name, module in registry.members(package))
+
+
+# Formats
+
+
+def record_formats() -> str:
+    """One row for each format of records."""
+    rows = []
+    for name, module in registry.members(RECORDS):
+        written = "reads and writes" if hasattr(module, "write") else "reads"
+        rows.append([f"`.{name}`", getattr(module, "TITLE", name.upper()), written, cell(registry.summary(module))])
+    return table(["suffix", "format", "reads, writes", "what"], rows)
+
+
+def record_suffixes() -> str:
+    """The suffixes of records, in a line."""
+    return ", ".join(f"`.{name}`" for name in registry.names(RECORDS))
+
+
+def motion_formats() -> str:
+    """One row for each format of ground motions."""
+    rows = [
+        [", ".join(f"`{suffix}`" for suffix in module.SUFFIXES), cell(registry.summary(module))]
+        for _, module in registry.members(MOTIONS)
+    ]
+    return table(["suffix", "what"], rows)
+
+
+def motion_suffixes() -> str:
+    """The suffixes of ground motions, in a line."""
+    return ", ".join(f"`{suffix}`" for _, module in registry.members(MOTIONS) for suffix in module.SUFFIXES)
+
+
+def export_kinds() -> str:
+    """One row for each kind of export."""
+    rows = [[f"`{name}`", cell(registry.summary(module))] for name, module in registry.members(EXPORTS)]
+    return table(["`--to`", "what is written"], rows)
+
+
+# Commands
+
+
+def commands() -> Iterator[tuple[str, click.Command]]:
+    """Every command, and those of its groups, by what is typed after ``dampyr``."""
+    context = click.Context(cli)
+    for name in cli.list_commands(context):
+        command = cli.get_command(context, name)
+        assert command is not None
+        subcommands = getattr(command, "commands", {})
+        yield from ((f"{name} {each}", sub) for each, sub in subcommands.items())
+        if not subcommands:
+            yield name, command
+
+
+def command_table() -> str:
+    """One row for each command."""
+    rows = [[f"`dampyr {name}`", cell(command.get_short_help_str(HELP_WIDTH))] for name, command in commands()]
+    return table(["command", "what"], rows)
+
+
+def command_sections() -> str:
+    """Each command that has no section in the page of the commands yet: its help and its options."""
+    page = MARKS.sub("", (CHECKOUT / COMMANDS_PAGE).read_text(encoding="utf-8"))
+    headings = [line for line in page.splitlines() if line.startswith("## ")]
+    return "\n".join(
+        command_section(name, command)
+        for name, command in commands()
+        if not any(re.search(rf"`dampyr {re.escape(name)}[ `]", line) for line in headings)
+    )
+
+
+def command_section(name: str, command: click.Command) -> str:
+    """The section of one command."""
+    arguments = " ".join(
+        p.make_metavar(click.Context(command)) for p in command.params if p.param_type_name == "argument"
+    )
+    options = [p for p in command.params if isinstance(p, click.Option) and "--json" not in p.opts]
+    rows = [[", ".join(f"`{spelled}`" for spelled in p.opts), cell(p.help or "")] for p in options]
+    text = re.sub(r"(?<!\n)\n(?!\n)", " ", inspect.cleandoc(command.help or ""))
+    parts = [f"## `{f'dampyr {name} {arguments}'.rstrip()}`", "", fill(text, 118), ""]
+    return "\n".join([*parts, *([table(["option", "what"], rows), ""] if rows else [])])
+
+
+LISTS: dict[str, Callable[[], str]] = {
+    "parts": lambda: in_line(PARTS),
+    "part-sections": part_sections,
+    "set-table": set_table,
+    "set-sections": set_sections,
+    "steps": lambda: in_line(STEPS),
+    "campaign-header": campaign_header,
+    "step-sections": step_sections,
+    "control-laws": lambda: in_line(LAWS),
+    "law-table": law_table,
+    "law-sections": lambda: sections_of(LAWS),
+    "record-suffixes": record_suffixes,
+    "record-formats": record_formats,
+    "motion-suffixes": motion_suffixes,
+    "motion-formats": motion_formats,
+    "export-names": lambda: in_line(EXPORTS),
+    "export-kinds": export_kinds,
+    "studies": lambda: in_line(STUDIES),
+    "study-sections": lambda: sections_of(STUDIES),
+    "commands": lambda: ", ".join(f"`{name.replace('_', '-')}`" for name in registry.names(COMMANDS)),
+    "command-table": command_table,
+    "command-sections": command_sections,
+}
+
+
+if __name__ == "__main__":
+    sys.exit(main())
