@@ -71,7 +71,7 @@ def test_names_that_c_cannot_use_are_refused(tmp_path) -> None:
 
 
 def test_unknown_kinds_are_named(tmp_path) -> None:
-    with pytest.raises(InputError, match="choose from c"):
+    with pytest.raises(InputError, match=r"choose from .*\bc\b"):
         export(everything(), "cc", tmp_path)
 
 
