@@ -301,7 +301,7 @@ def test_an_unknown_set_lists_the_others() -> None:
         InputError, match=r"'spencer_97' is not among the published sets; did you mean 'spencer_1997'\?"
     ):
         published.damper("spencer_97")
-    with pytest.raises(InputError, match="choose from .*azimi_2020"):
+    with pytest.raises(InputError, match=r"choose from .*azimi_2020"):
         published.about("_about")
 
 
