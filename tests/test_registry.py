@@ -48,6 +48,13 @@ def test_a_member_is_its_module(package: Path) -> None:
     }
 
 
+def test_lists_say_what_the_docstring_begins_with(package: Path) -> None:
+    (package / "lugre.py").write_text('"""LuGre: bristles\nthat bend.\n\nMore."""\n')
+    module = registry.member(PACKAGE, "lugre")
+    assert registry.summary(module) == "LuGre: bristles that bend"
+    assert registry.title(module) == "LuGre"
+
+
 def test_a_slip_of_the_pen_is_answered_with_the_nearest_name(package: Path) -> None:
     with pytest.raises(InputError) as caught:
         registry.member(PACKAGE, "bouc_when")

@@ -11,7 +11,7 @@ from dampyr.cli._output import as_json_option, print_json
 
 @click.command()
 @click.argument("card", type=click.Path(path_type=Path))
-@click.option("--to", "kind", required=True, metavar="KIND", help="What to write; c is C99 without dependencies.")
+@click.option("--to", "kind", required=True, metavar="KIND", help="What to write, such as c: C99 without dependencies.")
 @click.option("--out", default=".", type=click.Path(path_type=Path), help="The folder to write into.")
 @click.option("--name", default="damper", show_default=True, help="What the damper is called there.")
 @click.option(
