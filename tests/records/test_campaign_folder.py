@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
+from dampyr import registry
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.records import Label, campaign_rows, read_campaign, read_row, write
 
@@ -84,9 +85,8 @@ def test_no_folder_and_an_empty_folder(tmp_path):
         MissingData, match=r"there is no such folder; check the path, or fetch .*`dampyr datasets fetch"
     ):
         read_campaign(tmp_path / "no")
-    with pytest.raises(
-        MissingData, match=r"the folder has no records; give a folder with \.csv, \.h5, \.mat, \.txt files"
-    ):
+    suffixes = ", ".join(rf"\.{name}" for name in registry.names("dampyr.records.formats"))
+    with pytest.raises(MissingData, match=f"the folder has no records; give a folder with {suffixes} files"):
         read_campaign(tmp_path)
     with pytest.raises(MissingData, match=r"there is no such table"):
         campaign_rows(tmp_path)

@@ -158,7 +158,7 @@ def test_every_law_keeps_its_input_in_bounds_and_uses_both_ends(damper, name):
 
 def test_every_law_does_better_than_the_damper_without_input(damper):
     passive_off, passive_on = (respond(two_storey(), el_centro(), {1: damper}, voltage=u) for u in (0.0, HIGH))
-    for name in available_control_laws():
+    for name in ("bang_bang", "clipped_optimal", "lyapunov", "on_off", "skyhook"):
         response = respond(two_storey(), el_centro(), {1: damper}, voltage=control_law(name, high=HIGH))
         assert passive_on.peak_displacement[0] < response.peak_displacement[0] < passive_off.peak_displacement[0]
         assert response.peak_drift[1] < min(passive_on.peak_drift[1], passive_off.peak_drift[1])
