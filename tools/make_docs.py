@@ -123,7 +123,7 @@ def part_section(name: str) -> str:
 def set_table() -> str:
     """One row for each published set."""
     rows = []
-    for name in published.names():
+    for name in published.available_sets():
         one = published.about(name)
         low, high = one.limits
         others = ", ".join(f"`{other}`" for other in one.differs) or "-"
@@ -133,7 +133,7 @@ def set_table() -> str:
 
 def set_sections() -> str:
     """Each published set with its numbers as printed."""
-    return "\n".join(map(set_section, published.names()))
+    return "\n".join(map(set_section, published.available_sets()))
 
 
 def set_section(name: str) -> str:
