@@ -104,7 +104,7 @@ def existing_values(jobs):
         "load": ["20 kg", "100 kohm", "0 N"],
         "text": [SINE, SINE + "cycles = 2\n", SINE.replace("sine", "sweep")], "replaces": [SINE, None],
         "model": ["dahl", "dahl + spring", None], "file": ["quake.csv"], "unit": [["force=N"], "g"],
-        "card": ["cards/one.toml", "raminelli_2020"],
+        "card": ["cards/one.toml", "raminelli_2020"], "to": ["c"],
         "reference": [["cards/one.toml"], ["raminelli_2020"], keys[:1]],
         "damper": [{"name": "cards/one.toml", "inputs": [0.0, 3.0]}, {"inputs": [9.0]}],
     }  # fmt: skip
