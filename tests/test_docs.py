@@ -46,7 +46,10 @@ HOW_TO = [
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
 # Pages whose code compiles or runs for long: proofs.
-LONG = ("README", "first-damper", "your-own-structure", "ensembles", "control", "rig", "another-laboratory")
+LONG = (
+    "README", "first-damper", "your-own-structure", "ensembles", "control", "rig", "another-laboratory", "ground-motions",
+    "campaigns", "acceptance", "read-your-own-files",
+)  # fmt: skip
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 

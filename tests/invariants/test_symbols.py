@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from numba.core.dispatcher import Dispatcher
 
 from dampyr.ground_motions import oscillator
@@ -54,6 +55,7 @@ def probed(cache: Path, *names: str) -> list[list[str]]:
     return [line.split() for line in done.stdout.splitlines()]
 
 
+@pytest.mark.prove
 def test_kernels_that_processes_cached_apart_are_right_together(tmp_path: Path) -> None:
     one, other = "dahl", "dahl + spring"
     (first,), (second,) = probed(tmp_path, one), probed(tmp_path, other)
@@ -112,6 +114,7 @@ def everything(function: Any) -> Iterator[Any]:
             yield from everything(called)
 
 
+@pytest.mark.prove
 def test_functions_of_one_symbol_are_one_function() -> None:
     contents: dict[tuple[str, str], Any] = {}
     for kernel in kernels():

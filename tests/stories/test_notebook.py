@@ -80,6 +80,7 @@ def test_no_output_is_stored() -> None:
     assert not [each["id"] for each in cells("code") if each["outputs"] or each["execution_count"] is not None]
 
 
+@pytest.mark.prove
 def test_the_walk_runs_and_shows_what_it_says(
     pyplot: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -52,6 +52,7 @@ def test_the_demonstration_needs_nothing_but_the_installation_and_is_the_same_tw
     assert {k: v["l1"] for k, v in again["scores"].items()} == pytest.approx(done["l1_held_out"])
 
 
+@pytest.mark.prove
 def test_predictions_of_records_that_were_not_fitted(campaign_folder: Path) -> None:
     output = run_json("identify", campaign_folder, "--model", "dahl", "--predict", "record", "--predict", "input")
     by_record, by_input = output["predictions"]

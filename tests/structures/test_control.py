@@ -119,6 +119,7 @@ def test_equals_scipy(damper, name, chosen, period, lag):
     assert fine.input[0, -1] == pytest.approx(end[-1], abs=1e-6)
 
 
+@pytest.mark.prove  # the reference takes long
 def test_optimal_control_equals_scipy(damper):
     from dampyr.structures.control_law import gains as sensed
 
