@@ -33,7 +33,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.fixture
 def endurance(request: pytest.FixtureRequest) -> Endurance:
     """The length of a long campaign."""
-    return Endurance(request.config.getoption("--endure"), request.node.nodeid)
+    return Endurance(request.node.nodeid)
 
 
 def data_folder() -> Path:

@@ -3,24 +3,31 @@
 import os
 import platform
 import subprocess
+import sys
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
+FULL = "--endure" in sys.argv
 REPOSITORY = Path(__file__).resolve().parents[1]
 _endured: list[tuple[str, str, str, str]] = []
+
+
+def count(in_full: int) -> int:
+    """How often, of so many times in full: a tenth of it, but for ``--endure``."""
+    return in_full if FULL else max(1, in_full // 10)
 
 
 @dataclass
 class Endurance:
     """How often a long campaign repeats what it does, and what it counted: with ``--endure`` in full, else a tenth of it."""
 
-    full: bool
     name: str
+    full: bool = FULL
 
     def count(self, in_full: int) -> int:
         """How often, of so many times in full."""
-        return in_full if self.full else max(1, in_full // 10)
+        return count(in_full)
 
     def report(self, what: str, seed: int | None, figures: str) -> None:
         """What came out, in a sentence."""

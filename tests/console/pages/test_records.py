@@ -16,6 +16,7 @@ pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.endurance import count
 from tests.records.test_self_contained import PLANTS, planted
 
 from dampyr import records
@@ -215,7 +216,8 @@ def test_no_bytes_make_it_stumble(client, data, content, suffix):
 
 
 @pytest.mark.prove
-@settings(max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@pytest.mark.endure
+@settings(max_examples=count(300), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(place=st.integers(0, 20_000), value=st.integers(0, 255), suffix=st.sampled_from(["csv", "mat", "h5"]))
 def test_no_changed_byte_of_a_good_file_makes_it_stumble(client, data, tmp_path, place, value, suffix):
     good = tmp_path / f"good.{suffix}"
