@@ -104,6 +104,7 @@ def existing_values(jobs):
         "load": ["20 kg", "100 kohm", "0 N"],
         "text": [SINE, SINE + "cycles = 2\n", SINE.replace("sine", "sweep")], "replaces": [SINE, None],
         "model": ["dahl", "dahl + spring", None], "file": ["quake.csv"], "unit": [["force=N"], "g"],
+        "tried": [[], ["dahl"]], "predict": ["", "record"], "loss": ["squares"], "bandwidth": [None],
         "card": ["cards/one.toml", "raminelli_2020"], "to": ["c"],
         "reference": [["cards/one.toml"], ["raminelli_2020"], keys[:1]],
         "damper": [{"name": "cards/one.toml", "inputs": [0.0, 3.0]}, {"inputs": [9.0]}],
@@ -115,7 +116,7 @@ def pointed(case, existing, pick):
     names = existing | {"name": ["sines", "one.csv", "up.h5", "one"], "kind": BY_SEED}
     for part in (case.path_parameters, case.query, case.body):
         if isinstance(part, dict):
-            for name in [one for one in part if one in names]:
+            for name in sorted(one for one in part if one in names):
                 if pick.random() < 0.75:
                     part[name] = pick.choice(names[name])
     return case

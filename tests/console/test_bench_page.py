@@ -277,7 +277,7 @@ def free_port():
         return server.getsockname()[1]
 
 
-@pytest.mark.real_time
+@pytest.mark.by_hand
 def test_abort_is_acknowledged_within_150_ms(address, new_page, endurance):
     page = new_page(f"{address}#/bench")
     armed(page)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.real_time
+pytestmark = pytest.mark.by_hand
 
 pytest.importorskip("fastapi")
 

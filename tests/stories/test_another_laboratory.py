@@ -109,7 +109,7 @@ def test_a_model_that_remembers_the_path_predicts_better(laboratory: Path, tmp_p
     assert all(score["l1"] < 0.02 for score in scores.values())
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand
 def test_the_leaderboard_finds_a_model_that_predicts_both_earthquakes(laboratory: Path, tmp_path: Path) -> None:
     """Measured: 1.2 and 0.9 %, with dahl + hyperbolic_tangent + compliance and small add-ons."""
     card = tmp_path / "card.toml"

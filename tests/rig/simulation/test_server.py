@@ -308,7 +308,7 @@ def test_a_second_client_is_turned_away(serve: Start) -> None:
     assert host.ask(Request.HELLO, 1).values[0] == 1
 
 
-@pytest.mark.real_time
+@pytest.mark.by_hand
 def test_in_real_time_the_walls_clock_moves_it(serve: Start) -> None:
     served = serve("--real-time")
     host = served.host()
