@@ -591,3 +591,9 @@ def test_a_rig_over_the_wires_is_armed_again_and_again() -> None:
             block = next(table.loop.blocks())
             assert block.displacement[-1] == pytest.approx(table.position, abs=1.1e-5)
             table.go(-0.003)
+
+
+def test_a_rig_says_where_it_is() -> None:
+    with simulated() as wired, simulated(in_process=True) as here:
+        assert "simulated in a process of its own" in repr(wired)
+        assert "simulated in this process" in repr(here)

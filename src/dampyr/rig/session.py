@@ -66,8 +66,9 @@ class Rig(Representation):
 
     def _summary(self) -> Summary:
         calibration, limits = self.calibration, self.settings.limits
+        process = "this process" if self.clocked_by_reads else "a process of its own"
         return f"Rig {self.settings.name!r}", [
-            ("connection", f"{type(self.board).__name__}, {self.settings.wires.serial or 'in this process'}"),
+            ("connection", self.settings.wires.serial or f"simulated in {process}"),
             ("time", "passes while it is read" if self.clocked_by_reads else "passes by itself"),
             (
                 "limits",
