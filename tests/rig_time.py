@@ -34,7 +34,7 @@ class RealTime:
 
     def __init__(self, *faults: str, settings: RigSettings | None = None) -> None:
         self.faults, self.settings = faults, settings
-        self.everywhile: Callable[[], object] = lambda: None  # called whenever a test waits
+        self.while_waiting: Callable[[], object] = lambda: None  # called whenever a test waits
 
     def __call__(self) -> float:
         return time.monotonic()
@@ -45,7 +45,7 @@ class RealTime:
 
     def sleep(self, seconds: float) -> None:
         """Let time pass."""
-        self.everywhile()
+        self.while_waiting()
         time.sleep(seconds)
 
     def until(self, condition: Callable[[], object], seconds: float = 30.0) -> None:
@@ -100,7 +100,7 @@ class SimulatedTime(RealTime):
 
     def sleep(self, seconds: float) -> None:
         """Let ``seconds`` pass; where no rig is read, none do, and this returns after a moment."""
-        self.everywhile()
+        self.while_waiting()
         with self._changed:
             if not self._sampling:
                 self._changed.wait_for(lambda: self._sampling, timeout=0.02)

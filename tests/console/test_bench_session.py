@@ -42,7 +42,7 @@ def bench(tmp_path: Path, bench_time: RealTime) -> Iterator[Bench]:
     (tmp_path / "short.toml").write_text(CAMPAIGN)
     made = Bench(tmp_path, bench_time.open, bench_time)
     made.clients.join("a")
-    bench_time.everywhile = lambda: (made.clients.hear("a"), made.clients.hear("b"))
+    bench_time.while_waiting = lambda: (made.clients.hear("a"), made.clients.hear("b"))
     yield made
     with bench_time.passing():
         made.close()

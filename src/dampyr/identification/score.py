@@ -12,6 +12,8 @@ is a division by nothing. The measured force is never smoothed.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -154,3 +156,20 @@ def _energy_error(record: Record, force: Array, where: Window) -> float:
     measured = np.trapezoid(record.force[span] - np.mean(record.force[span]), x - middle)
     model = np.trapezoid(force[span] - np.mean(force[span]), x - middle)
     return float(model / measured - 1.0)
+
+
+def group_by_input(records: Iterable[Record], values: Mapping[str, float]) -> dict[str, list[float]]:
+    """The records' values under the words for their input, in its order; records without a value are left out."""
+    groups: dict[str, list[float]] = {}
+    for record in sorted(records, key=lambda r: -math.inf if r.input_value is None else r.input_value):
+        if record.name in values:
+            groups.setdefault(input_words(record), []).append(values[record.name])
+    return groups
+
+
+def input_words(record: Record) -> str:
+    """Such as ``1.98 V``; the mean where the input varies."""
+    if record.input_value is None:
+        return "input not known"
+    varies = np.ptp(record.voltage if record.voltage is not None else record.current) > 1e-9  # type: ignore[arg-type]
+    return f"{record.input_value:.5g} {record.input}" + (" (mean)" if varies else "")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
-from dampyr.identification.score import SETTLING, Array, Score, compare, prediction
+from dampyr.identification.score import SETTLING, Array, Score, compare, group_by_input, prediction
 from dampyr.identification.validation import score_columns, score_table
 from dampyr.models import Damper
 from dampyr.records import Record, nominal_inputs, write_comparison
@@ -94,11 +94,7 @@ class Validated(Representation):
 
     def l1_by_input(self) -> dict[str, list[float]]:
         """The L1 ratio of each record, by its input in words."""
-        groups: dict[str, list[float]] = {}
-        for one in sorted(self.records, key=lambda one: math.inf if one.input_value is None else one.input_value):
-            name = "not known" if one.input_value is None else f"{one.input_value:.4g} {self.damper.input}"
-            groups.setdefault(name, []).append(self.scores[one.name].l1)
-        return groups
+        return group_by_input(self.records, {name: one.l1 for name, one in self.scores.items()})
 
     def _small_figure(self) -> Figure:
         from dampyr.figures.scores import scores

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from dampyr.figures.history import history
 from dampyr.figures.loops import loops
 from dampyr.identification import Fit, Score
-from dampyr.records import Record
 from dampyr.report.blocks import FigureBlock, Section
 
 Array = NDArray[np.float64]
@@ -54,20 +53,3 @@ def best_and_worst_sections(fit: Fit) -> list[Section]:
         channels = (piece.t[scored], piece.x[scored], piece.v[scored], piece.force[scored], force[scored])
         sections.append(record_section(title, name, channels, "fit"))
     return sections
-
-
-def by_input(records: Iterable[Record], values: Mapping[str, float]) -> dict[str, list[float]]:
-    """The records' values under the words for their input, in its order; records without a value are left out."""
-    groups: dict[str, list[float]] = {}
-    for record in sorted(records, key=lambda r: -math.inf if r.input_value is None else r.input_value):
-        if record.name in values:
-            groups.setdefault(input_words(record), []).append(values[record.name])
-    return groups
-
-
-def input_words(record: Record) -> str:
-    """Such as ``1.98 V``; the mean where the input varies."""
-    if record.input_value is None:
-        return "input not known"
-    varies = np.ptp(record.voltage if record.voltage is not None else record.current) > 1e-9  # type: ignore[arg-type]
-    return f"{record.input_value:.5g} {record.input}" + (" (mean)" if varies else "")

@@ -14,7 +14,7 @@ from dampyr.figures.scores import scores as scores_by_input
 from dampyr.figures.style import CURRENT, VOLTAGE
 from dampyr.identification import Fit, Score
 from dampyr.identification.law_panels import law_panels
-from dampyr.report.best_and_worst import by_input
+from dampyr.identification.score import group_by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text, sentence
 from dampyr.units import for_people
 
@@ -130,7 +130,7 @@ def score_table(scores: dict[str, Score], caption: str) -> Table:
 def score_blocks(fit: Fit) -> list[Block]:
     """How well a fit describes the records that it was fitted to."""
     table = score_table(fit.scores, "From 2 s after the motion starts, each record's own offset taken.")
-    groups = by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
+    groups = group_by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
     return [
         Text("These records were fitted: the scores describe the fit and are not predictions."),
         FigureBlock(scores_by_input(groups), "L1 ratio of each record, by input."),

@@ -9,7 +9,7 @@ import numpy as np
 from dampyr.figures.scores import scores
 from dampyr.identification import Fit, Validation
 from dampyr.identification.identify import SPLIT_WORDS
-from dampyr.report.best_and_worst import by_input
+from dampyr.identification.score import group_by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 
 
@@ -38,9 +38,9 @@ def _split(fit: Fit, validation: Validation) -> list[Block]:
     record_scores = validation.scores
     if not record_scores:
         return [Text(f"{what}. No part was predicted."), _parts(validation)]
-    fitted = by_input(fit.records, {name: fit.scores[name].l1 for name in record_scores if name in fit.scores})
+    fitted = group_by_input(fit.records, {name: fit.scores[name].l1 for name in record_scores if name in fit.scores})
     means = {name: float(np.mean(values)) for name, values in fitted.items()}
-    predicted = by_input(fit.records, {name: one.l1 for name, one in record_scores.items()})
+    predicted = group_by_input(fit.records, {name: one.l1 for name, one in record_scores.items()})
     references = {"mean of the fit that has seen them": means} if means else None
     return [
         FigureBlock(scores(predicted, references), f"{what}. L1 ratio of each predicted record, by input."),

@@ -14,9 +14,10 @@ from dampyr.figures.calibration_range import calibrated
 from dampyr.figures.scores import scores as scores_figure
 from dampyr.identification import Score, Validated, prediction
 from dampyr.identification.residuals import motion
+from dampyr.identification.score import group_by_input
 from dampyr.models import Damper
 from dampyr.records import Record, with_velocity
-from dampyr.report.best_and_worst import by_input, extremes, record_section
+from dampyr.report.best_and_worst import extremes, record_section
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.report.fit_sections import score_table
 from dampyr.report.html_page import page, write_page
@@ -100,7 +101,7 @@ def _scores(records: Sequence[Record], scores: Mapping[str, Score], seen: Mappin
     groups: dict[str, list[float]] = {}
     for state, words in SEEN.items():
         some = {r.name: scores[r.name].l1 for r in records if seen[r.name] is state}
-        groups |= {f"{name}, {words}": values for name, values in by_input(records, some).items()}
+        groups |= {f"{name}, {words}": values for name, values in group_by_input(records, some).items()}
     rows: list[list[Cell]] = [[r.name, r.input_value, r.input or "", SEEN[seen[r.name]]] for r in records]
     return [
         FigureBlock(
@@ -122,7 +123,7 @@ def _outside(damper: Damper, records: Sequence[Record]) -> list[Block]:
     groups: dict[str, tuple[list[float], list[float]]] = {}
     for record in records:
         stroke, frequency = motion(record)
-        group = groups.setdefault(next(iter(by_input([record], {record.name: 0.0}))), ([], []))
+        group = groups.setdefault(next(iter(group_by_input([record], {record.name: 0.0}))), ([], []))
         group[0].append(frequency)
         group[1].append(0.5 * stroke)
         rows += [[record.name, *row] for row in beyond(damper, record)]
