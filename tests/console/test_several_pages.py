@@ -92,6 +92,27 @@ def test_a_campaign_that_is_not_saved_comes_back(address, new_page, data):
     assert page.locator("#restored").is_hidden()
 
 
+@pytest.mark.parametrize(
+    ("name", "late"),
+    [("records", "records/list"), ("campaigns", "campaigns/files"), ("building", "building/responses")],
+)
+def test_an_answer_that_comes_after_one_has_left_changes_nothing(address, new_page, data, name, late):
+    page = new_page(f"{address}#/{name}")
+    waiting = []
+    page.route(f"**/api/{late}*", lambda route: waiting.append(route), times=1)
+    page.reload()
+    if name == "building":
+        page.get_by_role("button", name="Simulate").click()
+    while not waiting:
+        page.wait_for_timeout(20)
+    page.get_by_role("link", name="Bench", exact=True).click()  # it has no address of its own
+    page.locator("#note").wait_for(state="attached")
+    with page.expect_event("requestfinished", lambda request: request == waiting[0].request):
+        waiting[0].continue_()
+    page.wait_for_timeout(300)  # what the answer sets off
+    assert page.url.endswith("#/bench")
+
+
 def test_what_is_typed_is_what_is_saved(address, new_page, data):
     page = new_page(f"{address}#/campaigns")
     page.locator("#g-amplitude").fill("3, 5")

@@ -1,5 +1,6 @@
 // Building: building, motion and damper on the left, the response on the right. Responses and ensembles are jobs.
-import { get, post, query as asQuery } from "../lib/api.js";
+import { setAddress } from "../lib/address.js";
+import { get, post } from "../lib/api.js";
 import { before } from "../lib/before.js";
 import { chart, COLOURS } from "../lib/chart.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
@@ -44,7 +45,8 @@ export async function show(root, query) {
   }
 
   function follow(id) {
-    history.replaceState(null, "", `#/building?${asQuery({ job: id })}`);
+    if (!root.isConnected) return; // the person has left the page; the job continues
+    setAddress(root, "building", { job: id });
     stop?.();
     clear();
     sheet.replaceChildren();

@@ -1,5 +1,6 @@
 // The editor of campaigns: a grid or its text, the rig's envelope, and the dry run next to it.
-import { get, post, put, query as asQuery } from "../lib/api.js";
+import { setAddress } from "../lib/address.js";
+import { get, post, put } from "../lib/api.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
 import { drafts } from "../lib/drafts.js";
 import { envelope } from "../lib/envelope.js";
@@ -97,7 +98,7 @@ export async function show(root, query) {
   }
 
   async function load() {
-    history.replaceState(null, "", `#/campaigns?${asQuery({ open: open.value })}`);
+    setAddress(root, "campaigns", { open: open.value });
     run.hidden = true;
     name.value = open.value;
     const file = open.value ? await attempt(() => get(`campaigns/files/${encodeURIComponent(open.value)}`)) : { text: "", grid: FIRST };
@@ -131,7 +132,7 @@ export async function show(root, query) {
     restored.hidden = true;
     if (![...open.options].some((one) => one.value === written.name)) open.append(h("option", { value: written.name }, written.name));
     open.value = written.name;
-    history.replaceState(null, "", `#/campaigns?${asQuery({ open: written.name })}`);
+    setAddress(root, "campaigns", { open: written.name });
     run.href = `#/bench?campaign=${encodeURIComponent(written.name)}`;
     run.hidden = false;
     take(written);

@@ -1,4 +1,5 @@
 // Identify: records and a model on the left, the result on the right. A fit is a job that continues without the page.
+import { setAddress } from "../lib/address.js";
 import { download, get, post, query as asQuery } from "../lib/api.js";
 import { before } from "../lib/before.js";
 import { chart } from "../lib/chart.js";
@@ -51,7 +52,8 @@ export async function show(root, query) {
   }
 
   function follow(id) {
-    history.replaceState(null, "", `#/identify?${asQuery({ job: id })}`);
+    if (!root.isConnected) return; // the person has left the page; the job continues
+    setAddress(root, "identify", { job: id });
     stop?.();
     clear();
     sheet.replaceChildren();

@@ -1,5 +1,6 @@
 // Records: a list to choose from, and the chosen ones overlaid.
 import { acceptance, forAddress, fromAddress } from "../lib/acceptance.js";
+import { setAddress } from "../lib/address.js";
 import { get, put, query as asQuery, remove, upload } from "../lib/api.js";
 import { chart, COLOURS } from "../lib/chart.js";
 import { button, choice, field, h, number, section, short } from "../lib/dom.js";
@@ -83,7 +84,7 @@ export async function show(root, query) {
   }
 
   function keepAddress() {
-    history.replaceState(null, "", `#/records?${asQuery({ source: state.source, open: state.open, tab: state.tab, ...forAddress(request) })}`);
+    setAddress(root, "records", { source: state.source, open: state.open, tab: state.tab, ...forAddress(request) });
   }
 
   async function draw() {
