@@ -19,6 +19,7 @@ settings.load_profile("dampyr")
 DATA_ABSENT = "data absent"
 _REPOSITORY = Path(__file__).resolve().parents[1]
 _skips: list[tuple[str, str]] = []
+_failed: list[str] = []
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -73,6 +74,8 @@ def _note_skip(report: pytest.TestReport | pytest.CollectReport) -> None:
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     _note_skip(report)
+    if report.failed:
+        _failed.append(report.nodeid)
 
 
 def pytest_collectreport(report: pytest.CollectReport) -> None:
@@ -92,8 +95,11 @@ def _unexpected() -> list[tuple[str, str]]:
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session) -> None:
     on_a_worker = hasattr(session.config, "workerinput")
-    if session.config.getoption("--endure") and session.exitstatus == pytest.ExitCode.OK:
-        write_page()
+    if session.config.getoption("--endure") and session.exitstatus in (
+        pytest.ExitCode.OK,
+        pytest.ExitCode.TESTS_FAILED,
+    ):
+        write_page(session.testscollected - session.testsfailed, _failed)
     if os.environ.get("CI") and not on_a_worker and _unexpected():
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 

@@ -4,6 +4,7 @@ import os
 import platform
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -38,8 +39,8 @@ def _git(*words: str) -> str:
     return subprocess.run(["git", *words], cwd=REPOSITORY, capture_output=True, text=True, check=False).stdout.strip()
 
 
-def write_page() -> None:
-    """Write the page of what `make endure` counted."""
+def write_page(passed: int, failed: Sequence[str]) -> None:
+    """Write the page of what `make endure` counted, and which of its tests failed."""
     commit = _git("rev-parse", "--short=10", "HEAD") + (" with changes" if _git("status", "--porcelain", "src") else "")
     rows = "".join(f"| {what} | {seed} | {figures} | `{test}` |\n" for what, seed, figures, test in _endured)
     page = (
@@ -48,6 +49,7 @@ def write_page() -> None:
         "in real time. `.ci/run` does a tenth of each, in simulated time. `make endure` writes this page.\n\n"
         f"Commit {commit}, {date.today().isoformat()}, Python {platform.python_version()}, {platform.system()}, "
         f"{os.cpu_count()} cores.\n\n"
+        f"{passed} tests passed{''.join(f', `{test}` failed' for test in failed)}.\n\n"
         f"| what | seed | figures | test |\n|---|---|---|---|\n{rows}"
     )
     (REPOSITORY / "docs" / "reference" / "endurance.md").write_text(page, "utf-8")
