@@ -30,7 +30,7 @@ LAGGING = """
 import argparse
 import json
 from dampyr.console import clients
-from dampyr.console.serve import serve
+from dampyr.console.http_server import serve
 from tests.rig_time import SimulatedTime
 
 parser = argparse.ArgumentParser()

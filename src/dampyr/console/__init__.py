@@ -1,13 +1,23 @@
 """The console: the operator's page in a browser, served from this machine and working without a network.
 
 ``dampyr console`` calls `serve`; `app` is the same as an ASGI application. What its pages do goes through the public
-functions of the other rooms, as the commands do.
+functions of the other packages, as the commands do.
 
 A page is two files: ``pages/NAME.py`` with what it answers (see :mod:`dampyr.console.pages`) and ``static/pages/NAME.js``
-with what it shows. Long work is a file of ``work``, run in a process of its own (:mod:`dampyr.console.job_processes`).
+with what it shows. Long work is a file of ``jobs``, run in a process of its own (:mod:`dampyr.console.job_processes`).
 """
 
-from dampyr.console.app import app
-from dampyr.console.serve import serve
+from importlib import import_module
+from typing import Any
 
-__all__ = ["app", "serve"]
+FUNCTIONS = {"app": "application", "serve": "http_server"}
+"""The public functions and their modules, loaded when they are used: a job's process needs neither, nor the web server."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in FUNCTIONS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{FUNCTIONS[name]}"), name)
+
+
+__all__ = [*FUNCTIONS]

@@ -5,9 +5,8 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from dampyr.console import safe_paths
+from dampyr.console.dampers import CARDS
 from dampyr.console.state import Here
-
-CARDS = "cards"
 
 router = APIRouter(tags=["Cards"])
 

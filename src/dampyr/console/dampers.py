@@ -9,9 +9,10 @@ from pydantic import BaseModel
 
 from dampyr import studies
 from dampyr.console import safe_paths
-from dampyr.console.cards import CARDS
 from dampyr.errors import DampyrError
 from dampyr.models import Damper
+
+CARDS = "cards"
 
 
 class DamperLink(BaseModel):

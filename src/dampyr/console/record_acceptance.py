@@ -14,8 +14,7 @@ from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
 from dampyr.console import record_sources
-from dampyr.console.cards import CARDS
-from dampyr.console.dampers import DamperLink, damper_of, dampers
+from dampyr.console.dampers import CARDS, DamperLink, damper_of, dampers
 from dampyr.console.state import Here
 from dampyr.identification import Acceptance, Accepted, AcceptOptions, Point, Tolerance, accept_records
 from dampyr.identification.acceptance import QUANTITIES, Quantity, band

@@ -12,8 +12,7 @@ from pydantic import BaseModel
 from dampyr import structures
 from dampyr.console import safe_paths
 from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS, EnsembleRequest, ResponseRequest
-from dampyr.console.cards import CARDS
-from dampyr.console.dampers import DamperLink, damper_of, dampers
+from dampyr.console.dampers import CARDS, DamperLink, damper_of, dampers
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
 from dampyr.console.state import Here

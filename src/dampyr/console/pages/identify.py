@@ -10,9 +10,8 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from dampyr.console import record_sources, safe_paths
-from dampyr.console.cards import CARDS
 from dampyr.console.damper_files import export_kinds, zipped_export
-from dampyr.console.dampers import damper_of, title_of
+from dampyr.console.dampers import CARDS, damper_of, title_of
 from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CARD, CURVES, PAGE

@@ -31,13 +31,13 @@ def serve(
     """Serve the console over the folder ``data`` until it is interrupted.
 
     On an address that others can reach a token is asked for: the one given, or one made and told here, once. ``tell`` is called
-    with the address to open. Port 0 takes a free one. ``opener`` connects the bench's rig (`dampyr.console.app`).
+    with the address to open. Port 0 takes a free one. ``opener`` connects the bench's rig (`dampyr.console.application`).
 
     Raises InputError where the address cannot be had.
     """
     import uvicorn
 
-    from dampyr.console.app import QUOTA, app
+    from dampyr.console.application import QUOTA, app
 
     local = is_loopback(host)
     token = token if token is not None or local else secrets.token_urlsafe(24)
