@@ -294,12 +294,14 @@ def check_free_space(way: str, reserved: str, tmp_path: Path, sizes: Iterable[in
     return outcomes
 
 
+@pytest.mark.prove
 def test_on_every_disk_that_is_too_small_a_campaign_ends_in_order(tmp_path: Path) -> None:
     outcomes = check_free_space("disk", "yes", tmp_path, [300, 340, 420, 500, 620, 740, 1200])
     assert outcomes[1200] == "complete"
     assert re.search(r"the disk is full: \d+ bytes are needed, .* and \d+ are free; make room", outcomes[340])
 
 
+@pytest.mark.prove
 def test_a_file_that_may_not_become_so_long_ends_a_campaign_in_order(tmp_path: Path) -> None:
     outcomes = check_free_space("limit", "yes", tmp_path, [120, 300, 400])
     assert outcomes[400] == "complete"
@@ -397,6 +399,7 @@ def check_rest(box: Path) -> None:
         assert not rests or rests[-1] <= gone + 0.300, (gone, after)
 
 
+@pytest.mark.prove
 def test_a_killed_host_leaves_a_rig_at_rest_and_its_samples(two: Path, tmp_path: Path) -> None:
     acknowledged, ended, box = killed(two, tmp_path / "out", 0.0, rows=600)
     assert not ended

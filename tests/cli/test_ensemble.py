@@ -31,6 +31,7 @@ def ensemble_json(*arguments: str) -> dict:
     return json.loads(done.stdout)
 
 
+@pytest.mark.prove
 def test_it_is_what_the_functions_give() -> None:
     got = ensemble_json(*CASES, "--without-damper", "--limit", "12mm", "--limit", "1%", "--height", "3 m")
     motions = [kanai_tajimi(4.0, 0.01, (1, k), pga=0.3 * 9.80665) for k in range(1, 5)]
@@ -80,6 +81,7 @@ def test_a_file_is_taken_up_and_read(tmp_path: Path) -> None:
     assert "--voltage says what to compute, and --read takes what was computed" in done.stderr
 
 
+@pytest.mark.prove
 def test_parts_in_processes_of_their_own(tmp_path: Path) -> None:
     """As a batch system runs them, with the number of the part in the environment."""
     parts, out = tmp_path / "parts", tmp_path / "all.h5"

@@ -25,6 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+@pytest.mark.prove
 def test_the_table_has_a_dash_and_a_label_where_there_is_no_interval(folder: Path) -> None:
     done = run(folder, "--model", "dahl")
     assert done.exit_code == 0, done.output

@@ -53,6 +53,7 @@ def test_the_page_names_the_floors(tmp_path):
     assert "1.98 V: damper, 0-2." in (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.prove
 def test_control_laws_are_cases_beside_numbers():
     cases = simulate("--control", "on_off", "--control", "clipped_optimal:lag=10ms,effort=0.1,high=3")
     names = ["no damper", "1.98 V", "on_off 0 to 3.212 V", "clipped_optimal 0 to 3 V, lag 0.01 s, effort 0.1"]

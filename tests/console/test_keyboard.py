@@ -77,6 +77,7 @@ def test_records_are_identified_and_the_card_is_saved_and_another_page_may_not_r
     assert (data / "cards" / "mine.toml").read_bytes() == before
 
 
+@pytest.mark.prove
 def test_a_building_is_shaken_and_its_peaks_are_read(at, reach):
     page = at("building")
     reach(page, page.get_by_label("Inputs"))
@@ -96,6 +97,7 @@ def test_a_building_is_shaken_and_its_peaks_are_read(at, reach):
     assert peaks.locator("tbody tr").first.locator("td").first.inner_text() == "1.98 V"
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", PAGES)
 def test_abort_is_at_hand_wherever_one_types(at, name):
     page = at(name)
@@ -135,6 +137,7 @@ def static():
     return files("dampyr.console") / "static"
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", PAGES)
 def test_no_page_is_wider_than_a_phone(at, accessible, name, campaign_folder):
     page = at(name, color_scheme="dark", viewport={"width": 390, "height": 844})

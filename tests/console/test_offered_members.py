@@ -48,6 +48,7 @@ def test_every_kind_of_step_is_offered_with_a_table_that_can_be_planned(client):
         assert len(answer.json()["tests"]) == 1
 
 
+@pytest.mark.prove
 def test_an_identified_damper_is_exported_as_every_kind(client, data, finished):
     t = np.linspace(0.0, 6.0, 1200)
     x, v = 0.008 * np.sin(6.0 * t), 0.048 * np.cos(6.0 * t)

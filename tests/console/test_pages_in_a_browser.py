@@ -81,6 +81,7 @@ def test_the_table_sorts_by_its_numbers(page, campaign_folder):
     assert [float(text) for text in column] == sorted(float(text) for text in column)
 
 
+@pytest.mark.prove
 def test_a_building_is_shaken_and_the_response_survives_a_reload(page, accessible):
     go(page, "building")
     page.get_by_label("Inputs").fill("1.98")
@@ -112,6 +113,7 @@ def test_work_is_cancelled_from_the_page(page):
     page.get_by_text("Cancelled.").wait_for()
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", ["records", "identify", "building"])
 def test_every_page_can_be_read_in_the_dark_and_on_a_phone(address, new_page, accessible, name):
     page = new_page(f"{address}#/{name}", color_scheme="dark", viewport={"width": 390, "height": 800})

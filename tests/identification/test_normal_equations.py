@@ -90,7 +90,12 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
+LONG = {"delayed", "accelerated", "varying and delayed", "varying and warm"}  # their kernels take long to compile
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=pytest.mark.prove if case in LONG else ()) for case in CASES]
+)
 def test_the_sums_are_those_of_the_derivatives(case: str) -> None:
     model, options, varying = CASES[case]
     listed = [varied(r) for r in records()] if varying else records()

@@ -83,6 +83,7 @@ def test_a_voltage_that_steps_changes_the_force_at_once_and_the_state_along_the_
     np.testing.assert_allclose(force[-200:], late[-200:], rtol=1e-6)
 
 
+@pytest.mark.prove
 def test_the_parts_of_a_composition_add_up_in_any_order() -> None:
     laws = {"dahl.kx": 800.0, "dahl.kw": 50.0, "dahl.rho": 9000.0, "spring.k0": 700.0}
     laws |= {"hyperbolic_tangent.c": 10.0, "hyperbolic_tangent.ft": 80.0}

@@ -114,6 +114,7 @@ def by_the_book(name: str, u: float, cycles: int) -> Array:
     return np.asarray(total(scale * x, scale * v, *done.y))
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", published.available_sets())
 @pytest.mark.parametrize("which", [0, -1])
 def test_the_force_is_that_of_the_published_equations(name: str, which: int) -> None:
@@ -123,6 +124,7 @@ def test_the_force_is_that_of_the_published_equations(name: str, which: int) -> 
     assert np.sqrt(np.mean((ours - theirs) ** 2)) < 5e-5 * np.abs(theirs).max()
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", published.available_sets())
 def test_between_the_knots_of_its_laws_too(name: str) -> None:
     low, high = published.about(name).limits
@@ -151,6 +153,7 @@ def test_a_ratio_of_laws_is_right_to_a_ten_thousandth(name: str) -> None:
 WITH_ETA = [name for name in published.available_sets() if published.about(name).eta is not None]
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", WITH_ETA)
 def test_a_step_of_the_command_is_followed_by_one_less_an_exponential(name: str) -> None:
     """The force is that of the damper without the lag whose input goes as V (1 - exp(-eta t)) after the step."""
@@ -167,6 +170,7 @@ def test_a_step_of_the_command_is_followed_by_one_less_an_exponential(name: str)
     assert np.abs(ours - at_once).max() > 0.2 * np.ptp(theirs)
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", WITH_ETA)
 def test_a_changing_command_gives_the_force_of_the_published_equations_with_their_filter(name: str) -> None:
     about = published.about(name)

@@ -35,6 +35,7 @@ def test_peaks_by_default(damper, voltage, expected):
     assert peak(damper, voltage) * 1e3 == pytest.approx(expected, rel=2e-4)
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize(("voltage", "expected"), PEAKS_MM.items())
 def test_peaks_to_the_printed_digits_from_2_ms_to_a_twentieth(damper, voltage, expected):
     peaks = [peak(damper, voltage, step) for step in (0.002, 0.001, 0.0005, 0.0002, 0.00005)]

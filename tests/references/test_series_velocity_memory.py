@@ -108,6 +108,7 @@ def reference(part: str, stretcher: str, seed: int, peak: float) -> np.ndarray:
     return 2.0 * forces[1] - forces[0]
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize(
     ("part", "stretcher"),
     [*((part, stretcher) for part in PARTS for stretcher in ("compliance", "free_play")), ("sigmoid", "brace")],

@@ -58,6 +58,7 @@ def test_a_reader_that_fails_stops_the_rig_and_says_so() -> None:
             table.rest(5.0)
 
 
+@pytest.mark.prove
 def test_the_rig_is_read_on_while_a_long_record_is_finished() -> None:
     with simulated() as rig, rig.armed() as table:
         table.home(here=True)

@@ -14,6 +14,8 @@ from click.testing import CliRunner, Result
 from dampyr.cli import cli
 from tests.stories.laboratory import CURRENTS, HEADER, MOTIONS, READING, UNITS, columns, sine, text, write_laboratory
 
+pytestmark = pytest.mark.prove
+
 MODEL = "hyperbolic_tangent + spring + compliance"
 SAID = [word for channel, unit in UNITS.items() for word in ("--unit", f"{channel}={unit}")]
 
@@ -101,7 +103,6 @@ def test_the_earthquake_is_predicted(laboratory: Path, card: Path, tmp_path: Pat
         assert l1 == pytest.approx(score["l1"], rel=1e-4)
 
 
-@pytest.mark.prove
 def test_a_model_that_remembers_the_path_predicts_better(laboratory: Path, tmp_path: Path) -> None:
     card = tmp_path / "card.toml"
     run_output("identify", laboratory, "--model", "dahl + hyperbolic_tangent + compliance", "--save", card)

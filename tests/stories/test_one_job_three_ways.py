@@ -25,6 +25,8 @@ from dampyr.structures.ensemble_run import synthetic_motions
 from dampyr.to_json import plain
 from tests.identification.synthetic import sine
 
+pytestmark = pytest.mark.prove
+
 CARD = Damper(
     "dahl",
     {"dahl.kx": Interpolation((0.0, 2.0), (800.0, 1800.0)), "dahl.kw": 200.0, "dahl.rho": 3000.0},
@@ -134,7 +136,6 @@ def test_identify(data: Path, client: TestClient, done: Any) -> None:
     assert (len(cards), len(pages)) == (1, 1)
 
 
-@pytest.mark.prove
 def test_identify_the_best_model(data: Path, client: TestClient, done: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """The card of the best model names the runner-up, whoever asks."""
     monkeypatch.setattr("os.cpu_count", lambda: 1)

@@ -7,6 +7,8 @@ import pytest
 
 from tests.stories.test_bad_input import dampyr
 
+pytestmark = pytest.mark.prove
+
 
 def run_json(*arguments: str | Path) -> dict:
     done = dampyr(*arguments, "--json")
@@ -36,7 +38,6 @@ def test_from_measured_records_to_the_building(campaign_folder: Path, tmp_path: 
     assert [Path(p).name for p in written] == ["damper.h", "damper.c"]
 
 
-@pytest.mark.prove
 def test_the_demonstration_needs_nothing_but_the_installation_and_is_the_same_twice(tmp_path: Path) -> None:
     done, twice = (run_json("demo", "--out", tmp_path / name) for name in ("demo", "again"))
     assert done["parameters"] == twice["parameters"]
@@ -52,7 +53,6 @@ def test_the_demonstration_needs_nothing_but_the_installation_and_is_the_same_tw
     assert {k: v["l1"] for k, v in again["scores"].items()} == pytest.approx(done["l1_held_out"])
 
 
-@pytest.mark.prove
 def test_predictions_of_records_that_were_not_fitted(campaign_folder: Path) -> None:
     output = run_json("identify", campaign_folder, "--model", "dahl", "--predict", "record", "--predict", "input")
     by_record, by_input = output["predictions"]

@@ -12,6 +12,8 @@ from dampyr.cli import cli
 from dampyr.rig.specimen import original_specimen
 from tests.endurance import Endurance
 
+pytestmark = pytest.mark.prove
+
 ROOT = Path(__file__).parents[2]
 MODEL = "hyperbolic_tangent + spring + offset"
 
@@ -32,7 +34,6 @@ def test_three_tests_over_the_wires_and_their_fit(tmp_path: Path) -> None:
     assert card.is_file()
 
 
-@pytest.mark.prove
 @pytest.mark.endure
 def test_the_forty_tests_faster_than_real_time_and_their_parameters(tmp_path: Path, endurance: Endurance) -> None:
     """Tables 4.2 to 4.5 on the default simulated rig over its wires; the specimen's parameters come back.

@@ -74,6 +74,7 @@ def test_a_connection_turned_round_turns_its_stroke_and_force(building, cubics):
     assert up.force == pytest.approx(-down.force, abs=1e-6)
 
 
+@pytest.mark.prove
 def test_a_response_says_where_its_dampers_stand(building, cubics):
     dampers = {1: cubics, (0, 2): cubics, ("low", "top"): cubics}
     response = respond(building, MOTION, dampers, voltage={1: 0.0, (0, "middle"): 1.98, (1, 3): 0.5}, step=0.005)

@@ -96,12 +96,13 @@ def opposing(q, v, ground, f):
     return HIGH if (v[0] + ground) * f > 0 else 0.0
 
 
+@pytest.mark.prove  # the reference takes long
 @pytest.mark.parametrize(
     ("name", "chosen", "period", "lag"),
     [
         ("on_off", on_off, 0.005, 0.0),
-        pytest.param("on_off", on_off, 0.02, 0.01, marks=pytest.mark.prove),
-        pytest.param("skyhook", skyhook, 0.01, 0.0, marks=pytest.mark.prove),
+        ("on_off", on_off, 0.02, 0.01),
+        ("skyhook", skyhook, 0.01, 0.0),
         ("bang_bang", opposing, 0.01, 0.005),
     ],
 )

@@ -103,6 +103,7 @@ def test_shards_under_laws_are_small(cubics: Damper) -> None:
     assert cases(two_storey(), el_centro(), [cubics] * 20, laws, [1.0, 2.0]).shards() == 10
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("dashpot", [0.0, 2e3])  # in the second storey: with it the modes are complex
 def test_modal_and_dense_agree(monkeypatch: pytest.MonkeyPatch, cubics: Damper, dashpot: float) -> None:
     classical = shear_building([1e3] * 5, [2e6] * 5, damping_ratio=0.03)

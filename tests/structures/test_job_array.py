@@ -88,6 +88,7 @@ def test_a_damaged_part_is_named(tmp_path: Path) -> None:
         collect(tmp_path)
 
 
+@pytest.mark.prove
 def test_a_finished_file_reads_as_it_was(cubics: Damper, tmp_path: Path) -> None:
     path = tmp_path / "e.h5"
     buildings = [two_storey(), shear_building([1e3] * 3, [2e6] * 3, damping_ratio=0.03)]

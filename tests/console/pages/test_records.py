@@ -208,6 +208,7 @@ def test_a_figure_is_exported(client, campaign_folder):
     assert answer.content.startswith(b"\x89PNG")
 
 
+@pytest.mark.prove
 @settings(max_examples=6, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(content=st.binary(min_size=1, max_size=300), suffix=st.sampled_from(["csv", "txt", "mat", "h5"]))
 def test_no_bytes_make_it_stumble(client, data, content, suffix):

@@ -31,6 +31,7 @@ def run(package: Path, cache: Path) -> tuple[float, int, int]:
     return float(force), int(hits), int(misses)
 
 
+@pytest.mark.prove
 def test_a_kernel_is_cached_and_an_edited_model_is_compiled_anew(tmp_path: Path) -> None:
     package, cache = tmp_path / "dampyr", tmp_path / "cache"
     shutil.copytree(Path(dampyr.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))

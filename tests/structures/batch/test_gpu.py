@@ -36,6 +36,7 @@ print(json.dumps({q: found[q].values.tolist() for q in quantities}))
 """
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", CARDS)
 def test_the_simulated_card_gives_what_the_processor_gives(name: str) -> None:
     environment = os.environ | {"NUMBA_ENABLE_CUDASIM": "1", "PYTHONWARNINGS": "ignore"}
