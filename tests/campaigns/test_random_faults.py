@@ -75,3 +75,13 @@ def test_the_rig_rests_whatever_goes_wrong_and_whenever(tmp_path: Path, enduranc
         f"{count} campaigns: {', '.join(f'{number} ended by {how}' for how, number in ended.most_common())}; "
         "each time at rest with the coil off",
     )
+
+
+@pytest.mark.parametrize(("start", "check"), [(3.7, 1), (3.7, 0)])
+def test_a_motor_that_stands_on_the_way_to_a_test_ends_the_campaign_as_a_fault(
+    tmp_path: Path, start: float, check: int
+) -> None:
+    (tmp_path / "short.toml").write_text(SHORT.format(check=check, amplitude=5), "utf-8")
+    rig = simulated(faults=[FaultSpec("stalled-motor", start, np.inf)], in_process=True)
+    with pytest.raises(RigFault, match=r"look at the motor|is the motor blocked"):
+        perform(tmp_path / "short.toml", rig, tmp_path / "out")

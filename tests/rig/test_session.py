@@ -404,6 +404,19 @@ def test_a_table_is_homed_again_while_it_is_homed() -> None:
         check_aligned(table, simulator)
 
 
+@pytest.mark.parametrize("path", [0.001, -0.002])  # m, too short for the interlock's limit of the following error
+def test_a_table_that_does_not_arrive_where_it_is_sent_is_a_fault(path: float) -> None:
+    rig, simulator = made()
+    with rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        simulator.faults = parse_faults([f"stalled-motor@{simulator.time:.3f}s"])
+        with pytest.raises(RigFault, match=f"driven to {path * 1e3:.2f} mm and stands at -?0[.]0.* mm") as raised:
+            table.go(path)
+    assert raised.value.ring == "check"
+    assert simulator.at_rest_since == pytest.approx(simulator.time, abs=1.0)
+
+
 @pytest.mark.parametrize("far", [0.0, 0.004, 0.010])
 def test_a_rig_is_armed_again_after_an_abort_in_mid_stroke(far: float) -> None:
     rig, simulator = made()

@@ -30,6 +30,7 @@ from dampyr.rig.thermal_model import Warmth
 
 Array = NDArray[np.float64]
 GENTLE = 0.010  # m/s, the mean speed on the way to the start of a test
+ARRIVED = 5e-4  # m: from there on a drive's first step is one that the table follows
 SETTLED = 0.3  # s in which a table that decelerates is at rest
 QUICK = 0.2  # s of work during which the board's buffer is enough
 HOMING = 120.0  # s that the search for the index may take
@@ -276,7 +277,7 @@ class Table(Representation):
                 return
 
     def go(self, displacement: float) -> None:
-        """Move slowly to ``displacement`` and stop there."""
+        """Move slowly to ``displacement`` [m] and stop there; :class:`RigFault` where the table did not follow."""
         path = displacement - self.position
         seconds = max(1.875 * abs(path) / GENTLE, 0.1)  # a minimum-jerk path's peak speed is 15/8 of its mean
         n = math.ceil(seconds / 0.01) + 1
@@ -284,13 +285,19 @@ class Table(Representation):
         smooth = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
         for _ in self.play(Drive(0.01, self.position + path * smooth, np.zeros(n))):
             pass
+        if abs(displacement - self.position) > ARRIVED:
+            raise RigFault(
+                f"the table was driven to {displacement * 1e3:.2f} mm and stands at {self.position * 1e3:.2f} mm; "
+                "look at the motor, its driver and the screw",
+                "check",
+            )
 
     def play(self, drive: Drive) -> Iterator[tuple[Samples, slice]]:
         """Play a drive: each block, and which of its samples belong to the record; the table must be where the drive begins.
 
         Raises :class:`InputError` where it does not, before anything moves, and :class:`RigFault` where a safety layer acts.
         """
-        if drive.reversals is None and abs(drive.displacement[0] - self.position) > 5e-4:
+        if drive.reversals is None and abs(drive.displacement[0] - self.position) > ARRIVED:
             raise InputError(
                 f"the drive begins at {drive.displacement[0] * 1e3:.2f} mm and the table stands at "
                 f"{self.position * 1e3:.2f} mm; call go() first"
