@@ -19,7 +19,7 @@ help:
 	@echo "make test    the tests, without the long proofs"
 	@echo "make prove   the long proofs (fixed seeds)"
 	@echo "make endure  long campaigns and the bench in real time, for about an hour, on a machine with nothing else to do"
-	@echo "make check   style, types and the layers of the house"
+	@echo "make check   style, types, names and the layers of the packages"
 	@echo "make docs    the generated lists and pages of README.md and docs, written again"
 	@echo "make bench   timings on this machine, printed and never asserted (BENCH=million: that one)"
 	@echo "make lock    resolve $(LOCK) and $(BENCH_LOCK) again (needs uv)"

@@ -1,4 +1,4 @@
-"""Imports go one way through the house, and a violation is seen."""
+"""Imports go one way through the packages, and a violation is seen."""
 
 import shutil
 import subprocess
