@@ -55,7 +55,12 @@ def agree(name: str, ours: np.ndarray, *numeric: np.ndarray) -> None:
     assert min(o.mean() for o in off) <= (0.01 if name in KINKED else 0.0)
 
 
-@pytest.mark.parametrize("name", FORCEFUL + [pytest.param(name, marks=pytest.mark.prove) for name in SERIES])
+LONG = {*SERIES, "modified_bouc_wen"}  # their kernels take long to compile
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.prove if name in LONG else ()) for name in (*FORCEFUL, *SERIES)]
+)
 def test_the_derived_gradient_is_the_gradient(name: str) -> None:
     p = np.array(list(typical(name).values()))
     s = np.full(compose(name).n_states, 0.2)

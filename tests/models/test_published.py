@@ -196,6 +196,7 @@ def test_a_changing_command_gives_the_force_of_the_published_equations_with_thei
     assert np.sqrt(np.mean((ours - theirs) ** 2)) < 2e-4 * np.abs(theirs).max()
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", WITH_ETA)
 def test_a_constant_command_lags_behind_nothing(name: str) -> None:
     t, x, v = sine(name, 1)
