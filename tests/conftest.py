@@ -99,7 +99,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         pytest.ExitCode.OK,
         pytest.ExitCode.TESTS_FAILED,
     ):
-        write_page(session.testscollected - session.testsfailed, _failed)
+        write_page(_failed)
     if os.environ.get("CI") and not on_a_worker and _unexpected():
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 

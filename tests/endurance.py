@@ -11,6 +11,7 @@ from pathlib import Path
 
 FULL = "--endure" in sys.argv
 REPOSITORY = Path(__file__).resolve().parents[1]
+PAGE = REPOSITORY / "docs" / "reference" / "endurance.md"
 _endured: list[tuple[str, str, str, str]] = []
 
 
@@ -39,17 +40,28 @@ def _git(*words: str) -> str:
     return subprocess.run(["git", *words], cwd=REPOSITORY, capture_output=True, text=True, check=False).stdout.strip()
 
 
-def write_page(passed: int, failed: Sequence[str]) -> None:
-    """Write the page of what `make endure` counted, and which of its tests failed."""
+def write_page(failed: Sequence[str]) -> None:
+    """Write the page of what `make endure` counted: new rows of the tests that ran now, the others' as they were."""
     commit = _git("rev-parse", "--short=10", "HEAD") + (" with changes" if _git("status", "--porcelain", "src") else "")
-    rows = "".join(f"| {what} | {seed} | {figures} | `{test}` |\n" for what, seed, figures, test in _endured)
+    machine = f"Python {platform.python_version()}, {platform.system()}, {os.cpu_count()} cores"
+    when = f"{commit}, {date.today().isoformat()}, {machine}"
+    ran = [*_endured, *(("", "", "**failed**", test) for test in failed)]
+    now = {test for *_, test in ran}
+    rows = [row for row in _rows_of(PAGE) if row[3].strip("`") not in now]
+    rows += [(what, seed, figures, f"`{test}`", when) for what, seed, figures, test in ran]
     page = (
         "# Endurance\n\n"
         "What `make endure` counted when it was last run by hand: campaigns that are killed, rigs with faults, and the bench\n"
         "in real time. `.ci/run` does a tenth of each, in simulated time. `make endure` writes this page.\n\n"
-        f"Commit {commit}, {date.today().isoformat()}, Python {platform.python_version()}, {platform.system()}, "
-        f"{os.cpu_count()} cores.\n\n"
-        f"{passed} tests passed{''.join(f', `{test}` failed' for test in failed)}.\n\n"
-        f"| what | seed | figures | test |\n|---|---|---|---|\n{rows}"
+        "| what | seed | figures | test | commit, day, machine |\n|---|---|---|---|---|\n"
     )
-    (REPOSITORY / "docs" / "reference" / "endurance.md").write_text(page, "utf-8")
+    PAGE.write_text(
+        page + "".join(f"| {' | '.join(row)} |\n" for row in sorted(rows, key=lambda row: row[3].strip("`"))), "utf-8"
+    )
+
+
+def _rows_of(page: Path) -> list[tuple[str, ...]]:
+    """The rows of the page as it is, of tests that still have a file."""
+    lines = page.read_text("utf-8").splitlines() if page.is_file() else []
+    rows = [tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines if line.startswith("| ")]
+    return [row for row in rows[1:] if (REPOSITORY / row[3].strip("`").partition("::")[0]).is_file()]
