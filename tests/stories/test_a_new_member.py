@@ -370,10 +370,7 @@ def test_the_console_exports_a_damper_as_it():
 
 CHECKED = [
     ["tests/test_new_members.py"],
-    [
-        "tests/invariants", "tests/models/test_published.py", "tests/cli/test_frame.py", "-m", "not prove",
-        "-k", NAMES,
-    ],
+    ["tests/invariants", "tests/models/test_published.py", "tests/cli/test_frame.py", "-k", NAMES],
     [
         "tests/test_registry.py", "tests/test_names.py", "tests/test_layers.py", "tests/test_docs.py",
         "tests/structures/test_control_law.py", "tests/records/test_record_files.py",
