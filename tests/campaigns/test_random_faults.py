@@ -72,7 +72,7 @@ def test_the_rig_rests_whatever_goes_wrong_and_whenever(tmp_path: Path, enduranc
     endurance.report(
         "one or two faults of the rig at random moments of a campaign",
         seed,
-        f"{count} campaigns: {', '.join(f'{number} ended by {how}' for how, number in ended.most_common())}; "
+        f"{count} campaigns: {', '.join(f'{how} {number}' for how, number in ended.most_common())}; "
         "each time at rest with the coil off",
     )
 
