@@ -51,8 +51,8 @@ def write_page(failed: Sequence[str]) -> None:
     rows += [(what, seed, figures, f"`{test}`", when) for what, seed, figures, test in ran]
     page = (
         "# Endurance\n\n"
-        "What `make endure` counted when each test was last run by hand: campaigns that are killed, rigs with faults, and the bench\n"
-        "in real time. `.ci/run` does a tenth of each, in simulated time. `make endure` writes this page.\n\n"
+        "What `make endure` counted when each test was last run by hand: campaigns that are killed, rigs with faults, and\n"
+        "the bench in real time. `.ci/run` does a tenth of each, in simulated time. `make endure` writes this page.\n\n"
         "| what | seed | figures | test | commit, day, machine |\n|---|---|---|---|---|\n"
     )
     PAGE.write_text(
