@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 from dampyr.errors import InputError
@@ -138,14 +138,10 @@ class Composition:
         """The functions of the whole: ``advance``, ``force`` and their derivatives."""
         return series.functions(self.layout) if self.in_series else parallel_parts.functions(self.layout)
 
-    @cached_property
-    def _step_block(self) -> tuple[list[str], Function, int]:
-        return batched_path.write_step_block(self.layout)
-
     @property
     def workspace_rows(self) -> int:
         """How many rows of workspace ``step_block`` needs (see `dampyr.models.codegen.batched_path`)."""
-        return self._step_block[2]
+        return _step_block(self)[2]
 
     def source(self, site: int = 0) -> str:
         """The Python text of this composition's functions, their names ending in ``_{site}``."""
@@ -153,9 +149,14 @@ class Composition:
         for p in self.parts:
             texts.update(parallel_parts.derivatives(p))
             texts.update(series.derivatives(p) if self.in_series else {})
-        called, step_block, _ = self._step_block
+        called, step_block, _ = _step_block(self)
         whole = [f.python(f"_{site}") for f in self.functions()]
         return "\n\n".join([*texts.values(), *whole, *called, step_block.python(f"_{site}")])
+
+
+@lru_cache(maxsize=256)  # compositions: writing one takes as long as a fit, and each fit composes anew
+def _step_block(composition: Composition) -> tuple[list[str], Function, int]:
+    return batched_path.write_step_block(composition.layout)
 
 
 def compose(names: str | Iterable[str]) -> Composition:
