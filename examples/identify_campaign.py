@@ -5,16 +5,16 @@ Needs the campaign's files (``dampyr datasets fetch labcontrol``). Writes the ca
     38 records, converged: True
     dahl.kx @ 0 V         0.85 +- 0.02 N s/mm
     dahl.kx @ 0.8712 V    2.12 +- 0.08 N s/mm
-    dahl.kx @ 1.98 V      6.15 +- 0.40 N s/mm
-    dahl.kx @ 3.212 V    12.77 +- 0.90 N s/mm
-    dahl.kw @ 0 V        53.98 +- 1.29 N
-    dahl.kw @ 0.8712 V  175.71 +- 3.54 N
-    dahl.kw @ 1.98 V    252.11 +- 8.64 N
-    dahl.kw @ 3.212 V   326.00 +- 13.12 N
-    dahl.rho @ 0 V       31.00 +- 1.69 1/mm
-    dahl.rho @ 0.8712 V  25.50 +- 0.51 1/mm
-    dahl.rho @ 1.98 V    17.02 +- 0.21 1/mm
-    dahl.rho @ 3.212 V    9.64 +- 0.16 1/mm
+    dahl.kx @ 1.98 V      6.17 +- 0.41 N s/mm
+    dahl.kx @ 3.212 V    12.71 +- 0.90 N s/mm
+    dahl.kw @ 0 V        53.94 +- 1.28 N
+    dahl.kw @ 0.8712 V  175.94 +- 3.54 N
+    dahl.kw @ 1.98 V    251.57 +- 8.69 N
+    dahl.kw @ 3.212 V   326.84 +- 13.17 N
+    dahl.rho @ 0 V       31.04 +- 1.67 1/mm
+    dahl.rho @ 0.8712 V  25.48 +- 0.51 1/mm
+    dahl.rho @ 1.98 V    17.01 +- 0.21 1/mm
+    dahl.rho @ 3.212 V    9.66 +- 0.16 1/mm
 """
 
 import dampyr as dp

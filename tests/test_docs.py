@@ -21,8 +21,8 @@ from dampyr import registry
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
 from dampyr.models import Constant, Damper, Polynomial, available_parts, part
+from dampyr.records.column_table import WORDS
 from dampyr.records.record import CHANNELS
-from dampyr.records.text_columns import WORDS
 from dampyr.structures import available_control_laws, control_law
 
 Array = np.ndarray

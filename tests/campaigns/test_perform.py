@@ -12,6 +12,7 @@ import textwrap
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -20,10 +21,11 @@ from tests.endurance import Endurance
 
 from dampyr import campaigns, records
 from dampyr.campaigns import Control, Progress, Stopped, perform, read_journal
+from dampyr.campaigns.record_test import groups_of
 from dampyr.errors import FileError, InputError, RigFault
 from dampyr.records.formats import h5
 from dampyr.records.recording import Recording
-from dampyr.rig import Rig, RigSettings, simulated
+from dampyr.rig import Rig, RigSettings, load_settings, simulated
 
 TWO = """
 name = "two"
@@ -514,3 +516,46 @@ def test_the_settings_are_those_of_the_rig_file(two: Path, tmp_path: Path) -> No
         perform(two, opened, tmp_path / "out")
     assert records.read_campaign(tmp_path / "out")[0].dt == pytest.approx(0.002)
     assert RigSettings().board.rate == 1000.0
+
+
+def test_a_record_says_its_session_and_its_specimen(two: Path, tmp_path: Path) -> None:
+    """Where nothing is said: the day of the run, and the data sheet; what is said goes before it."""
+    days = {datetime.now().astimezone().date().isoformat()}
+    first, second = records.read_campaign(perform(two, rig(), tmp_path / "a"))
+    days.add(datetime.now().astimezone().date().isoformat())  # the run may have begun before midnight
+    assert first.specimen == second.specimen == "RD-8041-1"
+    assert first.measurement_session == second.measurement_session
+    assert first.measurement_session in {f"{day} RD-8041-1" for day in days}
+    two.write_text('measurement_session = " third mounting "\nspecimen = "no. 7"\n' + TWO, encoding="utf-8")
+    for record in records.read_campaign(perform(two, rig(), tmp_path / "b")):
+        assert (record.measurement_session, record.specimen) == ("third mounting", "no. 7")
+
+
+@pytest.mark.parametrize(
+    ("specimen", "stated", "expected"),
+    [
+        ({}, {}, ("2026-03-01 RD-8041-1", "RD-8041-1")),
+        ({"card": "cards/number_7.toml"}, {}, ("2026-03-01 number_7", "number_7")),
+        ({"card": "number_7.toml", "name": "no. 7"}, {}, ("2026-03-01 no. 7", "no. 7")),
+        ({"name": "no. 7"}, {"specimen": "no. 8"}, ("2026-03-01 no. 8", "no. 8")),
+        ({"data_sheet": ""}, {}, ("2026-03-01", None)),
+        ({"name": "no. 7"}, {"measurement_session": "day 1"}, ("day 1", "no. 7")),
+    ],
+)
+def test_what_the_campaign_states_goes_before_what_the_rig_does(
+    two: Path, specimen: dict[str, str], stated: dict[str, str], expected: tuple[str, str | None]
+) -> None:
+    settings = replace(RigSettings(), specimen=replace(RigSettings().specimen, **specimen))
+    campaign = campaigns.read(two)
+    campaign = replace(campaign, header=replace(campaign.header, **stated))
+    groups = groups_of(settings, campaign, datetime(2026, 3, 1, 23, 59).astimezone())
+    assert (groups["measurement_session"], groups.get("specimen")) == expected
+
+
+def test_a_name_that_is_none_is_refused_before_anything_moves(two: Path, tmp_path: Path) -> None:
+    two.write_text('specimen = "  "\n' + TWO, encoding="utf-8")
+    with pytest.raises(FileError, match=r"two\.toml: specimen = '  ' is not a name; give one line of text"):
+        campaigns.read(two)
+    (tmp_path / "rig.toml").write_text('[specimen]\nname = "a\\nb"\n', encoding="utf-8")
+    with pytest.raises(FileError, match=r"rig\.toml: .*name = 'a\\nb' is not a name"):
+        load_settings(tmp_path / "rig.toml")

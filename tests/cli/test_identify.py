@@ -1,8 +1,10 @@
 """What dampyr identify prints of errors, and what it refuses before it fits."""
 
 import json
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 from tests.identification.test_leaderboard import without_velocity
@@ -26,14 +28,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.prove
-def test_the_table_has_a_dash_and_a_label_where_there_is_no_interval(folder: Path) -> None:
+def test_the_table_says_where_there_is_no_interval(folder: Path) -> None:
     done = run(folder, "--model", "dahl")
     assert done.exit_code == 0, done.output
-    lines = {line.strip().partition("  ")[0]: line for line in done.stdout.splitlines()}
-    assert "within these records only" in lines["dahl.kw @ 2 V"]
-    assert " \u2013 " in lines["dahl.kw @ 2 V"]
-    assert "between records" in lines["dahl.kw @ 0 V"]
-    assert "\u2013" not in lines["dahl.kw @ 0 V"]
+    rows = [line.split("  ") for line in done.stdout.splitlines() if line.strip().startswith("dahl.kw")]
+    values, errors = [[cell.strip() for cell in row if cell.strip()] for row in rows]
+    assert re.fullmatch(r"[\d.]+ ± [\d.]+", values[2])
+    assert re.fullmatch(r"[\d.]+ \(no interval\)", values[3])
+    assert re.fullmatch(r"[\d.e-]+ \([\d.e-]+\)", errors[2])
+    assert errors[3].endswith(", within these records only")
     assert "between-record variance is not estimated from 1 record" in done.stdout
 
 
@@ -82,3 +85,16 @@ def test_a_bandwidth_that_a_record_does_not_carry_is_one_sentence(different_spee
         "dampyr: 0V-0.1Hz: a bandwidth of 60 Hz is not allowed, as its samples 0.005 s apart carry at most 50 Hz; lower it to "
         "50 Hz or less\n"
     )
+
+
+def test_the_goodness_of_fit_is_listed_by_rising_input(capsys: pytest.CaptureFixture[str]) -> None:
+    from dampyr.cli.identify import _print_groups
+    from dampyr.records import Record
+
+    t = np.linspace(0.0, 1.0, 50)
+    inputs = (10.0, 1.0, None, 0.25, 1.0)
+    records = [Record(t, t, t, current=u, name=f"{k}") for k, u in enumerate(inputs)]
+    _print_groups("by input", records, {r.name: 0.1 for r in records})
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.split()[-1:] == ["10"]]
+    assert [row[0] for row in rows] == ["0.25", "1", "10", "–"]
+    assert [row[1] for row in rows] == ["1", "2", "1", "1"]

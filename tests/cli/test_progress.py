@@ -18,6 +18,7 @@ def test_a_log_hears_of_each_stage_and_of_long_ones_again(
     lines = capsys.readouterr().err.splitlines()
     assert [line.strip() for line in lines] == [
         "0.0 s  screening models",
+        "10.0 s  screening models, 10%",
         "25.0 s  screening models, 25%",
         "50.0 s  validating",
     ]

@@ -47,17 +47,17 @@ def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:
     assert 100 * np.mean([s.l1 for s in fit_result.scores.values()]) < 6.2
 
 
-WINNER = "hysteretic_biviscous + delay + compliance + spring"  # of `leaderboard`, which is run in `make prove`
+WINNER = "hyperbolic_tangent + compliance + spring + delay"  # of `leaderboard`, which is run in `make prove`
 
 
 @pytest.mark.prove
 def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_readme_says(records) -> None:
     options = {"bandwidth": 18.2, "steps": 300}
     by_record = cross_validate(WINNER, records, **options).by_input
-    printed = {0.0: 7.7, 0.8712: 5.5, 1.98: 4.7, 3.212: 3.9}
+    printed = {0.0: 7.6, 0.8712: 5.2, 1.98: 4.8, 3.212: 4.6}
     assert {u: 100 * l1 for u, l1 in by_record.items()} == pytest.approx(printed, abs=0.06)
     by_voltage = cross_validate(WINNER, records, "input", **options).by_input
-    assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 9.1, 1.98: 8.9}, abs=0.06)
+    assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 8.7, 1.98: 9.8}, abs=0.06)
 
 
 def test_the_plastic_region_gives_the_published_friction_without_a_window(records) -> None:

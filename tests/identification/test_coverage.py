@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from tests.endurance import Endurance
 from tests.identification.synthetic import sine
 
 from dampyr.identification import fit
@@ -45,7 +46,8 @@ def test_intervals_hold_the_truth_as_often_as_they_say(per_voltage: int) -> None
         naive += np.abs(values - truth) <= 1.96 * np.array(list(fit_result.naive_stderr.values()))
     shares = 100 * held / CAMPAIGNS
     print("intervals", shares, "naive", 100 * naive / CAMPAIGNS)
-    assert np.all((shares >= 91.0) & (shares <= 98.0)), shares
+    # Without gains of the records the degrees of freedom are fewer than need be, and the intervals a little wide.
+    assert np.all((shares >= 91.0) & (shares <= 99.5)), shares
     assert np.min(naive) < 0.8 * CAMPAIGNS
 
 
@@ -58,10 +60,10 @@ LIKE_THE_RIG = {
 ENCODER, FORCE_STEP = 5e-6, 0.187  # m, N
 
 
-def as_measured(u: float, name: str, rng: np.random.Generator) -> Record:
+def as_measured(u: float, name: str, rng: np.random.Generator, seconds: float = 20.0) -> Record:
     """A distorted sine that drifts, read by an encoder; noise of 4 % correlated over 0.33 s, and 3 % of gain."""
     dt = 0.01
-    t = np.arange(0.0, 20.0, dt)
+    t = np.arange(0.0, seconds, dt)
     amplitude, frequency = rng.uniform(0.004, 0.012), rng.uniform(0.5, 1.2)
     a, b = rng.uniform(0.0, 2.0 * np.pi, 2)
     run = np.maximum(t - 1.0, 0.0)
@@ -77,36 +79,67 @@ def as_measured(u: float, name: str, rng: np.random.Generator) -> Record:
     return with_velocity(Record(t, read, FORCE_STEP * np.round(force / FORCE_STEP), voltage=u, name=name), 15.0)
 
 
-def share_held(counts: tuple[int, ...], campaigns: int, laws: dict[str, str] | None = None) -> dict[str, float]:
-    """In which share of the campaigns each interval holds the truth, by label; those without an interval are left out."""
+def share_held(
+    counts: tuple[int, ...], campaigns: int, lengths: tuple[float, ...] = (20.0,)
+) -> tuple[dict[str, float], dict[str, float]]:
+    """In which share of the campaigns each interval holds the truth, by label, and the median half width of each parameter's
+    over the value; numbers without an interval are left out."""
     held: dict[str, list[bool]] = {}
+    widths: dict[str, list[float]] = {}
     for seed in range(campaigns):
         rng = np.random.default_rng([seed, *counts])
-        records = [as_measured(u, f"{u:g}V-{k}", rng) for u, n in zip(TESTED, counts, strict=True) for k in range(n)]
-        fit_result = fit("dahl", records, laws=laws)
+        records = [
+            as_measured(u, f"{u:g}V-{k}", rng, lengths[k % len(lengths)])
+            for u, n in zip(TESTED, counts, strict=True)
+            for k in range(n)
+        ]
+        fit_result = fit("dahl", records)
         for label, (low, high) in fit_result.intervals(0.95).items():
             name, _, at = label.partition(" @ ")
             if label not in fit_result.within_records:
                 truth = float(LIKE_THE_RIG[name](float(at.split()[0])))
                 held.setdefault(label, []).append(low <= truth <= high)
+                widths.setdefault(name, []).append(0.5 * (high - low) / truth)
     assert all(len(each) == campaigns for each in held.values())
-    return {label: float(np.mean(each)) for label, each in held.items()}
+    shares = {label: float(np.mean(each)) for label, each in held.items()}
+    return shares, {name: float(np.median(each)) for name, each in widths.items()}
 
 
 @pytest.mark.prove
-@pytest.mark.parametrize("per_voltage", [3, 4, 5, 6, 10])
-def test_intervals_of_few_records_with_gains_of_their_own(per_voltage: int) -> None:
-    """Cycles of a record share its gain, so only records are independent."""
-    shares = share_held((per_voltage,) * 4, 200)
+@pytest.mark.endure
+@pytest.mark.parametrize(
+    ("counts", "lengths"),
+    [((n,) * 4, (20.0,)) for n in (3, 4, 6, 10)] + [((n,) * 4, (8.0, 14.0, 40.0)) for n in (3, 6)],
+    ids=str,
+)
+def test_intervals_of_few_records_with_gains_of_their_own(
+    counts: tuple[int, ...], lengths: tuple[float, ...], endurance: Endurance
+) -> None:
+    """Cycles of a record share its gain, so only records are independent; lengths and numbers of records differ."""
+    campaigns = endurance.count(600)
+    shares, widths = share_held(counts, campaigns, lengths=lengths)
     assert len(shares) == 12
     by_name = {name: np.mean([s for label, s in shares.items() if label.startswith(name)]) for name in LIKE_THE_RIG}
-    print(per_voltage, by_name, "least", min(shares.values()))
-    assert min(by_name.values()) >= 0.87
-    assert min(shares.values()) >= 0.82
+    held = ", ".join(f"{name} {100 * share:.1f} %, ± {100 * widths[name]:.1f} %" for name, share in by_name.items())
+    endurance.report(
+        f"95 % intervals, {counts[0]} records a voltage of {lengths} s", 0, f"{campaigns} campaigns: {held}"
+    )
+    # The share of four intervals in 60 campaigns has a standard error of 0.014, in 600 of 0.004.
+    slack = 0.0 if endurance.full else 0.04
+    assert min(by_name.values()) >= 0.90 - slack
+    assert max(by_name.values()) <= 0.98 + slack
+
+
+@pytest.mark.prove
+def test_intervals_widen_as_records_become_fewer() -> None:
+    widths = [share_held((n,) * 4, 25)[1] for n in (3, 4, 6, 10)]
+    for name in LIKE_THE_RIG:
+        each = [w[name] for w in widths]
+        assert each == sorted(each, reverse=True), (name, each)
 
 
 @pytest.mark.prove
 def test_a_voltage_of_two_records_gives_no_interval_and_spoils_no_other() -> None:
-    shares = share_held((6, 6, 6, 2), 100)
+    shares, _ = share_held((6, 6, 6, 2), 60)
     assert not any("3.212" in label for label in shares)
     assert np.mean(list(shares.values())) >= 0.89

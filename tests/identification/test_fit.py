@@ -8,7 +8,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import fit, score
-from dampyr.models import Damper, Interpolation, Polynomial
+from dampyr.models import Damper, Interpolation, Polynomial, compose
 from dampyr.records import Record
 from dampyr.to_json import plain
 
@@ -131,11 +131,62 @@ def test_correlated_residuals_widen_the_errors() -> None:
 def test_what_the_records_do_not_determine_has_an_infinite_error() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
     fit_result = fit("dahl + hyperbolic_tangent", sine(truth, 0.0, noise=1.0), fixed={"hyperbolic_tangent.ft": 1e-3,
-                "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0})  # fmt: skip
+                "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0},
+                laws={"hyperbolic_tangent.c": "constant"})  # fmt: skip
     assert fit_result.stderr["dahl.kx"] == np.inf
     assert fit_result.stderr["hyperbolic_tangent.c"] == np.inf
     assert np.isfinite(fit_result.stderr["dahl.kw"])
     assert any("do not determine" in note for note in fit_result.notes)
+
+
+def test_of_two_dashpots_one_is_held_and_the_note_says_which() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    fixed = {"hyperbolic_tangent.ft": 1e-3, "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0}
+    fit_result = fit("dahl + hyperbolic_tangent", sine(truth, 0.0, noise=1.0), fixed=fixed)
+    assert "hyperbolic_tangent.c" not in fit_result.parameters
+    assert fit_result.parameters["dahl.kx"] == pytest.approx(900.0, rel=0.02)
+    assert np.isfinite(fit_result.stderr["dahl.kx"])
+    assert any(note.startswith("hyperbolic_tangent.c is held at 0, as dahl.kx") for note in fit_result.notes)
+
+
+def test_what_has_the_same_effect_is_seen_from_the_formulas() -> None:
+    assert compose("dahl + hyperbolic_tangent").twins == {"hyperbolic_tangent.c": "dahl.kx"}
+    assert compose("bouc_wen + spring").twins == {"spring.k0": "bouc_wen.k0"}
+    assert compose("dahl + biviscous + sigmoid").twins == {"biviscous.c": "dahl.kx"}
+    assert compose("dahl + spring + inertia + compliance + delay").twins == {}
+
+
+def test_every_record_counts_the_same_or_every_sample() -> None:
+    soft, stiff = (Damper("dahl", {"dahl.kx": kx, "dahl.kw": 70.0, "dahl.rho": 2500.0}) for kx in (900.0, 1100.0))
+    pair = [sine(soft, 0.0, "short", seconds=4.5), sine(stiff, 0.0, "long", seconds=40.5)]
+    values = {w: fit("dahl", pair, weighting=w).parameters["dahl.kx"] for w in ("records", "samples")}
+    assert values["records"] == pytest.approx(1000.0, abs=15.0)
+    assert values["samples"] == pytest.approx(1080.0, abs=15.0)
+    with pytest.raises(InputError, match="'cycles' is an unknown weighting; choose records or samples"):
+        fit("dahl", pair, weighting="cycles")
+
+
+def test_a_fit_that_is_out_of_time_says_so_and_gives_what_it_reached() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    fit_result = fit("dahl", sine(truth, 0.0, noise=1.0), seconds=1e-9)
+    assert not fit_result.converged
+    assert "its time was used up" in fit_result.reason
+    assert fit_result.damper is not None
+    with pytest.raises(InputError, match="seconds = -1 is not allowed"):
+        fit("dahl", sine(truth, 0.0), seconds=-1.0)
+
+
+def test_a_record_that_settling_takes_most_of_is_scored_from_its_start_and_the_note_says_so() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    short = sine(truth, 0.0, "short", seconds=2.7)
+    fit_result = fit("dahl", short)
+    assert fit_result.scores["short"].window.start == pytest.approx(0.5, abs=0.02)
+    assert any("short: too short for a settling of 2 s" in note for note in fit_result.notes)
+    assert fit("dahl", short, settling=0.5).scores["short"].window.start == pytest.approx(1.0, abs=0.02)
+    with pytest.raises(
+        InputError, match=r"its motion lasts 2.19 s and settling takes the first 2 s of it, so 0.19 s \(3\d"
+    ):
+        score(truth, short)
 
 
 def test_a_record_without_reversal_does_not_give_rho() -> None:

@@ -61,6 +61,25 @@ def test_the_errors_of_the_robust_losses_are_of_the_right_size(loss: str) -> Non
         assert np.all((ratio > 0.6) & (ratio < 1.6)), ratio
 
 
+def test_l1_minimises_the_sum_of_the_ratios_that_are_scored() -> None:
+    """A quiet and a noisy record that disagree: a record's noise does not decide how much it counts."""
+    quiet, noisy = (Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": kw, "dahl.rho": 2500.0}) for kw in (300.0, 330.0))
+    pair = [sine(quiet, 0.0, "quiet", noise=3.0, seconds=12.0), sine(noisy, 0.0, "noisy", noise=60.0, seconds=12.0)]
+
+    def ratios(kw: float | None) -> tuple[float, float]:
+        fit_result = fit("dahl", pair, loss="l1", fixed={"dahl.rho": 2500.0} | ({} if kw is None else {"dahl.kw": kw}))
+        total = 0.0
+        for piece, force in zip(fit_result.problem.pieces, fit_result.forces, strict=True):
+            middle = np.mean(np.quantile(piece.force, (0.01, 0.99)))
+            total += np.sum(np.abs(piece.force - force)) / np.sum(np.abs(piece.force - middle))
+        return fit_result.parameters.get("dahl.kw", 0.0), total
+
+    best, least = ratios(None)
+    grid = np.arange(302.0, 329.0, 2.0)
+    assert abs(grid[np.argmin([ratios(kw)[1] for kw in grid])] - best) <= 3.0
+    assert min(ratios(kw)[1] for kw in (best - 4.0, best + 4.0)) > least
+
+
 def test_l1_is_the_least_sum_of_absolute_residuals_that_scipy_finds() -> None:
     record = spiked(sine(DAHL, 0.0, noise=3.0, seconds=10.0))
     fit_result = fit("dahl", record, loss="l1")

@@ -6,7 +6,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import compare, score
-from dampyr.identification.score import scoring_window
+from dampyr.identification.score import scorable, scoring_window
 from dampyr.models import Damper
 from dampyr.records import Record, motion_start
 
@@ -81,3 +81,27 @@ def test_the_force_is_measured_from_the_middle_of_its_range() -> None:
     score_result = compare(record, force + error, window=(0.0, 7.99))
     assert score_result.l1 == pytest.approx(7.5 / 75.0)
     assert score_result.pointwise == pytest.approx(7.5 / 75.0)
+
+
+@pytest.mark.parametrize("false_samples", [1, 4])
+def test_false_samples_of_the_load_cell_do_not_improve_the_score(false_samples: int) -> None:
+    record = sine(DAHL, 0.0)
+    model = 0.85 * (record.force - 120.0)
+    spoilt = np.array(record.force)
+    spoilt[600 : 600 + 50 * false_samples : 50] += 2.0 * np.ptp(record.force)
+    worse = record.replace(note="false samples", force=spoilt)
+    before, after = compare(record, model), compare(worse, model)
+    assert before.l1 == pytest.approx(compare(record, model, centre="midrange").l1, rel=0.02)
+    assert after.l1 > before.l1
+    assert after.nrmse > before.nrmse
+    assert compare(worse, model, centre="midrange").l1 < 0.9 * before.l1  # the definition to the letter
+
+
+def test_a_record_that_is_too_short_is_refused_with_its_numbers() -> None:
+    record = sine(DAHL, 0.0, seconds=2.7)
+    with pytest.raises(InputError, match=r"its motion lasts 2\.19 s .* give a settling of at most 1\.6 s"):
+        score(DAHL, record)
+    assert score(DAHL, record, settling=1.0).l1 < 1e-9
+    assert scorable([record, sine(DAHL, 0.0, "long")]).keys() == {"test"}
+    with pytest.raises(InputError, match="no record is long enough to be scored; test: its motion"):
+        scorable([record])

@@ -11,7 +11,7 @@ from tests.identification.synthetic import sine
 from dampyr.errors import DampyrWarning
 from dampyr.identification import Fit, fit
 from dampyr.models import Damper, Interpolation
-from dampyr.records import Record
+from dampyr.records import Record, cut
 
 VOLTS = (0.0, 2.0)
 TRUTH = Damper(
@@ -116,7 +116,7 @@ def test_a_card_of_enough_records_draws_without_a_warning(tmp_path: Path) -> Non
 
 def test_what_stands_at_a_limit_or_is_not_determined_is_not_labelled_twice() -> None:
     fixed = {"hyperbolic_tangent.ft": 1e-3, "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0}
-    fit_result = fit("dahl + hyperbolic_tangent", records(2.0, 1), fixed=fixed)
+    fit_result = fit("dahl + hyperbolic_tangent", records(2.0, 1), {"hyperbolic_tangent.c": "constant"}, fixed)
     assert fit_result.stderr["dahl.kx"] == np.inf
     assert fit_result.error_holds("dahl.kx") == ""
     assert "dahl.kx" not in fit_result.within_records
@@ -128,3 +128,17 @@ def test_too_few_cycles_are_not_told_as_records_that_determine_nothing() -> None
     assert all(np.isinf(list(fit_result.stderr.values())))
     assert any("fewer than 3 cycles determine them" in note for note in fit_result.notes)
     assert not any("do not determine" in note for note in fit_result.notes)
+
+
+def test_the_pieces_of_one_record_are_no_records_of_their_own() -> None:
+    """They share its gain, as its cycles do: cutting a record makes no interval that the whole did not give."""
+    long = sine(TRUTH, 2.0, "long", noise=2.0, seconds=40.0)
+    pieces = cut(long, 8.0)
+    assert len(pieces) == 5
+    fit_result = fit("dahl", pieces)
+    assert set(fit_result.within_records.values()) == {1}
+    assert fit_result.clusters == "cycle"
+    others = [piece.replace(note="of its own", provenance={}) for piece in pieces]
+    assert fit("dahl", others).clusters == "record"
+    three = [*pieces, *records(2.0, 2)]
+    assert fit("dahl", three).within_records == {}

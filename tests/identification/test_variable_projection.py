@@ -12,7 +12,7 @@ from dampyr.identification.fit_data import first_part
 from dampyr.identification.initial_guess import begin
 from dampyr.identification.normal_equations import linearise
 from dampyr.identification.problem import Problem
-from dampyr.identification.variable_projection import Outcome, levenberg_marquardt, search
+from dampyr.identification.variable_projection import Outcome, levenberg_marquardt, more_damping, search
 from dampyr.models import Damper
 
 DAHL = Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": 55.0, "dahl.rho": 2500.0})
@@ -61,3 +61,44 @@ def test_few_steps_are_few_with_an_opening_too() -> None:
     assert outcome.iterations <= 3
     assert iterations == sorted(iterations)
     assert all(k <= 3 for k in iterations)
+
+
+def test_a_step_that_was_refused_is_not_evaluated_again() -> None:
+    problem = prepared("dahl", [sine(DAHL, 0.0, noise=2.0)])
+    here = linearise(problem, begin(problem))
+    refused = here.solve(damping=1e-12)
+    damping = more_damping(here, refused, 1e-12)
+    assert 1e-6 < damping < 1e3  # not 1e-11, whose step is the same
+    scale = np.sqrt(np.diag(here.reduced.matrix))
+
+    def change(by: float) -> float:
+        return float(np.linalg.norm(scale * (here.solve(damping=by).theta - refused.theta)))
+
+    length = float(np.linalg.norm(scale * refused.theta))
+    assert change(damping / 10.0) <= 0.05 * length < change(damping)
+
+
+def test_a_damping_that_changes_nothing_ends_the_search() -> None:
+    problem = prepared("dahl", [sine(DAHL, 0.0, noise=2.0)])
+    here = linearise(problem, begin(problem))
+    still = replace(here.solve(), theta=np.zeros(3), local=np.zeros((1, problem.locals)))
+    assert more_damping(replace(here, sums=np.zeros_like(here.sums)), still, 1.0) > 1e8
+
+
+def test_an_elongation_begins_within_the_stroke_of_the_records() -> None:
+    damper = Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": 55.0, "dahl.rho": 2500.0})
+    records = [sine(damper, 0.0, "small", 0.002), sine(damper, 0.0, "large", 0.011)]
+    problem = prepared("modified_bouc_wen + delay", records)
+    low, high = problem.local_limits
+    stroke = max(float(np.ptp(one.x)) for one in problem.pieces)
+    assert list(problem.composition.states) == ["modified_bouc_wen.w", "modified_bouc_wen.e"]
+    np.testing.assert_allclose(low, [-np.inf, -1.0, -stroke])
+    np.testing.assert_allclose(high, [np.inf, 1.0, stroke])
+    assert stroke == pytest.approx(0.022, rel=0.02)
+
+
+def test_a_ratio_that_may_be_zero_is_searched_in_its_logarithm() -> None:
+    problem = prepared("modified_bouc_wen", [sine(DAHL, 0.0)])
+    chosen = dict(zip([c.name.partition(".")[2] for c in problem.columns], problem.is_logarithmic, strict=True))
+    assert [name for name, flag in chosen.items() if flag] == ["vc", "r", "rho", "sigma"]
+    assert np.all(problem.inside(np.zeros(problem.size))[problem.is_logarithmic] > 0.0)

@@ -108,15 +108,23 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "models.Constant": lambda made: dp.models.Constant(3.0),
     "models.Damper": lambda made: made.fit.damper,
     "models.Interpolation": lambda made: made.fit.damper.all_laws["dahl.kx"],
+    "models.WithTemperature": lambda made: dp.models.WithTemperature(
+        dp.models.Constant(3.0), dp.models.Constant(2.0), (15.0, 45.0)
+    ),
     "models.Polynomial": lambda made: made.damper.all_laws["dahl.kx"],
     "records.CampaignRow": lambda made: dp.records.campaign_rows()[0],
     "records.Cycle": lambda made: dp.records.cycle_table(made.records[0])[0],
+    "records.Declaration": lambda made: dp.records.Declaration.of("0.1 periods, trailing"),
     "records.Delay": lambda made: dp.records.estimate_delay(made.records[0]),
+    "records.DisplacementNoise": lambda made: dp.records.displacement_noise(made.records[0]),
     "records.Label": lambda made: dp.records.Label(0.02, 1.0, "4.2", 1),
     "records.Measured": lambda made: dp.records.measure(made.records[0]),
+    "records.MovingAverage": lambda made: dp.records.MovingAverage(0.3),
     "records.Overview": lambda made: dp.records.overview(made.records[0]),
     "records.Quality": lambda made: dp.records.quality(made.records[0]),
+    "records.Recognised": lambda made: dp.records.Recognised("force", 50, 0.1, 0.1, 15.2, 14.0),
     "records.Record": lambda made: made.records[0],
+    "records.Undone": lambda made: dp.records.undo(made.records[0].force, 4, 4),
     "report.FigureBlock": lambda made: dp.report.FigureBlock(
         dp.report.ground_motion(made.motion.time, made.motion.acceleration), "The ground."
     ),
@@ -182,7 +190,7 @@ def _identify(made: SimpleNamespace) -> None:
     made.accepted = dp.identification.accept_records(made.records, made.damper)
     made.validated = dp.identification.validate(made.damper, made.records)
     entry = dp.identification.Entry(
-        "dahl", 0.09, 0.09, 0.1, 0.12, 0.01, 0.1, 9, 1.0, True, "converged", (made.validation,), made.fit, -4e4, -4e4
+        "dahl", 0.09, 0.004, 0.09, 0.1, 0.12, 0.01, 0.1, 9, 1.0, True, "converged", (made.validation,), made.fit
     )
     trials = tuple(dp.identification.Trial(name, 0.1, 1.0) for name in ("dahl", "dahl + spring"))
     screened = tuple(dp.identification.Screened(name, trials) for name in ("dahl", "bingham"))

@@ -65,7 +65,7 @@ def test_inputs_as_a_table_or_a_number(folder: Path) -> None:
     ("text", "words"),
     [
         ("validation = [", "is no TOML"),
-        ("valid = []", "'valid' is not known; choose from units, columns, voltage, current, validation, ignore"),
+        ("valid = []", "'valid' is not known; choose from units, columns, voltage, current, dt, variable, header, "),
         ('validation = "quake*"', "is no list of patterns"),
         ('validation = ["earth*"]', "'earth*' matches no file of the folder"),
         ('current = "run{}"', "current = 'run{}' does not match the file quake_1,5A.txt"),
@@ -200,3 +200,133 @@ def test_volts_and_amperes_are_not_mixed() -> None:
     volts = Record(*np.tile(np.arange(9.0), (3, 1)), voltage=1.0, name="v")
     with pytest.raises(InputError, match="v has a voltage and record a current"):
         nominal_inputs([volts, measured(1.0)])
+
+
+@pytest.mark.parametrize(
+    ("name", "pattern", "value"),
+    [
+        ("sine_0p25A", "*_{}A", 0.25),
+        ("sine_0x25A", "*_{}A", 0.25),
+        ("sine_1X5A", "*_{}A", 1.5),
+        ("sine_2P5A", "sine_{}A", 2.5),
+        ("0,25A", "{}A", 0.25),
+        ("sine0x25A", "*{}A", 0.25),
+        ("sine0p125A", "sine*{}A", 0.125),
+        ("run_10A", "*_{}A", 10.0),
+        ("5mmx2A", "*{}A", 2.0),
+        ("run5x2A", "run*x{}A", 2.0),
+        ("step12p25A", "step*p{}A", 25.0),
+    ],
+)
+def test_an_input_in_a_name_may_have_a_letter_for_its_point(
+    tmp_path: Path, name: str, pattern: str, value: float
+) -> None:
+    put(tmp_path / f"{name}.txt")
+    say(tmp_path, f'current = "{pattern}"')
+    assert read(tmp_path / f"{name}.txt").current == value
+
+
+def test_names_with_inputs_are_listed_in_the_order_of_the_inputs(tmp_path: Path) -> None:
+    for text in ("10A", "1A", "0,5A", "0p25A", "0x125A", "0.75A"):
+        put(tmp_path / f"sine_{text}.txt")
+    say(tmp_path, 'current = "*_{}A"')
+    assert [r.current for r in read_campaign(tmp_path)] == [0.125, 0.25, 0.5, 0.75, 1.0, 10.0]
+
+
+SECTIONS = """
+force_sign = -1
+measurement_session = "day 1"
+specimen = {"run*" = "no. 1", "quake*" = "no. 2"}
+current = "*_{}A"
+
+[[files]]
+pattern = ["quake*", "run10*"]
+force_sign = 1
+[files.units]
+force = "kN"
+
+[[files]]
+pattern = "run10*"
+voltage = 2
+measurement_session = "day 2"
+"""
+
+
+def test_a_section_goes_before_what_stands_above_it(folder: Path) -> None:
+    (folder / "reading.toml").write_text(
+        SECTIONS + '[units]\ntime = "s"\ndisplacement = "mm"\nforce = "N"\n', encoding="utf-8"
+    )
+    quake, first, _, tenth = read_campaign(folder)
+    assert np.max(quake.force) == pytest.approx(50e3)
+    assert np.max(first.force) < 50.0  # its largest was the first sample, now the smallest
+    assert first.force[0] == pytest.approx(-50.0)
+    assert tenth.force[0] == pytest.approx(50e3)
+    assert [r.input for r in (quake, first, tenth)] == ["A", "A", "V"]
+    assert tenth.voltage == 2.0
+    assert [r.specimen for r in (quake, first, tenth)] == ["no. 2", "no. 1", "no. 1"]
+    assert [r.measurement_session for r in (quake, first, tenth)] == ["day 1", "day 1", "day 2"]
+    assert read(folder / "run10_0.5A.txt", current=0.5, specimen="no. 3").specimen == "no. 3"
+    assert "measurement_session 'day 2' as stated" in tenth.history
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("files = 3", "files = 3 is no list of tables; write each as [[files]] with its pattern"),
+        ("[[files]]\nheader = 1", "[[files]] 1: pattern = None is no pattern; write it as in"),
+        ('[[files]]\npattern = "earth*"', "'earth*' matches no file of the folder"),
+        (
+            '[[files]]\npattern = "run*"\nvalidation = ["a"]',
+            "[[files]] 1: 'validation' is not known; choose from pattern, units,",
+        ),
+        ('[[files]]\npattern = "run*"\nheader = -1', "[[files]] 1: header = -1 is no line; give the number"),
+        ('[[files]]\npattern = "run*"\nforce_sign = 2', "[[files]] 1: force_sign = 2 is not allowed; it must be -1"),
+        ('[[files]]\npattern = "run*"\ndt = "2 mm"', "[[files]] 1: the unit 'mm' does not measure what 's' measures"),
+        ('[[files]]\npattern = "run*"\ndt = -1', "[[files]] 1: dt = -1 s is no sampling interval"),
+        ('[[files]]\npattern = "run*"\nvariable = ""', "[[files]] 1: variable = '' is no name"),
+        ('[[files]]\npattern = "run*"\nvoltage = 1\ncurrent = 1', "[[files]] 1: voltage and current are both given"),
+        ('specimen = " "', "specimen = ' ' is not a name; give one line of text"),
+        ("measurement_session = 2026-03-01", "is no text; give a name in quotes"),
+        (
+            'specimen = {"run*" = "a", "run2*" = "b"}',
+            "specimen gives run2_0.25A.txt both 'a' and 'b'; make the patterns exclusive",
+        ),
+        (
+            '[[files]]\npattern = "run*"\nheader = 1\n[[files]]\npattern = "run2*"\nheader = 0',
+            "'run*' and 'run2*' give run2_0.25A.txt two values of header, 1 and 0; make the patterns exclusive",
+        ),
+        (
+            '[[files]]\npattern = "run*"\nunits.force = "N"\n[[files]]\npattern = "run2*"\nunits.force = "kN"',
+            "'run*' and 'run2*' give run2_0.25A.txt two values of units.force, 'N' and 'kN'",
+        ),
+        (
+            '[[files]]\npattern = "run*"\nvoltage = 1\n[[files]]\npattern = "run2*"\ncurrent = 1',
+            "'run*' and 'run2*' give run2_0.25A.txt a voltage and a current; a record has one input",
+        ),
+    ],
+)
+def test_a_wrong_section_is_one_line(folder: Path, text: str, words: str) -> None:
+    (folder / "reading.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(FileError) as caught:
+        read_campaign(folder, units=UNITS)
+    message = str(caught.value)
+    assert message.startswith(str(folder / "reading.toml"))
+    assert words in message
+    assert "\n" not in message
+
+
+def test_two_sections_may_say_the_same(folder: Path) -> None:
+    same = '[[files]]\npattern = "{}"\nheader = 1\nunits = {{force = "N"}}\n'
+    (folder / "reading.toml").write_text(same.format("run*") + same.format("run2*"), encoding="utf-8")
+    units = {"time": "s", "displacement": "mm", "force": "N"}
+    assert len(read_campaign(folder, units=units)) == 4
+
+
+def test_a_campaign_table_may_name_sessions_and_specimens(folder: Path) -> None:
+    head = "file,table,row,voltage_V,peak_to_peak_mm,frequency_Hz,measurement_session,specimen\n"
+    rows = "run2_0.25A.txt,4.1,1,0.5,10,1, day 1 ,no. 7\nrun2_0.5A.csv,4.1,2,1.0,10,1,,\n"
+    (folder / "campaign.csv").write_text(head + rows, encoding="utf-8")
+    first, second = read_campaign(folder, units=UNITS)
+    assert (first.measurement_session, first.specimen) == ("day 1", "no. 7")
+    assert (second.measurement_session, second.specimen) == (None, None)
+    assert read_campaign(folder, units=UNITS, specimen="no. 8")[1].specimen == "no. 8"

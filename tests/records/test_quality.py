@@ -67,6 +67,24 @@ def test_the_start_is_found_to_two_samples(make_sine, rest, fault):
     assert motion_start(make_sine(rest=rest, **fault)) == pytest.approx(rest, abs=0.0201)
 
 
+def test_false_samples_are_told_with_their_time(make_sine):
+    record = make_sine()
+    force = np.array(record.force)
+    force[[500, 700]] += 0.5 * np.ptp(force)
+    report = quality(record.replace(note="spikes", force=force))
+    assert report.spikes == {"force": (pytest.approx(record.time[500]), pytest.approx(record.time[700]))}
+    assert any(note.startswith("force has 2 false samples, it seems: at") for note in report.notes)
+
+
+def test_one_false_sample_in_each_real_record_is_seen(campaign_folder):
+    """And none where there is none: `test_the_real_records_are_clean` sees no note."""
+    for record in read_campaign(campaign_folder, role=None):
+        force = np.array(record.force)
+        force[record.n // 2] += 2.0 * np.ptp(force)
+        times = quality(record.replace(note="spike", force=force)).spikes["force"]
+        assert times == (pytest.approx(record.time[record.n // 2]),), record.name
+
+
 def test_one_encoder_step_during_the_rest_is_no_motion(make_sine):
     record = make_sine()
     x = record.displacement.copy()

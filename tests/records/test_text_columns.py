@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import FileError
-from dampyr.records import read
+from dampyr.records import read, write
 
 ROWS = [(0.01 * k, 2.5 * k, 10.0 * k - 20) for k in range(10)]
 
@@ -120,7 +120,7 @@ HEAD = "time [s],displacement [mm],force [N]\n"
         (
             HEAD.replace("force", "x") + lines(","),
             {},
-            r"columns displacement and x could all be the displacement",
+            r"columns displacement \[mm\] and x \[N\] could all be the displacement",
         ),
         (
             HEAD.replace(",force [N]", "") + lines(","),
@@ -165,3 +165,176 @@ def test_all_columns_without_a_unit_are_named_at_once(tmp_path):
     path.write_text("Time\tDisp\tForce [N]\n" + "\n".join(f"{k}\t{k}\t{k}" for k in range(9)))
     with pytest.raises(FileError, match=r"the columns 'Time', 'Disp' have no unit; .*--unit time=s"):
         read(path)
+
+
+NAMES = "Time;Displacement (mm);Force (N)\n"
+
+
+def stamped(times, delimiter=";"):
+    return "\n".join(delimiter.join([t, f"{x:g}", f"{f:g}"]) for t, (_, x, f) in zip(times, ROWS, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("head", "times", "expected"),
+    [
+        (NAMES, [f"2026-03-01T10:00:00.{k}23" for k in range(10)], 0.1 * np.arange(10)),
+        (
+            NAMES,
+            [f"2026-12-31 23:59:{55 + k}.5" for k in range(5)] + [f"2027-01-01 00:00:0{k}.5Z" for k in range(5)],
+            None,
+        ),
+        (NAMES, [f"10:59:5{k}" for k in range(10)], None),
+        (NAMES, [f"23:59:5{5 + k},25" for k in range(5)] + [f"0:00:0{k},25" for k in range(5)], None),
+        (
+            "Date;" + NAMES,
+            [f"2026-02-28;23:59:5{5 + k}" for k in range(5)] + [f"2026-03-01;00:00:0{k}" for k in range(5)],
+            None,
+        ),
+        (NAMES, [f"2026-03-01T1{1 + k % 2}:00:0{k}+0{1 + k % 2}:00" for k in range(10)], None),
+        (NAMES.replace("Time", "Time [hh:mm:ss]"), [f"10:00:{50 + k}" for k in range(10)], None),
+    ],
+    ids=["stamps", "new year", "clock", "midnight", "two columns", "zones", "a format for a unit"],
+)
+def test_time_stamps_are_seconds_from_the_first(tmp_path, head, times, expected):
+    path = tmp_path / "a.csv"
+    path.write_text(head + stamped(times))
+    record = read(path)
+    np.testing.assert_allclose(record.time, np.arange(10.0) if expected is None else expected, atol=1e-9)
+    assert record.force == pytest.approx([row[2] for row in ROWS])
+    assert record.provenance["first_sample"] == times[0].replace(";", " ")
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        (
+            ["10:00:00"] * 5 + ["10:00:01"] * 5,
+            r"lines 2 and 3 have the same time stamp \(8 such pairs\): the clock is coarser",
+        ),
+        (
+            [f"10:00:0{k}" for k in range(9)] + ["10:60:00"],
+            r"line 11: '10:60:00' is not a time of day; repair or cut out",
+        ),
+        ([f"10:00:0{k}" for k in range(9)] + ["09:00:00"], r"time\[9\] = -3600 s does not come after 8 s"),
+        (
+            [f"2026-02-{20 + k}T10:00:00" for k in range(10)],
+            r"line 11: '2026-02-29T10:00:00' is not a date with a time of day",
+        ),
+        ([f"2026-02-{10 + k}" for k in range(10)], r"the column of the time holds dates alone \(2026-02-10\)"),
+    ],
+)
+def test_time_stamps_that_cannot_be(tmp_path, times, message):
+    (tmp_path / "a.csv").write_text(NAMES + stamped(times))
+    with pytest.raises(FileError, match=r"a\.csv: " + message):
+        read(tmp_path / "a.csv")
+
+
+def test_an_interval_in_the_place_of_a_coarse_clock(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(NAMES + stamped(["10:00:00"] * 10))
+    assert read(path, columns={"time": "-"}, dt="5 ms").time == pytest.approx(0.005 * np.arange(10))
+    with pytest.raises(
+        FileError, match=r"dt = 0.005 s was given, but the column 'Time' is the time; leave one of them out"
+    ):
+        read(path, dt=0.005)
+    with pytest.raises(FileError, match=r"the column of the force holds '10:00:00', which is no number"):
+        read(path, columns={"force": 0, "time": None}, dt=0.005)
+
+
+def test_a_column_by_its_full_header(tmp_path):
+    path = tmp_path / "a.csv"
+    head = "time [s],Displacement (V),Displacement (mm),force [N]\n"
+    path.write_text(head + "\n".join(f"{t},{x / 4},{x},{f}" for t, x, f in ROWS))
+    for said in ("Displacement (mm)", "displacement [MM]", 2, "2"):
+        assert read(path, columns={"displacement": said}).displacement == pytest.approx([1e-3 * row[1] for row in ROWS])
+    with pytest.raises(
+        FileError, match=r"columns Displacement \[V\] and Displacement \[mm\] could all be the displacement"
+    ):
+        read(path)
+    both = r"2 columns are called 'Displacement' \('Displacement \[V\]' is number 1 and 'Displacement \[mm\]' is number 2\)"
+    with pytest.raises(FileError, match=both):
+        read(path, columns={"displacement": "Displacement"})
+    with pytest.raises(
+        FileError, match=r"there is no column 'Displacement \(in\)'; choose from time \[s\], Displacement \[V\], "
+    ):
+        read(path, columns={"displacement": "Displacement (in)"})
+    with pytest.raises(FileError, match=r"the column 0 is declared as the time and as the force; name two columns"):
+        read(path, columns={"displacement": 2, "time": 0, "force": 0})
+
+
+def test_a_file_without_header_after_lines_of_text(tmp_path):
+    said = {
+        "columns": {"time": 0, "displacement": 1, "force": 2},
+        "units": {"time": "s", "displacement": "mm", "force": "N"},
+    }
+    text = "Damper no. 3, tested in May\n500 Hz, 2 N preload, all well\n"
+    for k, (before, more) in enumerate([("", {}), (text, {}), ("1 2 3 4\n", {"header": 1}), (text, {"header": 0})]):
+        path = tmp_path / f"{k}.txt"
+        path.write_text(before + lines(" "))
+        assert read(path, **said, **more).force == pytest.approx([row[2] for row in ROWS])
+    with pytest.raises(
+        FileError, match=r"the header names 7 columns and the first line has 3 numbers; .*--header 0, header=0"
+    ):
+        read(tmp_path / "1.txt", units=said["units"])
+    with pytest.raises(FileError, match=r"header = 99, but the file has 12 lines; give the line of the names, from 1"):
+        read(tmp_path / "1.txt", **said, header=99)
+
+
+def test_the_line_of_the_names_can_be_said(tmp_path):
+    path = tmp_path / "a.dat"
+    path.write_text("t x f\ns mm N\n-- -- --\nstarted by hand now\n" + lines(" "))
+    assert read(path, header=1).displacement == pytest.approx([1e-3 * row[1] for row in ROWS])
+
+
+def test_a_first_line_with_a_word_in_it_is_no_header(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time [s],displacement [mm],force [N]\n0,zero,0\n" + lines(",").replace("0,", "0.001,", 1))
+    with pytest.raises(FileError, match=r"line 2: 'zero' is not a number; repair or cut out the line"):
+        read(path)
+
+
+@pytest.mark.parametrize("unit", ["Sec", "sec"])
+def test_a_testing_machine_writes_units_below_the_names(tmp_path, unit):
+    path = tmp_path / "a.dat"
+    names = f"Time\tAxial Displacement\tAxial Force\tTemperature\n{unit}\tmm\tkN\tdeg_C\n"
+    body = "\n".join(f"{t}\t{x}\t{f / 1e3}\t21.5" for t, x, f in ROWS)
+    path.write_text("Header Data:\tBlock\nDate\t3/1/2026 10:00:00\n\n" + names + body)
+    record = read(
+        path, columns={"displacement": "Axial Displacement", "force": "Axial Force (kN)"}, units={"time": "s"}
+    )
+    assert record.force == pytest.approx([row[2] for row in ROWS])
+    assert record.temperature == pytest.approx(np.full(10, 21.5))
+
+
+@pytest.mark.parametrize(("unit", "value"), [("degF", 68.0), ("K", 293.15), ("C", 20.0), ("deg F", 68.0), ("°C", 20.0)])
+def test_a_temperature_in_its_units(tmp_path, unit, value):
+    path = tmp_path / "a.csv"
+    path.write_text(f"t [s],x [mm],f [N],temp [{unit}]\n" + "\n".join(f"{t},{x},{f},{value}" for t, x, f in ROWS))
+    assert read(path).temperature == pytest.approx(np.full(10, 20.0))
+    path.write_text("t [s],x [mm],f [N],temp\n" + "\n".join(f"{t},{x},{f},{value}" for t, x, f in ROWS))
+    assert read(path, units={"temperature": unit}).temperature == pytest.approx(np.full(10, 20.0))
+
+
+def test_the_sign_of_the_force_is_turned_where_it_is_declared(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(HEAD + lines(","))
+    plain, turned = read(path), read(path, force_sign=-1)
+    assert np.array_equal(turned.force, -plain.force)
+    assert turned.history[-1] == "force turned, as its sign was declared"
+    assert np.array_equal(read(path, force_sign=1).force, plain.force)
+    with pytest.raises(FileError, match=r"force_sign = -2 is not allowed; it must be -1, which turns the force, or 1"):
+        read(path, force_sign=-2)
+
+
+def test_session_and_specimen_go_through_comments(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(HEAD + lines(","))
+    record = read(path, measurement_session="day 1", specimen="no. 7, the long one")
+    again = read(write(record, tmp_path / "b.csv"))
+    assert (again.measurement_session, again.specimen) == ("day 1", "no. 7, the long one")
+    assert np.array_equal(again.force, record.force)
+    stated = read(tmp_path / "b.csv", specimen="no. 8")
+    assert (stated.specimen, stated.history[-1]) == (
+        "no. 8",
+        "specimen 'no. 8' as stated, 'no. 7, the long one' in the file",
+    )

@@ -15,7 +15,7 @@ from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 from dampyr.report import Section, Text
 from dampyr.report.fit_page import write_fit_page
-from dampyr.report.fit_sections import correlation_blocks, parameter_table
+from dampyr.report.fit_sections import correlation_blocks, parameter_tables
 from dampyr.report.prediction_section import prediction_section
 from dampyr.report.range_section import range_section, range_table
 
@@ -99,7 +99,7 @@ def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> N
     titles = reader.inside("h2")
     for title in ("In short", "Parameters", "Calibrated range", "Residuals"):
         assert title in titles
-    assert set(fit_result.parameters) <= set(reader.inside("td"))
+    assert {label.partition(" @ ")[0] for label in fit_result.parameters} <= set(reader.inside("td"))
     assert not re.search(r"\bnan\b|\binf\b", " ".join(reader.inside("p") + reader.inside("td") + reader.inside("text")))
     fixed = set(re.findall(r"(?:fill|stroke): (#\w+)", html))
     assert fixed <= {"#ffffff"}, "a fixed colour would vanish on a dark page"
@@ -111,16 +111,16 @@ def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> N
 
 def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path: Path) -> None:
     fit_result = fit("dahl", [*records((0.0,), 3), *records((2.0,), 2)], laws={"dahl.rho": "constant"})
-    table = parameter_table(fit_result)
-    rows = {row[0]: dict(zip(table.columns, row, strict=True)) for row in table.rows}
-    assert rows["dahl.kx @ 2 V"]["95 % from"] is rows["dahl.kx @ 2 V"]["to"] is None
-    assert {name: row["error holds"] for name, row in rows.items()} == {
-        "dahl.kx @ 0 V": "between records",
-        "dahl.kx @ 2 V": "within these records only",
-        "dahl.kw @ 0 V": "between records",
-        "dahl.kw @ 2 V": "within these records only",
-        "dahl.rho": "between records",
-    }
+    values, errors = parameter_tables(fit_result)
+    assert values.columns == ("parameter", "unit", "all inputs", "0 V", "2 V")
+    by_name = {row[0]: row for row in values.rows}
+    assert "±" in by_name["dahl.kx"][3]
+    assert "no interval" in by_name["dahl.kx"][4]
+    assert by_name["dahl.rho"][3:] == ["", ""]
+    assert "±" in by_name["dahl.rho"][2]
+    labelled = [row[4] for row in errors.rows if row[4]]
+    assert all("within these records only" in cell for cell in labelled)
+    assert len(labelled) == 2
     html = write_fit_page(fit_result, tmp_path / "page.html").read_text("utf-8")
     assert "2 of these errors hold within these records only" in html
     assert "between-record variance is not estimated from 2 records" in html.lower()
@@ -128,11 +128,15 @@ def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path
 
 def test_intervals_are_those_of_the_fit_in_the_units_of_people() -> None:
     fit_result = fit("dahl", records(each=3))
-    assert "error holds" not in parameter_table(fit_result).columns
-    row = next(row for row in parameter_table(fit_result).rows if row[0] == "dahl.kx @ 1 V")
-    low, high = fit_result.intervals()["dahl.kx @ 1 V"]
-    assert row[1:4] == pytest.approx([1e-3 * fit_result.parameters["dahl.kx @ 1 V"], 1e-3 * low, 1e-3 * high])
-    assert row[-1] == "N s/mm"
+    values, errors = parameter_tables(fit_result)
+    row = next(row for row in values.rows if row[0] == "dahl.kx")
+    label = "dahl.kx @ 1 V"
+    low, high = fit_result.intervals()[label]
+    shown = row[values.columns.index("1 V")]
+    assert shown == f"{1e-3 * fit_result.parameters[label]:.4g} ± {0.5e-3 * (high - low):.2g}"
+    assert row[1] == "N s/mm"
+    error = next(row for row in errors.rows if row[0] == "dahl.kx")[errors.columns.index("1 V")]
+    assert error == f"{1e-3 * fit_result.stderr[label]:.2g} ({1e-3 * fit_result.naive_stderr[label]:.2g})"
 
 
 def test_strong_pairs_are_told_in_words(joint: Fit) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
-from dampyr.ground_motions import GroundMotion, el_centro
+from dampyr.ground_motions import GroundMotion, el_centro, resampled
 from dampyr.models import Damper
 from dampyr.structures import Building, available_control_laws, control_law, respond, two_storey
 from dampyr.studies import raminelli_2020
@@ -164,7 +164,7 @@ def test_every_law_does_better_than_the_damper_without_input(damper):
         response = respond(two_storey(), el_centro(), {1: damper}, voltage=control_law(name, high=HIGH))
         assert passive_on.peak_displacement[0] < response.peak_displacement[0] < passive_off.peak_displacement[0]
         assert response.peak_drift[1] < min(passive_on.peak_drift[1], passive_off.peak_drift[1])
-        assert 0.0 < response.input.mean() < HIGH
+        assert 0.0 < response.mean_input[0] < HIGH
 
 
 def test_the_input_is_held_between_decisions(damper):
@@ -172,6 +172,22 @@ def test_the_input_is_held_between_decisions(damper):
     held = response.input[0, 1:].reshape(-1)[:1555].reshape(-1, 5)  # a jump at a sample shows at the next one
     assert np.all(held == held[:, :1])
     assert np.unique(held[:, 0]).size > 10
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.004])
+def test_the_mean_input_is_one_over_time(damper, lag):
+    """Laws decide every 5 ms and the motion has a sample every 20: the mean is that of the same motion with 5 ms, and less."""
+    motion = short(8.0)
+    law = control_law("clipped_optimal", high=HIGH, lag=lag)
+    response = respond(two_storey(), motion, {1: damper, 2: damper}, voltage={1: law, 2: 1.0}, step=0.00125)
+    fine = resampled(motion, 0.005 if lag == 0.0 else 0.00125)
+    expected = respond(two_storey(), fine, {1: damper, 2: damper}, voltage={1: law, 2: 1.0}, step=0.00125)
+    assert response.displacement == pytest.approx(expected.displacement[:, :: round(motion.dt / fine.dt)], abs=1e-12)
+    u = expected.input[0]
+    mean = u[1:].mean() if lag == 0.0 else np.trapezoid(u, expected.time) / expected.time[-1]
+    assert response.mean_input == pytest.approx([mean, 1.0], rel=1e-12 if lag == 0.0 else 5e-3)
+    assert response.to_xarray().mean_input.attrs["units"] == "V"
+    assert response.as_dict()["mean_input"] == response.mean_input.tolist()
 
 
 def test_the_coil_follows_its_command_by_the_exponential(damper):

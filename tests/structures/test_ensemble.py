@@ -17,7 +17,18 @@ from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.models.codegen.composition import compose
-from dampyr.structures import Building, control_law, ensemble, read_ensemble, respond, shear_building, two_storey
+from dampyr.report.ensemble_page import trust
+from dampyr.structures import (
+    Building,
+    collect,
+    control_law,
+    ensemble,
+    read_ensemble,
+    respond,
+    shear_building,
+    two_storey,
+    write_part,
+)
 from dampyr.structures.batch.engine import engine
 from dampyr.structures.batch.modal import classical_modes
 from dampyr.structures.ensemble import run
@@ -53,6 +64,26 @@ def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list[G
                 np.testing.assert_allclose(here.stroke, one.peak_drift[:1], rtol=1e-3)
                 np.testing.assert_allclose(here.energy, one.energy.dampers[:, -1], rtol=2e-3)
                 np.testing.assert_allclose(here.acceleration, one.peak_acceleration, rtol=2e-2)
+
+
+def test_cases_go_on_after_their_records(cubics: Damper, tmp_path: Path) -> None:
+    """As `respond` does; the file, its parts and the page say for how long, and a file without it is another ensemble."""
+    short = GroundMotion(el_centro().acceleration[:110], 0.02, "start of El Centro")
+    given = (two_storey(), short, [None, cubics], 1.0)
+    data = ensemble(*given, accuracy="strict", after=2.5, out=tmp_path / "peaks.h5")
+    for k, dampers in enumerate(({}, {1: cubics})):
+        one = respond(two_storey(), short, dampers, voltage=1.0 if dampers else None, after=2.5)
+        np.testing.assert_allclose(data.drift.values[0, k].ravel(), one.peak_drift, rtol=1e-3)
+    assert data.drift.values[0, 0].ravel()[1] > 1.05 * ensemble(*given).drift.values[0, 0].ravel()[1]
+    assert read_ensemble(tmp_path / "peaks.h5").identical(data)
+    assert data.attrs["after_s"] == 2.5
+    assert "Each case ends 2.5 s after the record." in trust(data)
+    with pytest.raises(FileError, match="holds another ensemble"):
+        ensemble(*given, accuracy="strict", out=tmp_path / "peaks.h5")
+    write_part(cases(*given, accuracy="strict", after=2.5), 1, 1, tmp_path / "parts")
+    assert collect(tmp_path / "parts").attrs["after_s"] == 2.5
+    with pytest.raises(InputError, match="after = -1 s is not allowed"):
+        ensemble(*given, after=-1)
 
 
 @pytest.mark.parametrize("precision", [64, 32])

@@ -83,6 +83,16 @@ def test_uncensored_capacities_have_the_moments_of_their_logarithms() -> None:
     assert curve.beta == pytest.approx(np.log(capacity).std(), rel=1e-9)
 
 
+@pytest.mark.parametrize("draws", [1, 3])
+def test_the_spread_of_first_exceedances_is_the_unbiased_one(draws: int) -> None:
+    """Baker (2015), equation 3; equal draws of the damper are no more motions."""
+    [curve] = fragility(made(drawn(6, draws=draws), dampers=("damper",) * draws), "drift", 1.0, "scale", draws=0).curves
+    logs = np.log(drawn(6)[0, 0])
+    assert curve.capacities.observed == 6 * draws
+    assert curve.direct.theta == pytest.approx(np.exp(logs.mean()), rel=1e-9)
+    assert curve.direct.beta == pytest.approx(logs.std(ddof=1), rel=1e-9)
+
+
 def test_first_exceedances_lie_where_the_peak_crosses() -> None:
     capacity = drawn(30, theta=2.5, beta=0.7)
     [curve] = fragility(made(capacity), "drift", 1.0, "scale", draws=0).curves

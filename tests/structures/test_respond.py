@@ -8,7 +8,7 @@ import pytest
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.models import Damper
-from dampyr.structures import Building, respond, shear_building, two_storey
+from dampyr.structures import Building, respond, shear_building, single_mass, two_storey
 
 
 def short(seconds: float, scale: float = 1.0) -> GroundMotion:
@@ -371,3 +371,25 @@ def test_strict_keeps_every_random_case_under_a_tenth_of_a_percent(cubics):
         fine = respond(two_storey(), motion, {storey: cubics}, voltage=voltage, step=1e-4)
         assert strict.peak_displacement == pytest.approx(fine.peak_displacement, rel=1e-3)
         assert strict.peak_drift == pytest.approx(fine.peak_drift, rel=1e-3)
+
+
+def test_a_response_goes_on_after_the_record() -> None:
+    """A pulse on an oscillator of 5 s, whose peak comes after it: that of the free vibration, by its closed form."""
+    motion = GroundMotion(np.array([0.0, 1.0, 1.0, 0.0]), 0.1, "pulse")
+    omega, zeta = 2 * np.pi / 5.0, 0.02
+    tower = single_mass(100.0, stiffness=100.0 * omega**2, damping_ratio=zeta)
+    ended, gone_on = respond(tower, motion), respond(tower, motion, after=10.0)
+    assert gone_on.time[-1] == pytest.approx(10.3)
+    np.testing.assert_allclose(gone_on.displacement[:, :4], ended.displacement, rtol=1e-12)
+    damped = omega * np.sqrt(1 - zeta**2)
+    x, v = ended.displacement[0, -1], ended.velocity[0, -1]
+    t = np.linspace(0.0, 5.0, 50_001)
+    free = np.exp(-zeta * omega * t) * (x * np.cos(damped * t) + (v + zeta * omega * x) / damped * np.sin(damped * t))
+    assert gone_on.peak_displacement[0] == pytest.approx(np.abs(free).max(), rel=1e-6)
+    assert gone_on.peak_displacement[0] > 5 * ended.peak_displacement[0]
+    assert "ends with the record: what still swings then may reach its peak later" in repr(ended)
+    assert "ends 10 s after the record" in repr(gone_on)
+    assert (ended.as_dict()["after_s"], gone_on.to_xarray().attrs["after_s"]) == (0.0, 10.0)
+    for wrong in (-1.0, np.nan, True):
+        with pytest.raises(InputError, match=r"after = .* s is not allowed; it must be at least 0"):
+            respond(tower, motion, after=wrong)

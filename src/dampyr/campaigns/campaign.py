@@ -23,6 +23,7 @@ from dampyr.campaigns.step import Length, shown, words
 from dampyr.campaigns.steps.quasi_static import QuasiStatic
 from dampyr.config import fill, load_toml, unknown, value_of
 from dampyr.errors import DampyrError, FileError, InputError, MissingData
+from dampyr.records.record import GROUPS, as_group
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing
 from dampyr.units import Quantity, round_trip
 
@@ -39,6 +40,10 @@ class Header:
     name: Annotated[str, "of the campaign"] = ""
     operator: Annotated[str, "who answers for it"] = ""
     note: Annotated[str, "kept with every record"] = ""
+    measurement_session: Annotated[
+        str, "one day's records on one mounting; kept with every record; empty: the day of the run and the specimen"
+    ] = ""
+    specimen: Annotated[str, "which damper is tested; kept with every record; empty: as the rig's file says"] = ""
     seed: Annotated[int, "of the random order"] = 0
     order: Annotated[str, '"as written" or "random"; warm-ups and rests keep their place'] = "as written"
     rest_between: Annotated[float, Quantity("s", low=0.0, high=3600.0), "from one test to the next"] = 5.0
@@ -51,6 +56,9 @@ class Header:
             raise InputError(f"order = {self.order!r} is not known; choose from {', '.join(ORDERS)}")
         if self.seed < 0:
             raise InputError(f"seed = {self.seed} is not allowed; it must be at least 0")
+        for name in GROUPS:
+            if getattr(self, name):
+                object.__setattr__(self, name, as_group(name, getattr(self, name)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,6 +116,8 @@ class Campaign(Representation):
             ("rest", f"{header.rest_between:g} s between tests"),
             ("operator", header.operator),
             ("note", header.note),
+            ("session", header.measurement_session),
+            ("specimen", header.specimen),
             ("digest", self.digest),
         ]
         return f"Campaign {header.name!r}", [row for row in rows if row[1]]

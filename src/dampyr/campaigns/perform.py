@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 
 from dampyr.campaigns.campaign import Campaign, read
@@ -14,7 +15,7 @@ from dampyr.campaigns.journal import Journal
 from dampyr.campaigns.monitor import Watch, time_left
 from dampyr.campaigns.plan import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
-from dampyr.campaigns.record_test import as_json, check_disk, file_of, reason, take
+from dampyr.campaigns.record_test import as_json, check_disk, file_of, groups_of, reason, take
 from dampyr.campaigns.recorded_tests import INTERRUPTED, last_try, recorded
 from dampyr.campaigns.run_control import Control, Progress
 from dampyr.errors import DampyrWarning, FileError
@@ -137,6 +138,8 @@ class _Run:
     journal: Journal
     progress: Watcher
     control: Control
+    groups: Mapping[str, str] = field(default_factory=dict)
+    """The session and the specimen of every test of this run."""
 
     def left(self) -> list[PlannedTest]:
         """The incomplete tests, in their order."""
@@ -145,7 +148,8 @@ class _Run:
 
     def perform(self) -> None:
         left = self.left()
-        check_disk(self.folder, self.rig, left, self.plan.campaign)
+        self.groups = groups_of(self.rig.settings, self.plan.campaign, datetime.now().astimezone())
+        check_disk(self.folder, self.rig, left, self.plan.campaign, self.groups)
         self.journal.note("armed", f"{len(left)} of {len(self.plan.tests)} tests to run; {self.rig.identity}")
         try:
             with self.rig.armed() as table:
@@ -201,7 +205,8 @@ class _Run:
                 gone = (samples.first + samples.n - first[0]) / self.rig.settings.board.rate
                 self._show(table, test, watch, samples, remaining, gone)
 
-            take(table, test, self.plan.campaign, file_of(self.folder, test.name, attempt), attempt, seen)
+            path = file_of(self.folder, test.name, attempt)
+            take(table, test, self.plan.campaign, path, attempt, self.groups, seen)
         except BaseException as problem:
             outcome = reason(problem)
             with _noted(problem):

@@ -6,7 +6,7 @@ import dataclasses
 import json
 import math
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -21,7 +21,7 @@ from dampyr.campaigns.plan import PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
-from dampyr.records.record import Array, Label
+from dampyr.records.record import Array, Label, as_group
 from dampyr.records.recording import Header, RawChannel, Recording, check_disk_space
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
@@ -43,11 +43,12 @@ def take(
     campaign: Campaign,
     path: Path,
     attempt: int,
+    groups: Mapping[str, str],
     seen: Callable[[Samples], None],
 ) -> Path:
     """Play a test and record it. The file says how it ended; what ended it early is raised again."""
     table.go(float(planned.drive.displacement[0]))
-    record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt)
+    record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups)
     recording = Recording(path, capacity(planned.drive, table.rig), record_header)
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
     with ended(recording, table, started):
@@ -125,15 +126,39 @@ def capacity(drive: Drive, rig: Rig) -> int:
     return round(((last - drive.record_from) * drive.period + SPARE) * rig.settings.board.rate) + 1
 
 
-def check_disk(folder: Path, rig: Rig, tests: list[PlannedTest], campaign: Campaign) -> None:
+def check_disk(folder: Path, rig: Rig, tests: list[PlannedTest], campaign: Campaign, groups: Mapping[str, str]) -> None:
     """Raise :class:`~dampyr.errors.FileError` where the disk has no space for one of the tests."""
     assert rig.calibration is not None
     largest = max(tests, key=lambda test: capacity(test.drive, rig))
-    record_header = header(rig, rig.calibration, largest, campaign, 1)
+    record_header = header(rig, rig.calibration, largest, campaign, 1, groups)
     check_disk_space(folder, largest.name, record_header, capacity(largest.drive, rig))
 
 
-def header(rig: Rig, calibration: Calibration, planned: PlannedTest, campaign: Campaign, attempt: int) -> Header:
+def groups_of(rig: RigSettings, campaign: Campaign, started: datetime) -> dict[str, str]:
+    """The session and the specimen of the tests of a run that began at ``started``.
+
+    They are as the campaign states them. Else the specimen is what the rig's file calls it, or its card or data sheet without
+    a name; and the session is the day, in local time, and the specimen: the tests of one run, even past midnight, and those of
+    further runs on that day. Who mounts the damper anew within a day has to state the session.
+    """
+    body = rig.specimen
+    specimen = campaign.header.specimen or body.name or Path(body.card).stem or body.data_sheet
+    day = started.astimezone().date().isoformat()
+    session = campaign.header.measurement_session or f"{day} {specimen}"
+    named = {
+        name: as_group(name, text) for name, text in (("measurement_session", session), ("specimen", specimen)) if text
+    }
+    return {name: text for name, text in named.items() if text}
+
+
+def header(
+    rig: Rig,
+    calibration: Calibration,
+    planned: PlannedTest,
+    campaign: Campaign,
+    attempt: int,
+    groups: Mapping[str, str],
+) -> Header:
     """The header of the file, complete before the test begins."""
     drive = planned.drive
     voltage = drive.voltage[drive.record_from : drive.record_to]
@@ -164,6 +189,7 @@ def header(rig: Rig, calibration: Calibration, planned: PlannedTest, campaign: C
         label=label(planned.step),
         provenance=provenance(rig, calibration, planned, campaign),
         derived=("velocity",),
+        **groups,
     )
 
 

@@ -34,10 +34,10 @@ def inputs_for(
 
 
 def damper_of(card: Path | None) -> Damper:
-    """The damper of a card, or the published one of Raminelli (2020) without a card."""
-    from dampyr import models, studies
+    """The damper of a card, a published one by its name, or that of Raminelli (2020) without either."""
+    from dampyr import studies
 
-    return studies.published_damper(studies.THESIS) if card is None else models.Damper.load(card)
+    return studies.load_damper(studies.THESIS if card is None else card)
 
 
 def place_of(storey: int | None, between: tuple[str, str] | None) -> Any:

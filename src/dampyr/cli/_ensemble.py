@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._control import control_option, damper_of, inputs_for, place_of
-from dampyr.cli._motion import acceleration
+from dampyr.cli._motion import acceleration, after_option
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ class EnsembleRequest:
     pga: str
     seed: int
     scales: tuple[str, ...]
+    after: float
     accuracy: str
     precision: str
     allow_extrapolation: bool
@@ -71,6 +72,7 @@ class EnsembleRequest:
             draws=self.draws,
             seed=self.seed,
             scales=tuple(scales(self.scales)),
+            after=self.after,
             limits=limits,
             intensity=intensity,
             accuracy=self.accuracy,
@@ -110,6 +112,7 @@ def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--pga", default="0.3g", metavar="A", help="Of synthetic motions.  [default: 0.3g]"),
         click.option("--seed", type=int, default=1, help="Of motions, draws and bands.  [default: 1]"),
         click.option("--scale", "scales", multiple=True, metavar="LIST", help="Such as 0.5,1,2 or 0.1:3:0.1."),
+        after_option,
         click.option("--accuracy", type=click.Choice(["fast", "strict"]), default="fast", help="[default: fast]"),
         click.option("--precision", type=click.Choice(["64", "32"]), default="64", help="Bits.  [default: 64]"),
         click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range."),

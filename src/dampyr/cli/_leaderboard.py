@@ -22,31 +22,36 @@ def cores() -> int:
 
 def print_leaderboard(board: Leaderboard) -> None:
     """The finalists, then what was screened."""
+    from dampyr.identification.leaderboard import choice_in_words
+
     rows = [
-        [k, e.model, *(100 * v for v in (e.error, e.l1, e.unseen_input, e.nrmse, e.pointwise, e.energy)), e.parameters,
-         e.bic, e.seconds, "yes" if e.converged else "no"]
+        [k, e.model, *(100 * v for v in (e.error, e.standard_error, e.l1, e.unseen_input, e.nrmse, e.pointwise, e.energy)),
+         e.parameters, e.seconds, "yes" if e.converged else "no", "no" if e.not_for_buildings else "yes"]
         for k, e in enumerate(board.entries, start=1)
     ]  # fmt: skip
     names = [
         "",
         "model",
         "error",
+        "±",
         "L1",
         "unseen input",
         "NRMSE",
         "pointwise",
         "energy",
         "parameters",
-        "BIC",
         "fit",
         "converged",
+        "building",
     ]
     notes = [
+        *choice_in_words(board),
         "error: 3/4 of L1 over records left out (five parts), 1/4 of L1 over inputs left out; every score is of a prediction",
+        "±: one standard error; building: whether the model may stand in for a damper of a building",
         f"velocity {board.velocity}; {board.seconds:.0f} s in all",
         *board.left_out,
     ]
-    units = ["", "", "%", "%", "%", "%", "%", "%", "", "", "s", ""]
+    units = ["", "", "%", "%", "%", "%", "%", "%", "%", "", "s", "", ""]
     print_table("Which model predicts best", names, rows, units, digits=3, notes=notes)
     print()
     print_screened(board)

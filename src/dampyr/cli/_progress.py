@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-QUIET = 20.0  # s between two lines about one stage in a log
+QUIET = 8.0  # s between two lines about one stage in a log
 
 
 @contextmanager
@@ -39,7 +39,7 @@ def _lines() -> Callable[[str, float], None]:
         nonlocal last
         now = time.monotonic()
         new = stage not in reported
-        if new or (now - last >= QUIET and 0.0 < done < 1.0):
+        if new or (now - last >= QUIET and done < 1.0):
             reported.add(stage)
             last = now
             print(f"{now - start:6.1f} s  {stage}{'' if new else f', {done:.0%}'}", file=sys.stderr, flush=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import wraps
@@ -19,12 +20,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reading:
-    """Metadata that the command line gives for files without it."""
+    """Metadata that the command line gives for files without it, by the arguments of `records.read`; and how to cut them."""
 
-    voltage: float | None
-    current: float | None
-    units: dict[str, str] | None
-    columns: dict[str, str] | None
+    said: dict[str, Any]
+    cut: str | None = None
 
 
 def role_option(what: str = "Of a folder.") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -37,24 +36,50 @@ def _role(chosen: str) -> str | None:
     return None if chosen == "all" else chosen
 
 
+OPTIONS = (
+    click.option("--voltage", type=float, help="V at the coil, for all files; a measured column gives way to it."),
+    click.option("--current", type=float, help="A, for all files; a measured column gives way to it."),
+    click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm."),
+    click.option(
+        "--column",
+        "columns",
+        multiple=True,
+        metavar="CHANNEL=NAME",
+        help="Such as force='Load cell', 'displacement=Displacement (mm)', its number from 0, or - for none.",
+    ),
+    click.option("--dt", metavar="TIME", help="Sampling interval of files without a time, such as 2ms; else in s."),
+    click.option("--header", type=int, metavar="LINE", help="Line of the names in a text, from 1; 0: there is none."),
+    click.option("--variable", metavar="NAME", help="Matrix of a MATLAB file whose columns are given by number."),
+    click.option("--force-sign", type=int, metavar="SIGN", help="-1 turns the force of all files."),
+    click.option("--measurement-session", metavar="NAME", help="One day's records on one mounting, for all files."),
+    click.option("--specimen", metavar="NAME", help="Which damper it is, for all files."),
+    click.option(
+        "--smoothed",
+        metavar="WINDOW",
+        help="The files' channels went through a moving average: '0.3 s', '15 samples' or '0.1 periods', ', trailing'.",
+    ),
+    click.option(
+        "--lowpass", metavar="HZ", help="Displacement above it is noise; '15 f': 15 times the motion's frequency."
+    ),
+    click.option(
+        "--cut", metavar="TIME|events", help="Cut every record, such as every 5s, or at the rests between events."
+    ),
+)
+
+
 def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options ``--voltage --current --unit --column``; they come as ``reading``, a `Reading`."""
+    """The options `OPTIONS`; they come as ``reading``, a `Reading`."""
 
-    @click.option("--voltage", type=float, help="V at the coil, for all files; a measured column gives way to it.")
-    @click.option("--current", type=float, help="A, for all files; a measured column gives way to it.")
-    @click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm.")
-    @click.option("--column", "columns", multiple=True, metavar="CHANNEL=NAME", help="Such as force='Load cell'.")
     @wraps(command)
-    def wrapped(
-        *rest: Any,
-        voltage: float | None,
-        current: float | None,
-        units: tuple[str, ...],
-        columns: tuple[str, ...],
-        **options: Any,
-    ) -> Any:
-        return command(*rest, reading=Reading(voltage, current, pairs(units), pairs(columns)), **options)
+    def wrapped(*rest: Any, units: tuple[str, ...], columns: tuple[str, ...], cut: str | None, **options: Any) -> Any:
+        from dampyr.records.record_files import Layout
 
+        said = {name: options.pop(name) for name in ("voltage", "current", *Layout.__annotations__)}
+        said |= {"units": pairs(units), "columns": pairs(columns)}
+        return command(*rest, reading=Reading({k: v for k, v in said.items() if v is not None}, cut), **options)
+
+    for option in reversed(OPTIONS):
+        wrapped = option(wrapped)
     return wrapped
 
 
@@ -75,12 +100,19 @@ def gather(
     measured: list[Record] = []
     for path in paths:
         if path.is_dir():
-            measured += records.read_campaign(path, role=role, **vars(reading))  # type: ignore[arg-type]
+            measured += records.read_campaign(path, role=role, **reading.said)  # type: ignore[arg-type]
         else:
-            measured.append(records.read(path, **vars(reading)))
+            measured.append(records.read(path, **reading.said))
     if not measured:
         where, which = ", ".join(map(str, paths)), f" whose role is {role}" if role else ""
         raise InputError(f"no records{which} in {where}; name files, or a folder with records")
+    if reading.cut is not None:
+        measured = [piece for record in measured for piece in records.cut(record, reading.cut)]
+        name, count = Counter(record.name for record in measured).most_common(1)[0]
+        if count > 1:
+            raise InputError(
+                f"{count} records or pieces are called {name!r}; rename a file, or read them without --cut"
+            )
     nominal = records.nominal_inputs(measured, reference_inputs)
     tell_inputs(measured, nominal)
     if warn:

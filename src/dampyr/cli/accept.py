@@ -114,19 +114,16 @@ def _tolerance(share: str, slacks: tuple[str, ...]) -> Tolerance:
 
 def _reference(text: str, reading: Reading) -> Damper | list[Record]:
     from dampyr import studies
-    from dampyr.models import Damper
 
     path = Path(text)
-    if path.suffix.lower() == ".toml":
-        return Damper.load(path)
-    if path.exists():
+    if path.exists() and path.suffix.lower() != ".toml":
         return gather((path,), None, reading)
     names = studies.available_dampers()
-    if text not in names:
+    if path.suffix.lower() != ".toml" and text not in names:
         raise InputError(
             f"{text}: no such file, and no published damper; give a card, records, or one of {', '.join(names)}"
         )
-    return studies.published_damper(text)
+    return studies.load_damper(text)
 
 
 def _print(result: Accepted) -> None:

@@ -51,8 +51,8 @@ def command(
 ) -> None:
     """Run a building through many earthquakes: peaks and fragility.
 
-    CARD is a damper's card; without it the published damper of Raminelli (2020) is taken. Every damper runs at every input
-    under every motion at every scale.
+    CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken.
+    Every damper runs at every input under every motion at every scale.
     """
     wanted = tuple(limit(text, height) for text in limits)
     if height is not None and all(one.height is None for one in wanted):

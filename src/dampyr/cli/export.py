@@ -22,14 +22,15 @@ from dampyr.cli._output import as_json_option, print_json
 def command(
     card: Path, kind: str, out: Path, name: str, without: tuple[str, ...], allow_extrapolation: bool, as_json: bool
 ) -> None:
-    """Write a damper's card for another tool.
+    """Write a damper for another tool.
 
+    CARD is a damper's card, or the name of a published damper.
     What is written refuses inputs outside the calibrated range (in C: the force is NAN) unless allowed here.
     """
     from dampyr.export import export
-    from dampyr.models import Damper
+    from dampyr.studies import load_damper
 
-    written = export(Damper.load(card).without(*without), kind, out, name, allow_extrapolation)
+    written = export(load_damper(card).without(*without), kind, out, name, allow_extrapolation)
     if as_json:
         print_json({"written": written})
         return

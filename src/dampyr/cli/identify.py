@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,8 @@ from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
+
+BUDGET = 240.0  # s: that of dampyr.identification.leaderboard, which is imported only when it runs
 
 if TYPE_CHECKING:
     from dampyr.identification import Fit, Identified, Validation
@@ -42,9 +45,32 @@ if TYPE_CHECKING:
     show_default=True,
     help="squares, huber or l1; the last two are robust against outliers.",
 )
+@click.option(
+    "--weighting",
+    default="records",
+    show_default=True,
+    help="What counts the same in a fit: records or samples.",
+)
+@click.option(
+    "--settling",
+    default=2.0,
+    show_default=True,
+    metavar="S",
+    help="s after the motion starts that are not scored.",
+)
 @click.option("--nuisance", "nuisances", multiple=True, help="gain, temperature: further per-record effects.")
 @click.option("--tie", "tied", multiple=True, metavar="NAME=OTHER", help="One parameter takes the law of another.")
 @click.option("--starts", default=1, show_default=True, help="Number of starting points of the search.")
+@click.option(
+    "--budget",
+    default=BUDGET,
+    show_default=True,
+    metavar="S",
+    help="Without --model: s that the search may take, about.",
+)
+@click.option(
+    "--nested", is_flag=True, help="Without --model: repeat the search without a fifth of the records, 5 times."
+)
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
@@ -59,9 +85,13 @@ def command(
     bandwidth: float | None,
     splits: tuple[str, ...],
     loss: str,
+    weighting: str,
+    settling: float,
     nuisances: tuple[str, ...],
     tied: tuple[str, ...],
     starts: int,
+    budget: float,
+    nested: bool,
     each: bool,
     save: Path | None,
     report: Path | None,
@@ -78,7 +108,7 @@ def command(
     part of every record.
     """
     from dampyr.identification import IdentifyOptions, identify
-    from dampyr.identification.identify import fit_as_dict, identify_each
+    from dampyr.identification.identify import identify_each
 
     if each and (save or report or splits or model is None):
         raise InputError(
@@ -96,6 +126,10 @@ def command(
         nuisances=("offset", "state", *nuisances),
         tied=pairs(tied),
         starts=starts,
+        weighting=weighting,
+        settling=settling,
+        budget=budget,
+        nested=nested,
     )
     records = gather(paths, "fit", reading)
     with stages() as progress:
@@ -104,7 +138,7 @@ def command(
         else:
             result = identify(records, options, progress, cores())
     if each:
-        print_json([fit_as_dict(one) for one in fits]) if as_json else _print_each(fits)
+        print_json([one.as_dict() for one in fits]) if as_json else _print_each(fits)
         return
     if as_json:
         print_json(result.as_dict())
@@ -146,22 +180,19 @@ def _print(result: Identified, records: list[Record]) -> None:
             [name, None, one] if isinstance(one, str) else [name, 100 * one.l1, ""]
             for name, one in result.predicted.items()
         ]
-        print_table("Prediction of the validation records", ["record", "L1", ""], rows, ["", "%", ""], digits=3)
+        notes = [f"{note}." for note in result.beyond.values()]
+        print_table(
+            "Prediction of the validation records", ["record", "L1", ""], rows, ["", "%", ""], digits=3, notes=notes
+        )
 
 
 def _print_fit(fit: Fit) -> None:
-    from dampyr.units import for_people
-
-    rows = []
-    for (name, value), (_, high) in zip(fit.parameters.items(), fit.intervals().values(), strict=True):
-        unit, factor = for_people(fit.units[name])
-        reach = None if name in fit.within_records else (high - value) * factor
-        row = [name, value * factor, reach, fit.stderr[name] * factor, fit.naive_stderr[name] * factor, unit]
-        rows.append([*row, *([fit.error_holds(name)] if fit.within_records else [])])
     notes = [f"The search {fit.reason}.", *(f"{note}." for note in fit.notes)]
-    names = ["parameter", "value", "95 % ±", "standard error", "naive error", "unit"]
-    names += ["error holds"] if fit.within_records else []
-    print_table(f"{fit.problem.composition}, {len(fit.records)} records", names, rows, digits=5, notes=notes)
+    values = "value ± half of the 95 % interval"
+    print_table(f"{fit.problem.composition}, {len(fit.records)} records: {values}", *fit.by_input(), notes=notes)
+    print_table(
+        "Standard errors (naive ones in parentheses, as if samples were independent)", *fit.by_input(errors=True)
+    )
     title = "Goodness of fit (not a prediction)"
     _print_groups(title, list(fit.records), {name: s.l1 for name, s in fit.scores.items()})
 
@@ -169,8 +200,13 @@ def _print_fit(fit: Fit) -> None:
 def _print_prediction(check: Validation, records: list[Record]) -> None:
     """The scores of records that the model was not fitted on, by input."""
     title = f"Prediction of records that it was not fitted on, {len(check.folds)} parts by {check.split}"
-    notes = [f"a part of {len(f.fitted_on)} records gave no damper: {f.reason}" for f in check.folds if not f.scores]
+    notes = [
+        f"a part of {len(f.fitted_on)} records gave no damper: {f.reason}"
+        for f in check.folds
+        if not (f.scores or f.skipped)
+    ]
     notes += [f"a fit on {len(f.fitted_on)} records {f.reason}" for f in check.folds if f.scores and not f.converged]
+    notes += [f"{name} is not scored: {why}" for name, why in check.not_scored.items()]
     _print_groups(title, records, {name: s.l1 for name, s in check.scores.items()}, notes)
 
 
@@ -180,7 +216,8 @@ def _print_groups(title: str, records: list[Record], l1: dict[str, float], notes
     for record in records:
         if record.name in l1:
             groups.setdefault(record.input_value, []).append(l1[record.name])
-    rows = [[u, len(values), 100 * sum(values) / len(values), 100 * max(values)] for u, values in groups.items()]
+    order = sorted(groups, key=lambda u: math.inf if u is None else u)
+    rows = [[u, len(groups[u]), 100 * sum(groups[u]) / len(groups[u]), 100 * max(groups[u])] for u in order]
     names, units = ["input", "records", "mean L1", "worst L1"], [records[0].input or "", "", "%", "%"]
     print_table(title, names, rows, units, digits=3, notes=notes)
 

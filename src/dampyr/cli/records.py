@@ -13,8 +13,8 @@ from dampyr.cli._records import Reading, gather, reading_options, role_option
 if TYPE_CHECKING:
     from dampyr.records import Overview
 
-COLUMNS = ["record", "role", "input", "duration", "frequency", "peak to peak", "peak speed", "mean force", "to look at"]
-UNITS = ["", "", "", "s", "Hz", "mm", "mm/s", "N", ""]
+COLUMNS = ["record", "role", "input", "duration", "frequency", "peak to peak", "peak speed", "mean force"]
+UNITS = ["", "", "", "s", "Hz", "mm", "mm/s", "N"]
 BY_INPUT = ["input", "records", "frequency", "peak to peak", "peak speed"]
 
 
@@ -36,6 +36,7 @@ def command(
     is told. Of a motion that does not repeat itself, the overall stroke is told and its strongest frequency.
     """
     from dampyr import records
+    from dampyr.records.record import GROUPS
 
     places = paths or (records.locate("labcontrol"),)
     record_list = gather(places, role, reading, warn=False)
@@ -47,8 +48,12 @@ def command(
         _print_one(descriptions[0])
     else:
         notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent]
-        print_table(f"{len(descriptions)} records", COLUMNS, [_row(each) for each in descriptions], UNITS, notes=notes)
+        groups = {name: word for name, word in GROUPS.items() if any(each[name] for each in descriptions)}
+        rows = [[*_row(each), *(each[name] for name in groups), "; ".join(each["notes"])] for each in descriptions]
+        names, units = [*COLUMNS, *groups.values(), "to look at"], [*UNITS, *("" for _ in groups), ""]
+        print_table(f"{len(descriptions)} records", names, rows, units, notes=notes)
         _print_by_input(descriptions)
+        _print_smoothing(descriptions)
 
 
 def _without_file(folder: Path) -> list[dict[str, Any]]:
@@ -72,7 +77,6 @@ def _row(description: dict[str, Any]) -> list[Any]:
     stroke = 1e3 * (m.peak_to_peak_m if m else seen.stroke_m)
     speed = 1e3 * (m.peak_speed if m else seen.peak_speed)
     frequency, force = (m.frequency_hz, m.mean_force) if m else (None, None)
-    notes = "; ".join(description["notes"])
     return [
         description["name"],
         description["role"],
@@ -82,7 +86,6 @@ def _row(description: dict[str, Any]) -> list[Any]:
         stroke,
         speed,
         force,
-        notes,
     ]
 
 
@@ -103,6 +106,26 @@ def _print_by_input(descriptions: list[dict[str, Any]]) -> None:
     print_table("By input", BY_INPUT, rows, ["", "", "Hz", "mm", "mm/s"])
 
 
+def _print_smoothing(descriptions: list[dict[str, Any]]) -> None:
+    """How many records show which moving average, and how to declare it."""
+    shown: dict[str, list[str]] = {}
+    for each in descriptions:
+        if each["smoothing"]:
+            one = each["smoothing"][0]
+            window = f"{one.window:.2g} s" if one.periods is None else f"{one.periods:.2g} periods"
+            shown.setdefault(window, []).append(each["name"])
+    if not shown:
+        return
+    rows = [
+        [window, len(names), ", ".join(names[:3]) + (", …" if names[3:] else "")] for window, names in shown.items()
+    ]
+    notes = [
+        "if a laboratory smoothed its files, declare it by pattern in reading.toml: [smoothed] 'sine*' = '0.1 periods'"
+    ]
+    click.echo()
+    print_table("Moving averages that show", ["window", "records", "which"], sorted(rows), ["", "", ""], notes=notes)
+
+
 def _span(values: list[float]) -> str | None:
     if not values:
         return None
@@ -112,10 +135,11 @@ def _span(values: list[float]) -> str | None:
 
 def _print_one(description: dict[str, Any]) -> None:
     """A record in full, one line for each thing known of it."""
-    from dampyr.records.record import CHANNELS
+    from dampyr.records.record import CHANNELS, GROUPS
 
     m, q = description["measured"], description["quality"]
     lines: list[tuple[str, Any]] = [("role", description["role"]), ("input", _input(description))]
+    lines += [(word, description[name]) for name, word in GROUPS.items() if description[name]]
     lines += [("duration", f"{description['duration_s']:.6g} s"), ("samples", f"{q.samples}, every {q.dt:.6g} s")]
     if m:
         lines += [

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dampyr.cli._control import control_option, damper_of, inputs_for, place_of
-from dampyr.cli._motion import Ground, motion_options
+from dampyr.cli._motion import Ground, after_option, motion_options
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 @click.option("--brace", type=float, metavar="N/M", help="Stiffness of a brace in series with the damper.")
 @click.option("--motion", type=click.Path(path_type=Path), help="A ground motion file; without it El Centro 1940.")
 @motion_options
+@after_option
 @click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay where it is the rig's.")
 @click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
 @report_options()
@@ -41,6 +42,7 @@ def command(
     brace: float | None,
     motion: Path | None,
     ground: Ground,
+    after: float,
     without: tuple[str, ...],
     allow_extrapolation: bool,
     report: Path | None,
@@ -48,8 +50,8 @@ def command(
 ) -> None:
     """Simulate the two-storey building with and without a damper.
 
-    CARD is a damper's card; without it the published damper of Raminelli (2020) is taken. The case without damper always
-    comes first, then one case per --voltage (or --current).
+    CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken.
+    The case without damper always comes first, then one case per --voltage (or --current).
     """
     from dampyr import structures
 
@@ -61,6 +63,7 @@ def command(
         brace=brace,
         without=without,
         allow_extrapolation=allow_extrapolation,
+        after=after,
     )
     result = structures.simulate(structures.two_storey(), ground.motion(motion), damper, options)
     if report:
@@ -70,13 +73,13 @@ def command(
     if as_json:
         print_json(result.as_dict())
     else:
-        _print(f"{result.title}: peaks", result.cases)
+        _print(f"{result.title}: peaks", result.cases, result.end)
 
 
-def _print(title: str, cases: Mapping[str, Response]) -> None:
+def _print(title: str, cases: Mapping[str, Response], end: str) -> None:
     rows = [
         [name, *(1e3 * r.peak_displacement), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
-         max(r.peak_force, default=None), r.input.mean() if r.input.size else None, r.scheme]
+         max(r.peak_force, default=None), r.mean_input.mean() if r.mean_input.size else None, r.scheme]
         for name, r in cases.items()
     ]  # fmt: skip
     unit = next((r.input_units[0] for r in cases.values() if r.input_units), "")
@@ -87,4 +90,5 @@ def _print(title: str, cases: Mapping[str, Response]) -> None:
         rows,
         ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", unit, ""],
         digits=5,
+        notes=[f"the response {end}"],
     )

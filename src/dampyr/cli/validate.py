@@ -43,15 +43,16 @@ def command(
 ) -> None:
     """Score a card on records that it predicts.
 
-    The card runs freely along each record of PATHS (files or folders of them); only the offset is taken from the record.
-    Records that the card was fitted on are marked. --forces writes NAME.csv for each record, with its time, displacement,
-    measured force and predicted force; files that this command wrote before are replaced, others never.
+    CARD is a damper's card, or the name of a published damper. It runs freely along each record of PATHS (files or folders of
+    them); only the offset is taken from the record. Records that the card was fitted on are marked. --forces writes NAME.csv
+    for each record, with its time, displacement, measured force and predicted force; files that this command wrote before are
+    replaced, others never.
     """
     from dampyr.identification import ValidateOptions, validate
-    from dampyr.models import Damper
+    from dampyr.studies import load_damper
 
     options = ValidateOptions(settling, allow_extrapolation)
-    damper = Damper.load(card)
+    damper = load_damper(card)
     records = gather(paths, role, reading, reference_inputs=damper.range)
     result = validate(damper, records, options, card=str(card))
     written = result.write_forces(forces) if forces else []

@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from dampyr import studies
 from dampyr.console import safe_paths
-from dampyr.errors import DampyrError
+from dampyr.errors import DampyrError, InputError
 from dampyr.models import Damper
 
 CARDS = "cards"
@@ -29,6 +29,10 @@ def damper_of(data: Path, name: str) -> Damper:
     """The damper of a card of the data folder (``cards/NAME.toml``), or the published one of this name."""
     if name.startswith(f"{CARDS}/"):
         return Damper.load(safe_paths.existing(data, name))
+    if name not in studies.available_dampers():  # never a file of this name wherever the console was started
+        cards = safe_paths.files(data / CARDS, (".toml",))
+        names = [*(f"{CARDS}/{card}" for card in cards), *studies.available_dampers()]
+        raise InputError(f"{name!r} is no card and no published damper; choose from {', '.join(names)}")
     return studies.published_damper(name)
 
 

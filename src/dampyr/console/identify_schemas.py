@@ -16,8 +16,8 @@ Model = Annotated[str, Field(max_length=120, description="Such as dahl + spring.
 class IdentifyRequest(BaseModel):
     """What to identify from which records; validation records are predicted.
 
-    Without a model every model of the catalogue is tried, or those in ``tried``. The values that ``loss`` and ``predict``
-    allow are those of ``/api/identify/choices``.
+    Without a model every model of the catalogue is tried, or those in ``tried``. The values that ``loss``, ``weighting``
+    and ``predict`` allow are those of ``/api/identify/choices``.
     """
 
     records: Keys
@@ -25,13 +25,21 @@ class IdentifyRequest(BaseModel):
     tried: list[Model] = Field(default=[], max_length=30)
     predict: str = Field(default="", max_length=20, description="A split to cross-validate by, or nothing.")
     loss: str = Field(default="squares", max_length=20)
+    weighting: str = Field(default="records", max_length=20)
+    settling: float = Field(default=SETTLING, ge=0, le=1e4, allow_inf_nan=False, description="s, not scored.")
     bandwidth: float | None = Field(default=None, gt=0, le=1e5, allow_inf_nan=False, description="Of the velocity, Hz.")
 
     def options(self) -> IdentifyOptions:
         """The options of `dampyr.identification.identify`."""
         predict = (self.predict,) if self.predict else ()
         return IdentifyOptions(
-            model=self.model, tried=tuple(self.tried), predict=predict, loss=self.loss, bandwidth=self.bandwidth
+            model=self.model,
+            tried=tuple(self.tried),
+            predict=predict,
+            loss=self.loss,
+            weighting=self.weighting,
+            settling=self.settling,
+            bandwidth=self.bandwidth,
         )
 
 

@@ -212,7 +212,7 @@ def _bands(acceptances: Sequence[Acceptance]) -> list[Band]:
     for one in acceptances:
         groups.setdefault((one.input, one.input_value), []).append(one)
     made = []
-    for some in groups.values():
+    for _, some in sorted(groups.items(), key=lambda group: math.inf if group[0][1] is None else group[0][1]):
         for quantity in QUANTITIES[:2]:
             rows = band(some, quantity)
             if rows:

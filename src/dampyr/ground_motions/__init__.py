@@ -10,7 +10,7 @@ Each of ``motion.scaled(1.5)``, ``motion.scaled_to_pga(3.0)``, ``motion.scaled_t
 
 from dampyr.ground_motions.baseline import corrected
 from dampyr.ground_motions.builtin import el_centro
-from dampyr.ground_motions.cutting import padded, trimmed
+from dampyr.ground_motions.cutting import end_in_words, followed_by_rest, padded, trimmed
 from dampyr.ground_motions.envelopes import RisePlateauDecay, ShinozukaSato, stationary
 from dampyr.ground_motions.filters import filtered
 from dampyr.ground_motions.measures import (
@@ -53,6 +53,8 @@ __all__ = [
     "resampled",
     "trimmed",
     "padded",
+    "followed_by_rest",
+    "end_in_words",
     "kanai_tajimi",
     "Soil",
     "FIRM",

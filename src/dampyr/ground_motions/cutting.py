@@ -30,6 +30,20 @@ def trimmed(motion: GroundMotion, low: float = 0.001, high: float = 0.999, margi
     return motion.changed(motion.acceleration[first : last + 1], note)
 
 
+def followed_by_rest(motion: GroundMotion, after: float) -> GroundMotion:
+    """The motion with ``after`` seconds of rest, the same object for 0; InputError for a time that is not allowed."""
+    if isinstance(after, bool) or not math.isfinite(after) or after < 0:
+        raise InputError(f"after = {after!r} s is not allowed; it must be at least 0")
+    return motion if after == 0 else padded(motion, after)
+
+
+def end_in_words(after: float) -> str:
+    """Where a response ends, for tables and pages."""
+    if after > 0:
+        return f"ends {after:g} s after the record"
+    return "ends with the record: what still swings then may reach its peak later"
+
+
 def padded(motion: GroundMotion, seconds: float, before: float = 0.0) -> GroundMotion:
     """The motion with ``seconds`` of rest after it, for the free vibration that follows, and ``before`` seconds before it.
 

@@ -19,6 +19,7 @@ from dampyr.identification.uncertainty import MIN_CYCLES, Uncertainty
 from dampyr.identification.uncertainty import MIN_RECORDS as MIN_INTERVAL_RECORDS
 from dampyr.identification.variable_projection import Outcome
 from dampyr.models.damper import INPUTS
+from dampyr.representation import listing
 
 CHANCE = 0.05  # the usual level
 MIN_RECORDS = 5  # of a trend: a perfect rank correlation of four comes by chance once in twelve
@@ -240,8 +241,11 @@ def notes(
     return [
         *_of_parameters(problem, outcome, uncertainty, labels),
         *_of_few_records(problem, uncertainty, labels, within),
+        *_of_twins(problem),
+        *_of_buildings(problem),
         *_of_motion(problem, outcome),
         *_of_records(problem),
+        *_of_smoothing(problem),
     ]
 
 
@@ -294,6 +298,22 @@ def _limit(problem: Problem, k: int) -> str:
     return [c.quantity.range_in_words() for c in problem.columns for _ in range(c.size)][k]
 
 
+def _of_twins(problem: Problem) -> list[str]:
+    """Parameters of which only the sum is seen, and which of them was held."""
+    by_name = {c.name: c for c in problem.columns}
+    notes = []
+    for name, other in problem.composition.twins.items():
+        if by_name[name].fixed == 0.0 and by_name[other].size:
+            notes.append(
+                f"{name} is held at 0, as {other} has the same effect and only their sum is seen; name it to free it"
+            )
+    return notes
+
+
+def _of_buildings(problem: Problem) -> list[str]:
+    return [problem.composition.not_for_buildings] if problem.composition.not_for_buildings else []
+
+
 def _of_motion(problem: Problem, outcome: Outcome) -> list[str]:
     """Friction that never comes near its limit: only the slope of the loop is seen, the product of kw and rho."""
     stroke = max(float(np.ptp(one.x)) for one in problem.pieces)
@@ -324,6 +344,25 @@ def _of_records(problem: Problem) -> list[str]:
                 f"{one.name}: the displacement takes only {levels} values over {1e3 * float(np.ptp(one.x)):.3g} mm; its "
                 f"resolution hides the loop, so use an amplitude of {MIN_STEPS} steps or more"
             )
+    return notes
+
+
+def _of_smoothing(problem: Problem) -> list[str]:
+    """Moving averages that the records still hold: on the force they are put on the model's, on the motion they do harm."""
+    forces = [one.name for one in problem.pieces if one.average is not None]
+    motions = [one for one in problem.pieces if one.smoothed_motion > 0.0]
+    notes = []
+    if forces:
+        notes.append(
+            f"the measured force of {listing(forces, 3)} is smoothed, so the model's force goes through the same moving "
+            "average before it is compared"
+        )
+    if motions:
+        widest = max(one.smoothed_motion for one in motions)
+        notes.append(
+            f"the displacement of {listing([one.name for one in motions], 3)} is smoothed (over up to {widest:.3g} s) and "
+            "that is not undone: the model runs on a motion that is less sharp than what the damper felt"
+        )
     return notes
 
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.identification.fit_data import piece
+from dampyr.identification.fit_data import piece, weighted
 from dampyr.identification.initial_guess import begin, best_of
-from dampyr.identification.parametrisation import columns
+from dampyr.identification.parametrisation import columns, held_twins
 from dampyr.identification.problem import Problem, checked_nuisances
 from dampyr.identification.result import Fit, Nuisance, build_fit
 from dampyr.identification.robust import check_loss, iteratively_reweighted
+from dampyr.identification.score import SETTLING, check_settling
 from dampyr.identification.variable_projection import MAX_ITERATIONS, search
 from dampyr.models import Composition, Damper, compose
 from dampyr.records import Record, check_bandwidth
@@ -33,6 +36,9 @@ def fit(
     starts: int = 1,
     seed: int = 0,
     steps: int = MAX_ITERATIONS,
+    weighting: str = "records",
+    settling: float = SETTLING,
+    seconds: float | None = None,
 ) -> Fit:
     """Identify a damper from records by least squares over their whole motion.
 
@@ -41,21 +47,24 @@ def fit(
     model
         parts of the catalogue, such as ``"dahl"`` or ``"dahl + spring + delay"``, or a damper of the same make.
     records
-        one record, or several for a joint fit. Each has an offset of its force and initial states of its own and
-        weighs by the standard deviation of its force. Records of the role "validation" are refused.
+        one record, or several for a joint fit. Each has an offset of its force and initial states of its own; its
+        residual counts over the standard deviation of its force. Records of the role "validation" are refused.
     laws
         how parameters follow the input: see `dampyr.identification.parametrisation.columns`. By default the values at the
-        inputs that occur, interpolated monotonically between them.
+        inputs that occur, interpolated monotonically between them. ``"interpolation+temperature"`` and the like also follow the
+        mean temperature of the records, where these have one and differ in it by 2 °C or more.
     fixed
-        flat parameter name -> value in SI units, held.
+        flat parameter name -> value in SI units, held. Of parameters of which only the sum is seen, such as the dashpots of
+        ``"dahl + hyperbolic_tangent"``, all but the first are held at 0 unless ``laws``, ``fixed`` or ``tied`` name them, and
+        ``notes`` say so.
     bandwidth
         of the velocity in Hz, derived from the displacement; None takes the recorded velocity where there is one.
     progress
         called with the number of the step and the cost.
     loss
-        ``"squares"``; ``"huber"``, squares up to 1.345 times a record's scale and linear beyond; or ``"l1"``, the mean of
-        absolute residuals that dampyr scores by, smoothed below a tenth of the scale. The scale is 1.4826 times the median
-        absolute residual of each record. Errors come from the same clusters (see `dampyr.identification.robust`).
+        ``"squares"``; ``"huber"``, squares up to 1.345 times a record's scale and linear beyond; or ``"l1"``, the sum of the
+        L1 ratios that dampyr scores by, smoothed below a tenth of the scale. The scale is 1.4826 times the median absolute
+        residual of each record. Errors come from the same clusters (see `dampyr.identification.robust`).
     nuisances
         the random effects of each record: ``"offset"`` of its force in N; ``"state"``, the hysteretic states at the start
         (without it: no memory); ``"gain"``, a factor on the whole modelled force; ``"temperature"``, a factor on every
@@ -70,6 +79,14 @@ def fit(
         thinned records and to 1e-4 of the cost; the best is finished. ``Fit.starts`` says how many agreed.
     steps
         how many the search may take; where they were not enough, ``converged`` is False.
+    weighting
+        ``"records"``: every record counts the same, however long it is; ``"samples"``: every sample does, so that a record of
+        95 s counts 43 times one of 2.2 s.
+    settling
+        s from the start of the motion that ``scores`` of the result leave out; it changes no fitted number.
+    seconds
+        after which the search takes no further step: ``converged`` is then False, and the numbers are those that it reached,
+        which depend on the speed of the machine. None: as long as it takes.
 
     Returns
     -------
@@ -86,16 +103,20 @@ def fit(
     check_loss(loss)
     if starts < 1:
         raise InputError(f"starts = {starts} is not allowed; give 1 or more")
+    check_settling(settling)
+    if seconds is not None and not seconds > 0:
+        raise InputError(f"seconds = {seconds:g} is not allowed; give a time above 0, or None")
+    deadline = math.inf if seconds is None else time.perf_counter() + seconds
     if steps < 1:
         raise InputError(f"steps = {steps} is not allowed; give 1 or more")
-    problem = prepared(model, listed, laws, fixed, bandwidth, nuisances, tied)
+    problem = prepared(model, listed, laws, fixed, bandwidth, nuisances, tied, weighting)
     with _threads().limit(limits=1, user_api="blas"):  # small factorisations: threads would only wait
         point, agreed = (begin(problem), 1) if starts == 1 else best_of(problem, starts, seed)
-        outcome = search(problem, point, progress, max_iterations=steps)
+        outcome = search(problem, point, progress, max_iterations=steps, deadline=deadline)
         if loss != "squares":
-            problem, outcome = iteratively_reweighted(problem, outcome, loss, progress)
+            problem, outcome = iteratively_reweighted(problem, outcome, loss, progress, deadline)
         search_notes = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
-        return build_fit(problem, outcome, tuple(listed), bandwidth, search_notes, (starts, agreed))
+        return build_fit(problem, outcome, tuple(listed), bandwidth, search_notes, (starts, agreed), settling)
 
 
 def prepared(
@@ -106,14 +127,16 @@ def prepared(
     bandwidth: float | None = None,
     nuisances: Sequence[str] = ("offset", "state"),
     tied: Mapping[str, str] | None = None,
+    weighting: str = "records",
 ) -> Problem:
     """The problem that `fit` solves: the records as arrays and the layout of the unknowns, before the search."""
     composition = model.composition if isinstance(model, Damper) else _composition(model)
     _check(list(records))
     if bandwidth is not None:
         check_bandwidth(records, bandwidth)
-    pieces = [piece(record, bandwidth) for record in records]
-    made = columns(composition, [p.u for p in pieces], laws, fixed, tied)
+    pieces = weighted([piece(record, bandwidth) for record in records], weighting)
+    held = held_twins(composition, laws, fixed, tied) | dict(fixed or {})
+    made = columns(composition, [p.u for p in pieces], laws, held, tied, [p.temperature for p in pieces])
     if not any(column.size for column in made):
         raise InputError("every parameter is fixed; leave at least one free")
     checked = checked_nuisances(composition, pieces, nuisances)

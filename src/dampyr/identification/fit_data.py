@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,9 +10,12 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.records import Record, cycles, motion_start, with_velocity
+from dampyr.records.moving_average import whole_windows
+from dampyr.records.smoothing import force_average
 
 Array = NDArray[np.float64]
 MOTION_SHARE = 0.9  # of the range of displacement and velocity: a part of a record that represents the whole
+WEIGHTINGS = ("records", "samples")
 MIN_SAMPLES = 16  # after the motion starts: of fewer no cycle of a loop can be seen
 
 
@@ -19,8 +23,12 @@ MIN_SAMPLES = 16  # after the motion starts: of fewer no cycle of a loop can be 
 class Piece:
     """One record from where its motion starts: arrays (n,), the input, and the cluster of each sample.
 
-    ``weight`` is of each sample, or one for all, (1,); ``spread`` the standard deviation of the force, N. ``second_weight`` is
-    the weight by the second derivative of a loss that is not squares (see `dampyr.identification.robust`).
+    ``weight`` is of each sample, or one for all, (1,); ``spread`` the standard deviation of the compared force, N.
+    ``second_weight`` is the weight by the second derivative of a loss that is not squares (see
+    `dampyr.identification.robust`). ``average`` is how many samples before and after each one a moving average of the
+    measured force takes in, None where it is not smoothed; ``smoothed_motion`` says that the displacement is smoothed, in s
+    of the window, else 0. ``temperature`` is the mean of the record's, degC. ``cut_from`` names the record that it
+    is a piece of, itself where it is whole.
     """
 
     name: str
@@ -34,6 +42,25 @@ class Piece:
     cycle: NDArray[np.int64]
     unit: str
     second_weight: Array | None = None
+    temperature: float = math.nan
+    average: tuple[int, int] | None = None
+    smoothed_motion: float = 0.0
+    cut_from: str = ""
+
+    @property
+    def comparable(self) -> slice:
+        """The samples whose measured force can be compared with a model's: all, or those with whole windows."""
+        return slice(0, self.t.size) if self.average is None else whole_windows(self.t.size, *self.average)
+
+    @property
+    def count(self) -> int:
+        """How many samples are compared: all, or those with whole windows."""
+        return self.comparable.stop - self.comparable.start
+
+    @property
+    def shortest(self) -> int:
+        """How many samples a part of it needs at least: four windows, where only whole ones count."""
+        return 0 if self.average is None else 4 * (sum(self.average) + 1)
 
     @property
     def ends(self) -> NDArray[np.int64]:
@@ -49,11 +76,14 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
         record = with_velocity(record, bandwidth)
     assert record.velocity is not None
     first = int(np.searchsorted(record.time, motion_start(record)))
-    if record.n - first < MIN_SAMPLES:
+    average = force_average(record)
+    reach = None if average is None else average.reach(record.dt)
+    if record.n - first < MIN_SAMPLES + sum(reach or (0,)):
         raise InputError(f"{record.name}: it holds no motion, so there is nothing to identify; check the displacement")
     window = slice(first, None)
     force = record.force[window]
-    spread = float(np.std(force))
+    compared = force if reach is None else force[whole_windows(force.size, *reach)]
+    spread = float(np.std(compared))
     if spread <= 1e-9 * max(1.0, float(np.max(np.abs(force)))):
         raise InputError(f"{record.name}: the force is constant at {force[0]:g} N; check the load cell's channel")
     u = record.voltage if record.input == "V" else record.current
@@ -72,7 +102,27 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
         spread=spread,
         cycle=_cycle_numbers(record)[window],
         unit=record.input,
+        temperature=math.nan if record.temperature is None else float(np.mean(record.temperature)),
+        average=reach,
+        smoothed_motion=average_of_motion(record),
+        cut_from=record.provenance.get("piece_of", record.name),
     )
+
+
+def average_of_motion(record: Record) -> float:
+    """The window in s of the moving average that a record's displacement still holds, 0 where it holds none."""
+    smoothed = record.smoothed
+    return smoothed.window if smoothed is not None and "displacement" in smoothed.channels else 0.0
+
+
+def weighted(pieces: list[Piece], weighting: str) -> list[Piece]:
+    """The pieces with the weight of their records: see ``weighting`` of `dampyr.identification.fit`."""
+    if weighting not in WEIGHTINGS:
+        raise InputError(f"{weighting!r} is an unknown weighting; choose {' or '.join(WEIGHTINGS)}")
+    if weighting == "samples":
+        return pieces
+    mean = sum(one.count for one in pieces) / len(pieces)
+    return [replace(one, weight=one.weight * np.sqrt(mean / one.count)) for one in pieces]
 
 
 def _cycle_numbers(record: Record) -> NDArray[np.int64]:
@@ -84,9 +134,9 @@ def _cycle_numbers(record: Record) -> NDArray[np.int64]:
 
 
 def thinned(one: Piece, samples: int) -> Piece:
-    """Every k-th sample of a record, so that at most ``samples`` are left."""
+    """Every k-th sample of a record, so that at most ``samples`` are left; all where a moving average counts them."""
     k = -(-one.t.size // samples)
-    if k < 2:
+    if k < 2 or one.average is not None:
         return one
     u = one.u[::k] if np.ndim(one.u) else one.u  # type: ignore[index]
     t, x, v, force = (np.ascontiguousarray(a[::k]) for a in (one.t, one.x, one.v, one.force))
@@ -100,7 +150,7 @@ def thinned(one: Piece, samples: int) -> Piece:
 def first_part(one: Piece, samples: int) -> Piece:
     """The first ``samples`` of a record, twice as many and so on until they hold nearly its whole motion; at most all."""
     whole = np.array([np.ptp(one.x), np.ptp(one.v)])
-    n = samples
+    n = max(samples, one.shortest)
     while n < one.t.size and np.any(np.array([np.ptp(one.x[:n]), np.ptp(one.v[:n])]) < MOTION_SHARE * whole):
         n *= 2
     if n >= one.t.size:

@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
 from dampyr.identification.fit import Fit, fit
-from dampyr.identification.leaderboard import Leaderboard, leaderboard
+from dampyr.identification.fit_data import WEIGHTINGS
+from dampyr.identification.leaderboard import BUDGET, Leaderboard, leaderboard
+from dampyr.identification.motion_coverage import beyond_the_fitted
 from dampyr.identification.robust import LOSSES, check_loss
-from dampyr.identification.score import Score, score
+from dampyr.identification.score import SETTLING, Score, check_settling, scorable, score
 from dampyr.identification.screening import held_in
 from dampyr.identification.splits import PARTS, split_tasks
 from dampyr.identification.validation import Validation, cross_validate
@@ -38,6 +40,10 @@ LOSS_WORDS = {
     "huber": "Huber: robust against outliers",
     "l1": "L1: robust against outliers",
 }
+WEIGHTING_WORDS = {
+    "records": "every record the same, however long",
+    "samples": "every sample the same: long records count more",
+}
 SPLIT_WORDS = {
     "record": "random parts of the records",
     "input": "one input left out at a time, except the outer ones",
@@ -52,8 +58,9 @@ SPLIT_WORDS = {
 class IdentifyOptions:
     """Options of `identify`; without a ``model`` every model of the catalogue is tried, or those in ``tried``.
 
-    ``predict`` names the splits to cross-validate by; the others are those of `dampyr.identification.fit`. Raises
-    :class:`~dampyr.errors.InputError` for a value that is not allowed.
+    ``predict`` names the splits to cross-validate by; the others are those of `dampyr.identification.fit`; ``budget`` (s) and
+    ``nested`` are those of `dampyr.identification.leaderboard`. Raises :class:`~dampyr.errors.InputError` for a value
+    that is not allowed.
     """
 
     model: str | None = None
@@ -66,9 +73,16 @@ class IdentifyOptions:
     nuisances: tuple[str, ...] = ("offset", "state")
     tied: Mapping[str, str] | None = None
     starts: int = 1
+    weighting: str = "records"
+    settling: float = SETTLING
+    budget: float | None = BUDGET
+    nested: bool = False
 
     def __post_init__(self) -> None:
         check_loss(self.loss)
+        check_settling(self.settling)
+        if self.weighting not in WEIGHTINGS:
+            raise InputError(f"{self.weighting!r} is an unknown weighting; choose {' or '.join(WEIGHTINGS)}")
         for split in self.predict:
             if split not in SPLITS:
                 raise InputError(f"{split!r} is not a split; choose {', '.join(SPLITS)}")
@@ -83,13 +97,15 @@ class IdentifyOptions:
         for model in (self.model, *self.tried):
             if model is not None:
                 compose(model)
+        if self.budget is not None and not self.budget > 0:
+            raise InputError(f"budget = {self.budget:g} s is not allowed; give a time above 0")
         if self.starts < 1:
             raise InputError(f"starts = {self.starts} is not allowed; give 1 or more")
 
     @property
     def of_fit(self) -> dict[str, Any]:
         """The options of every `fit`."""
-        shared = ("laws", "fixed", "bandwidth", "loss", "nuisances", "tied", "starts")
+        shared = ("laws", "fixed", "bandwidth", "loss", "nuisances", "tied", "starts", "weighting", "settling")
         return {name: getattr(self, name) for name in shared}
 
 
@@ -97,7 +113,8 @@ class IdentifyOptions:
 class Identified(Representation):
     """Result of `identify`: the ``fit``, its ``validations``, the ``board`` of models where none was named.
 
-    ``predicted`` holds the scores of the records of the role "validation", or why one could not be predicted.
+    ``predicted`` holds the scores of the records of the role "validation", or why one could not be predicted; ``beyond`` says
+    which of them move more slowly or in smaller reversals than what was fitted (`dampyr.identification.motion_coverage`).
     """
 
     fit: Fit
@@ -105,6 +122,7 @@ class Identified(Representation):
     board: Leaderboard | None
     predicted: Mapping[str, Score | str]
     validation_records: tuple[Record, ...] = ()
+    beyond: Mapping[str, str] = field(default_factory=dict)
 
     def _small_figure(self) -> Figure:
         return self.fit._small_figure()
@@ -121,6 +139,8 @@ class Identified(Representation):
             l1 = [one.l1 for one in self.predicted.values() if not isinstance(one, str)]
             mean = percent(sum(l1) / len(l1)) if l1 else "none could be predicted"
             rows.append(("validation", f"{counted(len(self.predicted), 'record')}, L1 {mean}"))
+        if self.beyond:
+            rows.append(("beyond", next(iter(self.beyond.values()))))
         return title.replace("Fit", "Identified", 1), rows
 
     def _table(self) -> Table:
@@ -142,25 +162,28 @@ class Identified(Representation):
 
     def as_dict(self) -> dict[str, Any]:
         """All results for JSON, SI units."""
-        data = fit_as_dict(self.fit)
+        data = self.fit.as_dict()
         if self.validations:
             data["predictions"] = list(self.validations)
         if self.board is not None:
-            data["leaderboard"] = board_as_dict(self.board)
+            data["leaderboard"] = self.board.as_dict()
         if self.predicted:
             data["validation"] = {
                 name: {"problem": one} if isinstance(one, str) else one.as_dict()
                 for name, one in self.predicted.items()
             }
+        if self.beyond:
+            data["beyond_the_fitted"] = dict(self.beyond)
         return dict(plain(data))
 
 
 def choices() -> dict[str, Any]:
-    """Allowed values of the options: models, add-ons, and losses and splits with their words."""
+    """Allowed values of the options: models, add-ons, and losses, weightings and splits with their words."""
     return {
         "models": [name for name in available_parts() if not part(name).add_on],
         "add_ons": [name for name in available_parts() if part(name).add_on],
         "losses": {name: LOSS_WORDS.get(name, name) for name in LOSSES},
+        "weightings": {name: WEIGHTING_WORDS.get(name, name) for name in WEIGHTINGS},
         "splits": {name: SPLIT_WORDS.get(name, name) for name in SPLITS},
     }
 
@@ -187,8 +210,11 @@ def identify(
     others = [record for record in nominal if record.role == "validation"]
     check_records(fitted, others, options)
     board = None if options.model else _ranked(fitted, options, tell, workers)
+    beyond = beyond_the_fitted(fitted, others)
     fit_result, validations = _fitted(fitted, options, board, tell)
-    return Identified(fit_result, validations, board, _predicted(fit_result, others), tuple(others))
+    return Identified(
+        fit_result, validations, board, _predicted(fit_result, others, options.settling), tuple(others), beyond
+    )
 
 
 def identify_each(records: Sequence[Record], options: IdentifyOptions, progress: Progress | None = None) -> list[Fit]:
@@ -211,6 +237,8 @@ def check_records(fitted: Sequence[Record], others: Sequence[Record], options: I
     if not fitted:
         what = "only validation records are chosen, and these are never fitted; choose" if others else "there are no"
         raise InputError(f"{what} {'some that are for fits' if others else 'records to fit; give one or more'}")
+    if options.predict or options.model is None:
+        scorable(fitted, options.settling)
     for split in options.predict:
         split_tasks(fitted, split)
     _check_bandwidth(fitted, options)
@@ -218,51 +246,31 @@ def check_records(fitted: Sequence[Record], others: Sequence[Record], options: I
 
 def reasons_of_choice(board: Leaderboard) -> dict[str, str]:
     """Why a model was chosen, for the provenance of a card: its error, and the runner-up with its own."""
-    error, count = 100 * board.winner.error, len(board.screened)
-    reasons = {"chosen": f"the lowest validation error, {error:.3g} %, of {count} models"}
+    error, count, best = 100 * board.winner.error, len(board.screened), board.best
+    words = f"the lowest validation error, {error:.3g} %, of {count} models"
+    if board.winner is not best:
+        words = (
+            f"the simplest within one standard error of the lowest validation error of {count} models: "
+            f"{error:.3g} %, against {100 * best.error:.3g} ± {100 * best.standard_error:.2g} % of {best.model}"
+        )
+    reasons = {"chosen": words}
     if board.runner_up:
         reasons["runner-up"] = f"{board.runner_up.model}, {100 * board.runner_up.error:.3g} %"
     return reasons
 
 
-def fit_as_dict(fit: Fit) -> dict[str, Any]:
-    """One fit for JSON, SI units."""
-    return {
-        "model": str(fit.problem.composition),
-        "records": [record.name for record in fit.records],
-        "converged": fit.converged,
-        "reason": fit.reason,
-        "notes": fit.notes,
-        "clusters": fit.clusters,
-        "parameters": fit.parameters,
-        "stderr": fit.stderr,
-        "naive_stderr": fit.naive_stderr,
-        "intervals_95": {name: None if name in fit.within_records else span for name, span in fit.intervals().items()},
-        "within_records_only": {name: fit.why_no_interval(name) for name in fit.within_records},
-        "units": fit.units,
-        "correlation": fit.correlation,
-        "nuisances": fit.nuisances,
-        "scores": fit.scores,
-    }
-
-
-def board_as_dict(board: Leaderboard) -> dict[str, Any]:
-    """A leaderboard for JSON, without the fits."""
-    measures = ("error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "parameters", "aic", "bic", "seconds")
-    keys = ("model", *measures, "converged", "reason")
-    return {
-        "entries": [{key: getattr(entry, key) for key in keys} for entry in board.entries],
-        "screened": board.screened,
-        "bandwidth_hz": board.bandwidth,
-        "left_out": board.left_out,
-        "seconds": board.seconds,
-    }
-
-
 def _ranked(records: list[Record], options: IdentifyOptions, tell: Progress, workers: int) -> Leaderboard:
     with _executor(workers) as executor:
         models = list(options.tried) or None
-        return leaderboard(records, models, executor=executor, progress=tell, **options.of_fit)
+        return leaderboard(
+            records,
+            models,
+            executor=executor,
+            progress=tell,
+            budget=options.budget,
+            nested=options.nested,
+            **options.of_fit,
+        )
 
 
 @contextmanager
@@ -312,14 +320,14 @@ def _check_bandwidth(records: Sequence[Record], options: IdentifyOptions) -> Non
         check_bandwidth(records, options.bandwidth)
 
 
-def _predicted(fit_result: Fit, records: Sequence[Record]) -> dict[str, Score | str]:
+def _predicted(fit_result: Fit, records: Sequence[Record], settling: float) -> dict[str, Score | str]:
     """How well the damper predicts validation records, or why it cannot."""
     if fit_result.damper is None:
         return {}
     scores: dict[str, Score | str] = {}
     for record in records:
         try:
-            scores[record.name] = score(fit_result.damper, record)
+            scores[record.name] = score(fit_result.damper, record, settling)
         except InputError as problem:
             scores[record.name] = str(problem)
     return scores

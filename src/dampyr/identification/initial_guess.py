@@ -38,7 +38,8 @@ def begin(problem: Problem) -> Point:
         key = column.name
         if column.size and all(key in best[u] for u in inputs):
             values = np.array([best[u][key] for u in inputs])
-            theta[span] = [values[int(np.argmin(np.abs(inputs - knot)))] for knot in column.knots]
+            at_knots = [values[int(np.argmin(np.abs(inputs - knot)))] for knot in column.knots]
+            theta[span] = at_knots * (2 if column.temperatures else 1)
             if column.kind == "constant":
                 theta[span] = float(np.median(values))
     return replace(neutral, theta=theta)
@@ -61,9 +62,7 @@ def _from_rigid(problem: Problem) -> Point:
 
 
 def _neutral(problem: Problem) -> Point:
-    theta = np.concatenate(
-        [np.full(c.size, max(c.quantity.low, 0.0) + 1e-9 * c.quantity.open_low) for c in problem.columns]
-    )
+    theta = np.maximum(problem.inner_limits[0], 0.0)
     local = np.zeros((len(problem.pieces), problem.locals))
     if "offset" in problem.common:
         local[:, 0] = [float(np.mean(p.force)) for p in problem.pieces]
@@ -116,7 +115,7 @@ def _best_start(problem: Problem, members: list[int]) -> dict[str, float]:
     chosen = members[:: max(1, len(members) // 2)][:2]
     pieces = [_shortened(problem.pieces[k]) for k in chosen]
     inputs = [float(np.mean(p.u)) for p in pieces]
-    singles = [replace(c, kind="constant", knots=(inputs[0],)) for c in problem.columns]
+    singles = [replace(c, kind="constant", knots=(inputs[0],), temperatures=None) for c in problem.columns]
     small = Problem(problem.composition, singles, pieces, problem.nuisances)
     at = _neutral(small)
     best: tuple[float, dict[str, float]] = (np.inf, {})
@@ -128,7 +127,7 @@ def _best_start(problem: Problem, members: list[int]) -> dict[str, float]:
 
 
 def _shortened(one: Piece) -> Piece:
-    n = min(one.t.size, SCANNED_SAMPLES)
+    n = min(one.t.size, max(SCANNED_SAMPLES, one.shortest))
     u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
     return replace(one, t=one.t[:n], x=one.x[:n], v=one.v[:n], force=one.force[:n], u=u, cycle=one.cycle[:n])
 

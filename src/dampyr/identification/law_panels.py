@@ -25,6 +25,7 @@ def law_panels(
     from dampyr.figures.style import Axis
 
     start, end = damper.range
+    usual = damper.at_mean_temperature
     inputs = np.linspace(start, end, CURVE)
     panels = []
     short = [column.name.partition(".")[2] for column in problem.columns]
@@ -35,13 +36,13 @@ def law_panels(
         name = column.name.partition(".")[2]
         spans = [intervals[label] for label in column.labels(damper.input)]
         errors = [0.5 * (high - low) for low, high in spans]
-        points = (np.array(column.knots), point.theta[span])
+        points = (np.tile(column.knots, column.size // len(column.knots)), point.theta[span])
         if column.size == 1:
             points = (np.array([0.5 * (start + end)]), points[1])
         panels.append(
             Law(
                 Axis(name if short.count(name) == 1 else column.name, unit, factor),
-                curve=(inputs, damper.all_laws[column.name](inputs)),
+                curve=(inputs, usual.all_laws[column.name](inputs)),
                 points=points,
                 error=np.where(np.isfinite(errors), errors, 0.0),
             )

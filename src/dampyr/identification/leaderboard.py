@@ -10,15 +10,22 @@ the mean L1 ratio of records that were left out, and of whole inputs that were l
 else the first alone), every input counting the same: a damper is used between the inputs of its tests. Leaving an input out
 doubles the gap that a law must bridge, which makes a smooth law's error four times as large, hence the quarter.
 
-Akaike's and Schwarz's criteria are :math:`n \ln(S/N) + 2k` and :math:`n \ln(S/N) + k \ln n` with k parameters of the
-damper, the weighted sum of squares S over N samples, and n the effective number of samples, residuals being correlated: that of
-the winner for all.
+Of the models whose error is within one standard error of the lowest, the one with the fewest parameters is chosen (Breiman et
+al. 1984): between them the records do not decide, and what has fewer numbers is easier to check. The standard error is that of
+the mean over the records, each input by itself. Parts that are not for a building say so in their row; the best model without
+them is chosen in the same way and shown besides.
+
+The lowest of several errors is too low by chance. How much it is here is told by choosing again on four of the five parts and
+scoring that choice on the fifth: the ``optimism``. It repeats the choice among the finalists, not the screening; ``nested``
+repeats all, at five times the time.
 """
 
 from __future__ import annotations
 
+import math
 import time
 import warnings
+from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
@@ -30,7 +37,9 @@ import numpy as np
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import parallel
 from dampyr.identification.fit import Fit, fit
+from dampyr.identification.score import SETTLING, scorable, score, too_short
 from dampyr.identification.screening import (
+    BETWEEN,
     PAIRS,
     Screened,
     chosen_bandwidth,
@@ -38,11 +47,12 @@ from dampyr.identification.screening import (
     screen_all,
     screening_set,
     validation_error,
-    validations_of,
 )
-from dampyr.identification.validation import Validation
-from dampyr.models import available_parts, part
-from dampyr.records import Record, check_bandwidth
+from dampyr.identification.splits import split_tasks
+from dampyr.identification.validation import Fold, Validation, validation_jobs
+from dampyr.identification.variable_projection import OUT_OF_TIME
+from dampyr.models import available_parts, compose, part
+from dampyr.records import Record, check_bandwidth, cut
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
 
 if TYPE_CHECKING:
@@ -51,12 +61,17 @@ if TYPE_CHECKING:
 ADD_ONS = ("spring", "delay", "lag", "compliance")
 FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is chosen by hand
 FINALISTS = 5  # each costs a fit and two cross-validations of all records
-MIN_RECORDS = 5  # records: as many as parts that are left out in turn
+PARTS = 5  # of the records, left out in turn
+BUDGET = 240.0  # s: with what compiles and the last fits, five minutes
+SCREENING_SHARE = 0.5  # of the budget, after which no round of add-ons begins
+TRIAL_SHARE = 1 / 60  # of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway
+FINAL_SHARE = 1 / 8  # the same for a fit to all records
+LEAST_TIME = 5.0  # s that a fit to all records has however late it is
 
 #: what `Leaderboard.as_dict` says of an entry
 ENTRY_KEYS = (
-    "model", "error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "parameters", "aic", "bic", "seconds",
-    "converged", "reason",
+    "model", "error", "standard_error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "parameters",
+    "seconds", "converged", "reason", "not_for_buildings",
 )  # fmt: skip
 
 
@@ -64,10 +79,13 @@ ENTRY_KEYS = (
 class Entry(Representation):
     """A finalist. ``error`` is what the ranking goes by; ``l1``, ``nrmse``, ``pointwise`` and ``energy`` (its size) are means
     over records that were left out, ``unseen_input`` the mean L1 ratio over inputs that were left out (NaN where there are
-    fewer than three). ``seconds`` is the time of the fit to all records. ``fit`` is None where it made no damper."""
+    fewer than three). ``standard_error`` is that of ``error``; ``not_for_buildings`` says why the model must not stand in for a
+    damper of a building, and is empty where it may. ``seconds`` is the time of the fit to all records. ``fit`` is None where it
+    made no damper."""
 
     model: str
     error: float
+    standard_error: float
     l1: float
     nrmse: float
     pointwise: float
@@ -79,27 +97,37 @@ class Entry(Representation):
     reason: str
     validations: tuple[Validation, ...] = field(repr=False)
     fit: Fit | None = field(repr=False)
-    aic: float = float("nan")
-    bic: float = float("nan")
+    not_for_buildings: str = ""
 
     def _summary(self) -> Summary:
         return f"Entry {self.model!r}", [
-            ("error", f"{percent(self.error)}, L1 {percent(self.l1)}, of unseen inputs {percent(self.unseen_input)}"),
+            (
+                "error",
+                f"{percent(self.error)} ± {percent(self.standard_error)}, L1 {percent(self.l1)}, "
+                f"of unseen inputs {percent(self.unseen_input)}",
+            ),
             ("NRMSE", f"{percent(self.nrmse)}, pointwise {percent(self.pointwise)}, energy {percent(self.energy)}"),
             ("fit", f"{counted(self.parameters, 'parameter')}, {self.seconds:.3g} s; {self.reason}"),
-            ("criteria", f"AIC {self.aic:.6g}, BIC {self.bic:.6g}"),
+            *([("buildings", self.not_for_buildings)] if self.not_for_buildings else []),
         ]
 
 
 @dataclass(frozen=True, repr=False)
 class Leaderboard(Representation):
-    """The finalists by rising validation error, what was screened before, and what was chosen for all."""
+    """The finalists by rising validation error, what was screened before, and what was chosen for all.
+
+    ``optimism`` is by how much the lowest error is too low for having been chosen (a ratio, like the errors; NaN where it could
+    not be estimated), ``nested`` the mean L1 ratio of the records that a whole search without them predicts, where that was
+    asked for. ``left_out`` says what was not tried, cut or stopped, and why.
+    """
 
     entries: tuple[Entry, ...]
     screened: tuple[Screened, ...]
     bandwidth: float | None
     left_out: tuple[str, ...]
     seconds: float
+    optimism: float = float("nan")
+    nested: float = float("nan")
 
     def plot(self) -> Any:
         """The validation error of every screened model, bare and with add-ons; the matplotlib axes ``(1,)``."""
@@ -128,9 +156,16 @@ class Leaderboard(Representation):
         return leaderboard_figure(*self.screened_errors()) if self.screened else None
 
     def _summary(self) -> Summary:
-        rows = [("winner", f"{self.winner.model}, validation error {percent(self.winner.error)}")]
+        rows = [("chosen", f"{self.winner.model}, validation error {percent(self.winner.error)}")]
+        if self.winner is not self.best:
+            rows.append(
+                ("lowest", f"{self.best.model}, {percent(self.best.error)} ± {percent(self.best.standard_error)}")
+            )
         if self.runner_up:
             rows.append(("runner-up", f"{self.runner_up.model}, {percent(self.runner_up.error)}"))
+        rows.append(("for a building", self.for_building.model if self.for_building else "none of the finalists"))
+        if np.isfinite(self.optimism):
+            rows.append(("optimism", f"{percent(self.optimism)} of the lowest error, by choosing among the finalists"))
         trials = sum(len(one.trials) for one in self.screened)
         rows += [
             (
@@ -147,22 +182,21 @@ class Leaderboard(Representation):
         heads = (
             "model",
             "error [%]",
+            "± [%]",
             "L1 [%]",
             "unseen input [%]",
             "NRMSE [%]",
             "parameters",
-            "AIC",
-            "BIC",
             "time [s]",
+            "building",
         )
         rows = [
             [
                 e.model,
-                *(100 * v for v in (e.error, e.l1, e.unseen_input, e.nrmse)),
+                *(100 * v for v in (e.error, e.standard_error, e.l1, e.unseen_input, e.nrmse)),
                 e.parameters,
-                e.aic,
-                e.bic,
                 e.seconds,
+                "no" if e.not_for_buildings else "yes",
             ]
             for e in self.entries
         ]
@@ -178,20 +212,37 @@ class Leaderboard(Representation):
         return "as recorded, or derived with each record's own bandwidth" if derived else "as recorded"
 
     @property
-    def winner(self) -> Entry:
+    def best(self) -> Entry:
         """The lowest validation error."""
         return self.entries[0]
 
     @property
+    def winner(self) -> Entry:
+        """The one that is chosen: of those within one standard error of the lowest error, the simplest."""
+        return simplest(self.entries)
+
+    @property
     def runner_up(self) -> Entry | None:
-        """The next one."""
-        return self.entries[1] if len(self.entries) > 1 else None
+        """The lowest error but for the winner."""
+        return next((one for one in self.entries if one is not self.winner), None)
+
+    @property
+    def for_building(self) -> Entry | None:
+        """The winner where it may stand in for a damper of a building, else the best that may, chosen in the same way."""
+        if not self.winner.not_for_buildings:
+            return self.winner
+        suited = [one for one in self.entries if not one.not_for_buildings and np.isfinite(one.error)]
+        return simplest(suited) if suited else None
 
     def as_dict(self) -> dict[str, Any]:
         """The ranking and the screening for `dampyr.to_json`, without the fits and validations of the entries."""
         return {
             "entries": [{key: getattr(entry, key) for key in ENTRY_KEYS} for entry in self.entries],
             "screened": self.screened,
+            "chosen": self.winner.model,
+            "for_building": self.for_building.model if self.for_building else None,
+            "optimism": self.optimism,
+            "nested": self.nested,
             "bandwidth_hz": self.bandwidth,
             "left_out": self.left_out,
             "seconds": self.seconds,
@@ -206,6 +257,8 @@ def leaderboard(
     seed: int = 0,
     executor: Executor | None = None,
     progress: Callable[[str, float], None] | None = None,
+    budget: float | None = BUDGET,
+    nested: bool = False,
     **options: Any,
 ) -> Leaderboard:
     """Rank models by what they predict of records that they were not fitted on.
@@ -213,7 +266,8 @@ def leaderboard(
     Parameters
     ----------
     records
-        five or more, at one input or several.
+        five or more, at one input or several; fewer are cut into five pieces or more, which ``left_out`` says: their errors are
+        those of more of the same tests.
     models
         compositions to begin from; None takes every model of the catalogue that is no add-on, and the pairs of `PAIRS`.
     add_ons
@@ -225,45 +279,105 @@ def leaderboard(
         after the other. The result is the same. Forked processes are refused: in trials they crashed after compiled code
         had run in the process that they came from.
     progress
-        called with what is being done and the fraction done.
+        called with what is being done and the fraction done, every few seconds where an executor runs the trials.
+    budget
+        s for the whole, about: no round of add-ons begins after half of it, no fit of a trial takes more than a sixtieth of
+        it, and no fit to all records more than an eighth. What was stopped says so: its numbers depend on the
+        machine. None: no limit.
+    nested
+        also repeat all, screening and choice, five times without a fifth of the records, and score what each choice predicts of
+        it: an estimate without the optimism of choosing.
     options
         of `dampyr.identification.fit`, for every fit. ``bandwidth`` is chosen by a probe where it is not given: as recorded, or
         derived from the displacement with 15 times the highest test frequency (each record with its own where no bandwidth
         serves all).
 
-    Raises :class:`~dampyr.errors.InputError` for fewer than five records, or where no model could be fitted.
+    Raises :class:`~dampyr.errors.InputError` for records that are too short to be cut into five, or to be scored, or where no
+    model could be fitted.
     """
     parallel.refuse_forks(executor)
     listed = [r for r in records if r.role != "validation"]
     unknown = [r.name for r in listed if r.input is None]
     if unknown:
         raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
-    check_count(len(listed))
+    if budget is not None and not budget > 0:
+        raise InputError(f"budget = {budget:g} s is not allowed; give a time above 0, or None for no limit")
+    settling = options.get("settling", SETTLING)
+    whole = listed
+    listed, pieces = enough_records(whole, settling)
+    scorable(listed, settling)
     begun = time.perf_counter()
+    limit = np.inf if budget is None else budget
     report = progress or (lambda what, done: None)
-    bandwidth = options.pop("bandwidth", None)
+    given = bandwidth = options.pop("bandwidth", None)
     if bandwidth is not None:
         check_bandwidth(listed, bandwidth)
     report("choosing the velocity", 0.0)
+    in_trials = options | ({} if budget is None else {"seconds": TRIAL_SHARE * budget})
     if bandwidth is None:
-        bandwidth = chosen_bandwidth(listed, options)
+        bandwidth = chosen_bandwidth(listed, in_trials, executor, lambda done: report("choosing the velocity", done))
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
     allowed, left_out = _allowed(add_ons, listed)
     bases = list(models) if models else [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
-    screened = screen_all(bases, small, allowed, seed, options, executor, lambda done: report("screening models", done))
-    best = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
-    if not best:
+    end = begun + SCREENING_SHARE * limit
+    screened, unfinished = screen_all(
+        bases, small, allowed, seed, in_trials, executor, lambda done: report("screening models", done), end
+    )
+    chosen = _finalists(screened, finalists)
+    if not chosen:
         raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
-    finals = [partial(judge, one.model, listed, seed, options | {"bandwidth": bandwidth}) for one in best[:finalists]]
-    entries = parallel.run_all(finals, executor, lambda done: report("validating the best", done))
-    ranked = with_criteria(sorted(entries, key=lambda one: (one.error, one.model)))
-    return Leaderboard(tuple(ranked), tuple(screened), bandwidth, left_out, time.perf_counter() - begun)
+    remaining = begun + limit - time.perf_counter()
+    entries = _judged(
+        chosen,
+        listed,
+        whole,
+        seed,
+        options | {"bandwidth": bandwidth},
+        executor,
+        remaining,
+        budget,
+        lambda done: report("validating the best", done),
+    )
+    ranked = sorted(entries, key=lambda one: (one.error, one.model))
+    notes = [*pieces, *left_out, *_stopped(screened, unfinished, ranked, begun, limit)]
+    board = Leaderboard(
+        tuple(ranked), tuple(screened), bandwidth, tuple(notes), time.perf_counter() - begun, optimism(ranked)
+    )
+    if not nested:
+        return board
+    repeat = partial(
+        leaderboard,
+        models=models,
+        add_ons=add_ons,
+        finalists=finalists,
+        executor=executor,
+        budget=budget,
+        bandwidth=given,
+        **options,
+    )
+    error = _nested_error(repeat, listed, seed, settling, report)
+    return replace(board, nested=error, seconds=time.perf_counter() - begun)
 
 
-def check_count(records: int) -> None:
-    """Refuse too few records to choose a model by: each of five parts is to be predicted from the others."""
-    if records < MIN_RECORDS:
-        raise InputError(f"a leaderboard needs five records or more to fit, not {records}; name a model instead")
+def enough_records(records: list[Record], settling: float) -> tuple[list[Record], tuple[str, ...]]:
+    """Five records or more: as they are, or cut into pieces of equal time, with a sentence that says so."""
+    if len(records) >= PARTS:
+        return records, ()
+    if not records:
+        raise InputError("there are no records to fit; give one or more")
+    count = -(-PARTS // len(records))
+    pieces = [piece for record in records for piece in cut(record, record.duration / count)]
+    short = next((piece for piece in pieces if too_short(piece, settling)), None)
+    if short is not None:
+        raise InputError(
+            f"a choice of models leaves five parts out in turn; {len(records)} record{'s' * (len(records) > 1)} would be cut "
+            f"into pieces, but {short.name} lasts {short.duration:.3g} s and settling takes {settling:g} s of it: give more or "
+            "longer records, a shorter settling, or name a model"
+        )
+    return pieces, (
+        f"{len(records)} record{'s were' if len(records) > 1 else ' was'} cut into {len(pieces)} pieces, so that parts can be "
+        "left out: the errors are of more of the same tests, not of other ones",
+    )
 
 
 def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -275,15 +389,66 @@ def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[s
     return tuple(add_ons), ()
 
 
-def judge(model: str, records: list[Record], seed: int, options: dict[str, Any]) -> Entry:
-    """One finalist on all records."""
-    options = options | {"steps": FINAL_STEPS}
+def _finalists(screened: Sequence[Screened], count: int) -> list[str]:
+    """The best models of the screening; one more where none of them may stand in for a damper of a building."""
+    ranked = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
+    models = [one.model for one in ranked]
+    best = models[:count]
+    suited = [model for model in models if not compose(model).not_for_buildings]
+    return best + suited[:1] * (not any(model in suited for model in best))
+
+
+def _judged(
+    models: Sequence[str],
+    records: list[Record],
+    whole: list[Record],
+    seed: int,
+    options: dict[str, Any],
+    executor: Executor | None,
+    remaining: float,
+    budget: float | None,
+    report: Callable[[float], None],
+) -> list[Entry]:
+    """Every finalist on all records, each fold and each fit to all records a job of its own, so that no core waits.
+
+    The fits are to the ``whole`` records, of which ``records`` may be pieces.
+    """
+    splits = ["record"] + ["input"] * (len({r.input_value for r in records}) > 2)
+    if budget is not None:
+        count = len(models) * (1 + sum(len(split_tasks(records, split, PARTS, seed)) for split in splits))
+        share = 2.0 * max(remaining, 0.0) * parallel.workers(executor) / count
+        options = options | {"seconds": max(LEAST_TIME, min(FINAL_SHARE * budget, share))}
+    jobs: list[tuple[str, Callable[[], Any]]] = []
+    planned = []
+    for model in models:
+        own = options | {"steps": FINAL_STEPS, "fixed": held_in(model) | dict(options.get("fixed") or {})}
+        parts = [validation_jobs(model, records, split, PARTS, seed, **own) for split in splits]
+        jobs += [(model, job) for some, _ in parts for job in some] + [(model, partial(_timed_fit, model, whole, own))]
+        planned.append((model, parts))
+    # The slowest first, so that no core waits for another at the end.
+    order = sorted(range(len(jobs)), key=lambda k: -len(compose(jobs[k][0]).parameters))
+    done = parallel.run_all([partial(_quiet, jobs[k][1]) for k in order], executor, report)
+    results = iter([result for _, result in sorted(zip(order, done, strict=True), key=lambda pair: pair[0])])
+    entries = []
+    for model, parts in planned:
+        validations = [assemble([next(results) for _ in some]) for some, assemble in parts]
+        entries.append(_entry(model, validations, *next(results)))
+    return entries
+
+
+def _quiet(job: Callable[[], Any]) -> Any:
+    """The job without its warnings: they are of fits that may never be shown."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
-        validations = validations_of(model, records, min(5, len(records)), seed, options)
-        begun = time.perf_counter()
-        fit_result = fit(model, records, **options | {"fixed": held_in(model)})
-    seconds = time.perf_counter() - begun
+        return job()
+
+
+def _timed_fit(model: str, records: list[Record], options: dict[str, Any]) -> tuple[Fit, float]:
+    begun = time.perf_counter()
+    return fit(model, records, **options), time.perf_counter() - begun
+
+
+def _entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Entry:
     scores = list(validations[0].scores.values())
 
     def mean(key: str) -> float:
@@ -293,6 +458,7 @@ def judge(model: str, records: list[Record], seed: int, options: dict[str, Any])
     return Entry(
         model=model,
         error=validation_error(validations) if fit_result.damper is not None else float("inf"),
+        standard_error=standard_error(validations),
         l1=validations[0].error,
         nrmse=mean("nrmse"),
         pointwise=mean("pointwise"),
@@ -304,20 +470,141 @@ def judge(model: str, records: list[Record], seed: int, options: dict[str, Any])
         reason=fit_result.reason,
         validations=tuple(validations),
         fit=fit_result,
+        not_for_buildings=compose(model).not_for_buildings,
     )
 
 
-def with_criteria(entries: list[Entry]) -> list[Entry]:
-    """The entries with Akaike's and Schwarz's criteria, n being the effective samples of the first."""
-    first = entries[0].fit
-    if first is None:
-        return entries
-    n = first.residuals.effective
-    done = []
-    for one in entries:
-        assert one.fit is not None
-        samples = sum(p.t.size for p in one.fit.problem.pieces)
-        fitted = n * float(np.log(2.0 * one.fit.outcome.cost / samples))
-        aic, bic = fitted + 2.0 * one.parameters, fitted + one.parameters * float(np.log(n))
-        done.append(replace(one, aic=aic, bic=bic))
-    return done
+def standard_error(validations: Sequence[Validation]) -> float:
+    """Of `validation_error`: from the spread of its contributions among the records of each input, and where an input has one
+    record only, among all."""
+    weights = (1.0,) if len(validations) == 1 else (1.0 - BETWEEN, BETWEEN)
+    inputs = validations[0].inputs
+    parts = dict.fromkeys(validations[0].scores, 0.0)
+    for weight, one in zip(weights, validations, strict=True):
+        counts = Counter(inputs[name] for name in one.scores)
+        for name, each in one.scores.items():
+            parts[name] = parts.get(name, 0.0) + weight * each.l1 / (len(counts) * counts[inputs[name]])
+    groups: dict[float, list[float]] = {}
+    for name, value in parts.items():
+        groups.setdefault(inputs[name], []).append(value)
+    own = [len(values) * float(np.var(values, ddof=1)) for values in groups.values() if len(values) > 1]
+    if len(own) == len(groups) and own:
+        return math.sqrt(sum(own))
+    values = list(parts.values())
+    return math.sqrt(len(values) * float(np.var(values, ddof=1))) if len(values) > 1 else float("nan")
+
+
+def simplest(entries: Sequence[Entry]) -> Entry:
+    """Of the entries, by rising error, that within one standard error of the first which has the fewest parameters; among those
+    with equally many one that is for buildings, then the lowest error."""
+    first = entries[0]
+    limit = first.error + (first.standard_error if np.isfinite(first.standard_error) else 0.0)
+    near = [one for one in entries if one.error <= limit] or [first]
+    return min(near, key=lambda one: (one.parameters, bool(one.not_for_buildings), one.error))
+
+
+def choice_in_words(board: Leaderboard) -> list[str]:
+    """Which model was chosen and why, which may stand in a building, and how much the choice flatters, a sentence each."""
+    winner, best, suited = board.winner, board.best, board.for_building
+    words = [f"chosen: {winner.model}, the lowest error"]
+    if winner is not best:
+        words = [
+            f"chosen: {winner.model}, {counted(winner.parameters, 'number')} and an error of {percent(winner.error)}; of the "
+            f"models within one standard error of the lowest ({best.model}, {percent(best.error)} ± "
+            f"{percent(best.standard_error)}) it {_merit(board)}"
+        ]
+    if suited is None:
+        words.append("no finalist may stand in for a damper of a building; try dahl, bouc_wen or modified_bouc_wen")
+    else:
+        words.append(f"best model that may stand in a building: {suited.model}, {percent(suited.error)}")
+    if np.isfinite(board.optimism):
+        words.append(
+            f"choosing the lowest by four parts and scoring it on the fifth gives an L1 {percent(board.optimism)} higher than "
+            "the lowest: what the choice among the finalists flatters"
+        )
+    if np.isfinite(board.nested):
+        words.append(
+            f"the whole search, repeated without a fifth of the records each time, predicts it to {percent(board.nested)}"
+        )
+    return words
+
+
+def _merit(board: Leaderboard) -> str:
+    """Why the winner goes before the lowest error, within one standard error of it."""
+    if board.winner.parameters < board.best.parameters:
+        return "has the fewest numbers"
+    if board.best.not_for_buildings and not board.winner.not_for_buildings:
+        return "has as few numbers as any, and may stand in for a damper of a building"
+    return "has as few numbers as any"
+
+
+def optimism(entries: Sequence[Entry]) -> float:
+    """By how much the lowest error is too low: the choice by four parts of the records scored on the fifth, less that by all
+    scored on all; NaN for a single finalist or parts without scores."""
+    ranked = [one for one in entries if np.isfinite(one.error)]
+    table = np.array([[_mean_l1(fold) for fold in one.validations[0].folds] for one in ranked])
+    if len(ranked) < 2 or not np.all(np.isfinite(table)):
+        return float("nan")
+    counts = np.array([len(fold.scores) for fold in ranked[0].validations[0].folds])
+    sums = table * counts
+    apart = [int(np.argmin(sums.sum(axis=1) - sums[:, k])) for k in range(len(counts))]
+    honest = sum(sums[m, k] for k, m in enumerate(apart)) / counts.sum()
+    return float(honest - np.min(sums.sum(axis=1)) / counts.sum())
+
+
+def _mean_l1(fold: Fold) -> float:
+    return float(np.mean([one.l1 for one in fold.scores.values()])) if fold.scores else float("nan")
+
+
+def _stopped(
+    screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Entry], begun: float, limit: float
+) -> list[str]:
+    """What the time did not suffice for."""
+    notes = []
+    trials = [trial.model for one in screened for trial in one.trials if OUT_OF_TIME in trial.reason]
+    if trials:
+        notes.append(
+            f"the trial fits of {listing(trials, 3)} were stopped by the time budget: their errors may be lower"
+        )
+    if unfinished:
+        notes.append(f"no time was left to try more add-ons with {listing(unfinished, 3)}; give a larger budget")
+    slow = [
+        one.model
+        for one in entries
+        if OUT_OF_TIME in one.reason
+        or any(OUT_OF_TIME in fold.reason for each in one.validations for fold in each.folds)
+    ]
+    if slow:
+        notes.append(
+            f"fits of {listing(slow, 3)} to all records were stopped by the time budget: their errors may be lower"
+        )
+    if time.perf_counter() - begun > limit:
+        notes.append(f"the search took longer than its budget of {limit:.0f} s: compiling, and each fit's least time")
+    return notes
+
+
+def _nested_error(
+    repeat: Callable[..., Leaderboard],
+    records: list[Record],
+    seed: int,
+    settling: float,
+    report: Callable[[str, float], None],
+) -> float:
+    """The mean L1 ratio of records that a whole search did not see, by the model that it chose."""
+    tasks = split_tasks(records, "record", PARTS, seed)
+    values = []
+    for k, task in enumerate(tasks):
+        report("choosing again without a fifth of the records", k / len(tasks))
+        board = repeat(task.fitted, seed=seed)
+        damper = board.winner.fit.damper if board.winner.fit else None
+        if damper is None:
+            return float("nan")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DampyrWarning)
+            values += [
+                score(damper, target.record, settling, allow_extrapolation=True).l1
+                for target in task.predicted
+                if not too_short(target.record, settling)
+            ]
+    report("choosing again without a fifth of the records", 1.0)
+    return float(np.mean(values))

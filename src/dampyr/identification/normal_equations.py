@@ -39,6 +39,7 @@ from dampyr.models.path_integration import (
     delayed_by_tau,
     products_along,
 )
+from dampyr.records.moving_average import averaged
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -61,10 +62,11 @@ def _products_of_record(problem: Problem, point: Point, r: int, by_cluster: bool
     values, gain = values_at(problem, point, r, u), point.nuisance(problem, r, "gain")
     states, force = point.states(problem, r), one.force - point.nuisance(problem, r, "offset")
     lags = has_lag(problem)
-    plan = summation_plan(problem, bases(problem.columns, u)) if lags else problem.plans[r]
+    plan = summation_plan(problem, bases(problem.columns, u, one.temperature)) if lags else problem.plans[r]
     factor, matrix = _with_gain_and_temperature(problem, point, r, plan, values, gain)
     ends = one.ends if by_cluster else np.array([one.t.size])
-    if values.ndim > 1 and (problem.composition.delay is not None or len(states) or lags):
+    remembers = values.ndim > 1 and bool(problem.composition.delay is not None or len(states) or lags)
+    if remembers or one.average is not None:
         by_lag = _derivative_by_lag(problem, point, r) if lags else None
         sums = _products_of_stored(problem, one, values, states, force, plan.source, factor, gain, ends, by_lag)
     else:
@@ -123,11 +125,15 @@ def _products_of_stored(
     ends: Integers,
     by_lag: Array | None,
 ) -> Array:
-    """As the kernel does it, with the derivatives stored: for an input that varies while states remember it, or a delay."""
+    """As the kernel does it, with the derivatives stored.
+
+    For an input that varies while states remember it, or a delay; and for a force that went through a moving average, which is
+    linear, so that the derivatives go through it too: only samples with whole windows count.
+    """
     model, J = along_with_columns(problem.composition, one.t, one.x, one.v, values, states)
     early = np.column_stack((J, model, np.ones(one.t.size)))[:, source] * factor
     mine = source < len(problem.columns)
-    if len(states):
+    if len(states) and values.ndim > 1:
         wide = np.ascontiguousarray(np.broadcast_to(factor, (factor.shape[0], source.size))[:, mine])
         given = (one.t, one.x, one.v, values, states, source[mine], wide)
         early[:, mine] = along_with_laws(problem.composition, *given)[1]
@@ -138,7 +144,13 @@ def _products_of_stored(
         slope = delayed_by_tau(one.t, model, values[..., k])[:, None]
         rows = np.where(source == k, slope * factor, delayed(one.t, early, values[..., k]))
         model = delayed(one.t, model, values[..., k])
-    table = one.weight[:, None] * np.column_stack((rows, force - gain * model))
+    weight = one.weight
+    if one.average is not None:
+        rows, model = averaged(rows, *one.average), averaged(model, *one.average)
+        counts = np.zeros(one.t.size)
+        counts[one.comparable] = 1.0
+        weight = weight * counts
+    table = weight[:, None] * np.column_stack((rows, force - gain * model))
     return np.stack([part.T @ part for part in np.split(table, ends[:-1])])
 
 
@@ -155,11 +167,15 @@ def with_priors(problem: Problem, point: Point, sums: Array) -> Array:
 
 
 def modelled_force(problem: Problem, point: Point, record: int) -> Array:
-    """The force (n,) that the fit gives for a record, its own offset, gain and states included, N."""
+    """The force (n,) that the fit gives for a record, its own offset, gain and states included, N.
+
+    Through the moving average of the measured force, where that holds one.
+    """
     one, values = problem.pieces[record], values_at(problem, point, record, input_at(problem, point, record))
     force = along(problem.composition, one.t, one.x, one.v, values, point.states(problem, record))
     k = problem.composition.delay
     late = force if k is None else delayed(one.t, force, np.asarray(values[..., k]))
+    late = late if one.average is None else averaged(late, *one.average)
     return point.nuisance(problem, record, "offset") + point.nuisance(problem, record, "gain") * late
 
 

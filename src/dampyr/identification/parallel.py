@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from typing import Any
 
 from dampyr.errors import InputError
+
+HEARTBEAT = 4.0  # s: progress is reported at least so often, also while no job ends
 
 
 def refuse_forks(executor: Executor | None) -> None:
@@ -31,6 +33,13 @@ def run_all(
             progress((k + 1) / len(jobs))
         return results
     futures: list[Future[Any]] = [executor.submit(job) for job in jobs]
-    for k, _ in enumerate(as_completed(futures)):
-        progress((k + 1) / len(jobs))
+    waiting = set(futures)
+    while waiting:
+        _, waiting = wait(waiting, timeout=HEARTBEAT, return_when=FIRST_COMPLETED)
+        progress(1.0 - len(waiting) / len(jobs))
     return [future.result() for future in futures]
+
+
+def workers(executor: Executor | None) -> int:
+    """How many jobs an executor runs at a time."""
+    return 1 if executor is None else max(int(getattr(executor, "_max_workers", 1)), 1)

@@ -6,23 +6,31 @@ allow and have the parameter's own unit and limits. The parameter at the input u
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.models import Composition, Constant, Interpolation, Law, Polynomial
+from dampyr.models import Composition, Constant, Interpolation, Law, Polynomial, WithTemperature
 from dampyr.units import Quantity
 
 Array = NDArray[np.float64]
 KINDS = ("constant", "polynomial", "interpolation")
+MIN_WARMING = (
+    2.0  # °C between the coldest and the warmest record: below it a law of temperature would follow their noise
+)
 
 
 @dataclass(frozen=True)
 class Column:
-    """One parameter in a fit: ``kind`` of law, its ``knots``, or a ``fixed`` value, or the parameter it is ``tied`` to."""
+    """One parameter in a fit: ``kind`` of law, its ``knots``, or a ``fixed`` value, or the parameter it is ``tied`` to.
+
+    With ``temperatures`` (two, degC) it has a value for each knot at the lower one, then one for each at the higher one, and
+    goes straight between them.
+    """
 
     name: str
     quantity: Quantity
@@ -30,19 +38,25 @@ class Column:
     knots: tuple[float, ...]
     fixed: float | None = None
     tied: str | None = None
+    temperatures: tuple[float, float] | None = None
 
     @property
     def size(self) -> int:
         """The number of coefficients that the fit determines for it."""
-        return 0 if self.fixed is not None or self.tied else len(self.knots)
+        return 0 if self.fixed is not None or self.tied else len(self.knots) * (2 if self.temperatures else 1)
 
     @property
     def logarithmic(self) -> bool:
-        """Whether the search is in its logarithm: a parameter that is not linear and must stay positive."""
-        return self.quantity.open_low and self.quantity.low == 0 and not self.quantity.linear
+        """Whether the search is in its logarithm: a parameter that is not linear and must stay positive, or asks for it."""
+        q = self.quantity
+        return q.logarithmic or (q.open_low and q.low == 0 and not q.linear)
 
-    def basis(self, u: Array | float) -> Array:
-        """b(u), shape (..., size)."""
+    def basis(self, u: Array | float, temperature: float = math.nan) -> Array:
+        """b(u, T), shape (..., size)."""
+        if self.temperatures:
+            over_input, (low, high) = replace(self, temperatures=None).basis(u), self.temperatures
+            s = (temperature - low) / (high - low)
+            return np.concatenate(((1.0 - s) * over_input, s * over_input), axis=-1)
         if self.kind == "constant":
             return np.ones((*np.shape(u), 1))
         at = np.asarray(u, dtype=float)[..., None]
@@ -54,16 +68,20 @@ class Column:
         ]
         return np.stack(rows, axis=-1)
 
-    def value(self, theta: Array, u: Array | float) -> Array:
-        """The parameter at ``u``."""
+    def value(self, theta: Array, u: Array | float, temperature: float = math.nan) -> Array:
+        """The parameter at ``u`` and, where it depends on it, at a temperature in degC."""
         if self.fixed is not None:
             return np.full(np.shape(u), self.fixed)
-        return np.asarray(self.basis(u) @ theta)
+        return np.asarray(self.basis(u, temperature) @ theta)
 
     def law(self, theta: Array, low: float, high: float) -> Law:
         """The law through the fitted values, on the range of the records."""
         if self.fixed is not None:
             return Constant(self.fixed, low, high)
+        if self.temperatures:
+            plain, half = replace(self, temperatures=None), len(self.knots)
+            laws = plain.law(theta[:half], low, high), plain.law(theta[half:], low, high)
+            return WithTemperature(*laws, self.temperatures)
         if self.kind == "constant":
             return Constant(float(theta[0]), low, high)
         if self.kind == "interpolation":
@@ -72,20 +90,26 @@ class Column:
 
     def to_coefficients(self) -> Array:
         """The matrix from the values at the knots to the coefficients of the law."""
+        if self.temperatures:
+            once = replace(self, temperatures=None).to_coefficients()
+            return np.asarray(np.kron(np.eye(2), once))
         if self.kind != "polynomial":
             return np.eye(self.size)
         return np.asarray(np.linalg.inv(np.vander(self.knots, increasing=True)))
 
     def labels(self, unit: str) -> list[str]:
-        """Names for people: ``dahl.kx`` where there is one value, else ``dahl.kx @ 1.98 V``."""
+        """Names for people: ``dahl.kx`` where there is one value, else ``dahl.kx @ 1.98 V``, or ``dahl.kx @ 1.98 V, 20 °C``."""
+        if self.temperatures:
+            inputs = [f"{u:g} {unit}, " for u in self.knots] if len(self.knots) > 1 else [""]
+            return [f"{self.name} @ {where}{T:.4g} °C" for T in self.temperatures for where in inputs]
         if self.size == 1:
             return [self.name]
         return [f"{self.name} @ {u:g} {unit}" for u in self.knots]
 
 
-def bases(columns: list[Column], u: Array | float) -> list[Array | None]:
-    """The basis (1 or n, size) of each column at ``u``; None for a fixed or tied one."""
-    return [np.atleast_2d(column.basis(u)) if column.size else None for column in columns]
+def bases(columns: list[Column], u: Array | float, temperature: float = math.nan) -> list[Array | None]:
+    """The basis (1 or n, size) of each column at ``u`` and a temperature in degC; None for a fixed or tied one."""
+    return [np.atleast_2d(column.basis(u, temperature)) if column.size else None for column in columns]
 
 
 def columns(
@@ -94,12 +118,15 @@ def columns(
     laws: str | Mapping[str, str] | None,
     fixed: Mapping[str, float] | None,
     tied: Mapping[str, str] | None = None,
+    temperatures: Sequence[float] = (),
 ) -> list[Column]:
     """One column per parameter.
 
     ``inputs`` are those of the records (a number, or an array where it varies during the test). ``laws`` is a kind for all
     parameters, or one per flat name: ``"constant"``, ``"interpolation"`` (the default where inputs differ) or
-    ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 by default). ``tied`` parameters take the law of
+    ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 by default). With ``+temperature``, such as
+    ``"interpolation+temperature"``, the parameter is such a law at the lowest and the highest of ``temperatures`` (of each
+    record, degC) and straight between them. ``tied`` parameters take the law of
     another.
     """
     tied = dict(tied or {})
@@ -116,13 +143,59 @@ def columns(
         wanted = laws if isinstance(laws, str) else (laws or {}).get(name)
         if name == lag:  # the delay of the input does not depend on the input
             wanted = "constant"
+        wanted, warming = _without_temperature(wanted)
         kind, knots = _kind(name, wanted, distinct, varying)
         value = fixed.get(name)
         if value is not None:
             quantity.check(f"fixed {name}", value)
-        made.append(Column(name, quantity, kind, knots, value))
+        span = _span_of(name, temperatures) if warming and value is None else None
+        made.append(Column(name, quantity, kind, knots, value, temperatures=span))
     _check_ties(composition, tied, fixed, laws)
     return _tied(made, tied)
+
+
+def _without_temperature(wanted: str | None) -> tuple[str | None, bool]:
+    """A kind of law without ``+temperature``, and whether it had that."""
+    kind, plus, more = (wanted or "").partition("+")
+    if not plus:
+        return wanted, False
+    if more.strip() != "temperature":
+        raise InputError(
+            f"{wanted!r} is an unknown law; what is added can be temperature only, as in interpolation+temperature"
+        )
+    return kind.strip() or None, True
+
+
+def _span_of(name: str, temperatures: Sequence[float]) -> tuple[float, float]:
+    """The lowest and the highest temperature of the records; InputError where they say nothing of a dependence."""
+    unknown = sum(not math.isfinite(T) for T in temperatures)
+    if unknown or not temperatures:
+        raise InputError(
+            f"{name} is to follow the temperature, but {unknown or 'all'} of {len(temperatures)} records have none; give each "
+            "a temperature channel in degC, or leave +temperature out"
+        )
+    low, high = min(temperatures), max(temperatures)
+    if high - low < MIN_WARMING:
+        raise InputError(
+            f"{name} is to follow the temperature, but the records' means lie between {low:.4g} and {high:.4g} °C; they must "
+            f"differ by {MIN_WARMING:g} °C or more: add warmer or colder records, or leave +temperature out"
+        )
+    return low, high
+
+
+def held_twins(
+    composition: Composition,
+    laws: str | Mapping[str, str] | None,
+    fixed: Mapping[str, float] | None,
+    tied: Mapping[str, str] | None,
+) -> dict[str, float]:
+    """Parameters that are held at 0 because an earlier one does the same, unless something names one of the two."""
+    named = {*(laws if isinstance(laws, Mapping) else {}), *(fixed or {}), *(tied or {}), *(tied or {}).values()}
+    return {
+        name: 0.0
+        for name, other in composition.twins.items()
+        if name not in named and not (other in (fixed or {}) or other in (tied or {}))
+    }
 
 
 def _check_ties(

@@ -72,7 +72,7 @@ class Problem:
     limits: tuple[Array, Array] = field(init=False, repr=False)  # (G,) the lowest and highest value of each coefficient
     inner_limits: tuple[Array, Array] = field(
         init=False, repr=False
-    )  # (G,) the same, open limits left by `OPEN_MARGIN`
+    )  # (G,) the same, open limits and the 0 of logarithms left by `OPEN_MARGIN`
     local_limits: tuple[Array, Array] = field(init=False, repr=False)  # (L,) of each nuisance
     constant: Array = field(init=False, repr=False)  # (M, P) and
     matrix: Array = field(
@@ -86,15 +86,24 @@ class Problem:
         logarithmic = [c.logarithmic for c in self.columns]
         self.varying = any(np.ndim(p.u) for p in self.pieces)
         # Records with one constant input share a plan.
-        inputs = [float(r if self.varying else one.u) for r, one in enumerate(self.pieces)]
+        warming = any(c.temperatures for c in self.columns)
+        inputs = [
+            (float(r if self.varying else one.u), one.temperature if warming else 0.0)
+            for r, one in enumerate(self.pieces)
+        ]
         first = {key: inputs.index(key) for key in dict.fromkeys(inputs)}
-        bases_at = {key: bases(self.columns, self.pieces[r].u) for key, r in first.items()}
+        bases_at = {key: bases(self.columns, self.pieces[r].u, self.pieces[r].temperature) for key, r in first.items()}
         self.size, ends = sum(sizes), np.cumsum([0, *sizes])
         self.slices = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
         names, quantities = [c.name for c in self.columns], [c.quantity for c in self.columns]
         self.owners = [names.index(c.tied) if c.tied else k for k, c in enumerate(self.columns)]
         self.common = tuple(name for name in ("offset", "gain", "temperature") if name in self.nuisances)
-        bounds = list(self.composition.states.values())
+        # A test may begin where a larger one before it has left the damper.
+        stroke = max(float(np.ptp(one.x)) for one in self.pieces)
+        bounds = [
+            (-stroke, stroke) if name in self.composition.within_stroke else span
+            for name, span in self.composition.states.items()
+        ]
         self.states = [bounds[k] for k in self.composition.free_at_start] if "state" in self.nuisances else []
         self.path_start = np.array(self.composition.path0)
         self.locals = len(self.common) + len(self.states)
@@ -106,7 +115,8 @@ class Problem:
         high = np.repeat(np.array([q.high for q in quantities], dtype=float), sizes)
         open_low = np.repeat(np.array([q.open_low for q in quantities], dtype=bool), sizes)
         self.limits = low, high
-        self.inner_limits = np.where(open_low & np.isfinite(low), low + OPEN_MARGIN, low), high
+        never_reached = (open_low & np.isfinite(low)) | self.is_logarithmic
+        self.inner_limits = np.where(never_reached, low + OPEN_MARGIN, low), high
         reach = {"offset": np.inf, "gain": MAX_LOGARITHM, "temperature": MAX_LOGARITHM}
         local_low = [-reach[name] for name in self.common] + [a for a, _ in self.states]
         local_high = [reach[name] for name in self.common] + [b for _, b in self.states]
@@ -218,7 +228,9 @@ def values_at(problem: Problem, point: Point, record: int, u: Array | float) -> 
     """The parameter vector (P,) of a record, or (n, P) where its input ``u`` varies, its own viscosity included."""
     if problem.varying:
         owned = zip(problem.owners, point.of(problem), strict=True)
-        values = np.stack([problem.columns[k].value(theta, u) for k, theta in owned], axis=-1)
+        values = np.stack(
+            [problem.columns[k].value(theta, u, problem.pieces[record].temperature) for k, theta in owned], axis=-1
+        )
     else:
         values = problem.constant[record] + problem.matrix[record] @ point.theta
     if "temperature" in problem.common:
@@ -239,7 +251,7 @@ def independent_blocks(problem: Problem) -> list[Block]:
     """The problem as several that share no coefficient: one per input where every law is values at the inputs."""
     free = [c for c in problem.columns if c.size]
     knots = sorted({u for c in free for u in c.knots})
-    if problem.varying or any(c.kind != "interpolation" for c in free) or len(knots) < 2:
+    if problem.varying or any(c.kind != "interpolation" or c.temperatures for c in free) or len(knots) < 2:
         return [Block(problem, list(range(problem.size)), list(range(len(problem.pieces))))]
     nearest = [int(np.argmin(np.abs(np.array(knots) - p.u))) for p in problem.pieces]
     blocks = []

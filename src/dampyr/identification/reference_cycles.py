@@ -20,12 +20,14 @@ from dampyr.models import Damper
 from dampyr.models.damper import INPUTS
 from dampyr.records import Cycle, Record, cycle_table, cycles
 from dampyr.records.nominal_input import SMALLEST, TOLERANCE, is_steady
+from dampyr.records.smoothing import force_average
 
 Array = NDArray[np.float64]
 Reference = Damper | Record | Sequence[Record]
 Expected = tuple[float | None, str]
 SAME = 0.02  # of a speed: within it two tests count as at one speed
 STROKE = 0.1  # of a stroke: within it the energy at one peak speed goes with the stroke
+WINDOW = 0.1  # of a moving average: within it two smoothed forces are compared
 _read: WeakKeyDictionary[Record, dict[float | None, list[Cycle]]] = WeakKeyDictionary()  # many records share references
 
 
@@ -104,6 +106,10 @@ def _of_records(
     same = [one for one in others if _same_input(one, record)]
     if not same:
         return _nothing(len(table), _other_input(others, record))
+    here, same = force_average(record), [one for one in same if _same_smoothing(one, record)]
+    if not same:
+        words = "is not smoothed" if here is None else f"is smoothed over {here.window:.4g} s"
+        return _nothing(len(table), f"the force here {words}, that of the reference otherwise")
     reference = [cycle for one in same for cycle in _cycles(one, offset)]
     if not reference:
         return _nothing(len(table), "the reference has no whole cycle")
@@ -186,6 +192,12 @@ def _same_input(one: Record, other: Record) -> bool:
     largest = max(abs(one.input_value), abs(other.input_value), SMALLEST)
     steady = is_steady(one, largest) and is_steady(other, largest)
     return steady and abs(one.input_value - other.input_value) <= TOLERANCE * largest
+
+
+def _same_smoothing(one: Record, other: Record) -> bool:
+    """Whether the forces of both went through the same moving average, which is not undone, or through none."""
+    windows = [0.0 if average is None else average.window for average in map(force_average, (one, other))]
+    return abs(windows[0] - windows[1]) <= WINDOW * max(windows)
 
 
 def _other_input(others: Sequence[Record], record: Record) -> str:

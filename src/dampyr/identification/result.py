@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -9,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
+from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.data_sheet import SHEETS, contradictions
 from dampyr.identification.diagnostics import no_interval, notes, trouble_of
 from dampyr.identification.fit_data import Piece
@@ -17,11 +20,12 @@ from dampyr.identification.law_panels import law_panels
 from dampyr.identification.normal_equations import modelled_force
 from dampyr.identification.problem import Problem
 from dampyr.identification.residuals import Residuals, Trace, analyse, motion
-from dampyr.identification.score import Score, compare
+from dampyr.identification.score import SETTLING, Score, compare, too_short
 from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.identification.variable_projection import Outcome
 from dampyr.models import Damper
-from dampyr.records import Record, cycles
+from dampyr.models.sampling_error import sampling_error, sampling_words
+from dampyr.records import Record, cycles, motion_start
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, listing, percent
 from dampyr.units import for_people
 
@@ -112,7 +116,8 @@ class Fit(Representation):
     "record and cycle"), ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that
     determine it. ``within_records`` holds the labels that only one or two records determine, and how many: their errors are by
     cycle, hold within these records only and give no interval.
-    ``starts`` is the number of starts, and how many of them ended in the same optimum.
+    ``starts`` is the number of starts, and how many of them ended in the same optimum;
+    ``settling`` what ``scores`` leave out, s.
     """
 
     damper: Damper | None
@@ -133,6 +138,7 @@ class Fit(Representation):
     outcome: Outcome = field(repr=False)
     records: tuple[Record, ...] = field(repr=False)
     starts: tuple[int, int] = (1, 1)
+    settling: float = SETTLING
 
     @property
     def plot(self) -> FitPlots:
@@ -186,12 +192,48 @@ class Fit(Representation):
         return f"at {listing([f'{u:.4g}' for u in values])} {unit}"
 
     def _table(self) -> Table:
-        rows = []
-        for label, (low, high) in self.intervals().items():
-            unit, factor = for_people(self.units[label])
-            numbers = (self.parameters[label], low, high, self.stderr[label])
-            rows.append([label, *(float(factor * value) for value in numbers), unit or "1"])
-        return ("parameter", "value", "95 % from", "to", "standard error", "unit"), rows
+        return self.by_input()
+
+    def by_input(self, errors: bool = False) -> Table:
+        """One row a parameter, one column an input, in units that people read.
+
+        A cell is the value ± half of its 95 % interval, or says why there is none; with ``errors`` the standard error, and
+        in parentheses the naive one, which takes the samples for independent.
+        """
+        unit = self.problem.pieces[0].unit
+        free = [c for c in self.problem.columns if c.size]
+        knots = sorted({u for c in free if len(c.knots) > 1 for u in c.knots})
+        everywhere = not knots or any(len(c.knots) == 1 for c in free)
+        heads = ["parameter", "unit", *["all inputs"] * everywhere, *(f"{u:g} {unit}" for u in knots)]
+        cell, spans = (self._error_in_words if errors else self._value_in_words), self.intervals()
+        rows: list[list[Any]] = []
+        for column in free:
+            shown, factor = for_people(column.quantity.unit)
+            cells = [cell(label, spans, factor) for label in column.labels(unit)]
+            for k, temperature in enumerate(column.temperatures or (None,)):
+                name = column.name if temperature is None else f"{column.name}, {temperature:.4g} °C"
+                some = cells[k * len(column.knots) : (k + 1) * len(column.knots)]
+                at = dict(zip(column.knots, some, strict=True)) if len(some) > 1 else {}
+                alone = ["" if at else some[0]] * everywhere
+                rows.append([name, shown or "1", *alone, *(at.get(u, "") for u in knots)])
+        return heads, rows
+
+    def _value_in_words(self, label: str, spans: Mapping[str, tuple[float, float]], factor: float) -> str:
+        value, reach = factor * self.parameters[label], factor * (spans[label][1] - self.parameters[label])
+        if label in self.within_records:
+            return f"{value:.4g} (no interval)"
+        if math.isnan(reach):
+            return f"{value:.4g} (at its limit)"
+        return f"{value:.4g} ± {reach:.2g}" if math.isfinite(reach) else f"{value:.4g} (not determined)"
+
+    def _error_in_words(self, label: str, spans: Mapping[str, tuple[float, float]], factor: float) -> str:
+        error, naive = self.stderr[label], self.naive_stderr[label]
+        if math.isnan(error):
+            return "at its limit"
+        if not math.isfinite(error):
+            return "not determined"
+        where = ", within these records only" if label in self.within_records else ""
+        return f"{factor * error:.2g} ({factor * naive:.2g}){where}"
 
     @property
     def nuisance_spread(self) -> dict[str, float]:
@@ -261,18 +303,30 @@ class Fit(Representation):
     def residuals(self) -> Residuals:
         """The analysis of the residual over all samples that were fitted: see `dampyr.identification.residuals`."""
         traces = [
-            Trace(p.name, p.t, p.x, p.v, p.force, p.force - force, float(np.mean(p.u)), *motion(record))
+            Trace(
+                p.name, p.t[c], p.x[c], p.v[c], p.force[c], (p.force - force)[c], float(np.mean(p.u)), *motion(record)
+            )
             for p, force, record in zip(self.problem.pieces, self.forces, self.records, strict=True)
+            for c in (p.comparable,)
         ]
         return analyse(traces, self.problem.pieces[0].unit)
 
     @cached_property
     def scores(self) -> dict[str, Score]:
-        """How well the fit describes the records it was fitted to (which is no prediction), by record."""
+        """How well the fit describes the records it was fitted to (which is no prediction), by record.
+
+        From ``settling`` s after the motion starts; a record that is too short for that is scored from the start of its motion,
+        the state of which was fitted, and ``notes`` say so. Of a force that holds a moving average only whole windows after the
+        start of the motion are scored.
+        """
         scores = {}
-        for record, force in zip(self.records, self.forces, strict=True):
+        for record, one, force in zip(self.records, self.problem.pieces, self.forces, strict=True):
             whole = np.concatenate((np.full(record.n - force.size, force[0]), force))
-            scores[record.name] = compare(record, whole)
+            settling, window = 0.0 if too_short(record, self.settling) else self.settling, None
+            if one.average is not None:
+                compared = one.t[one.comparable]
+                window = max(motion_start(record) + settling, float(compared[0])), float(compared[-1])
+            scores[record.name] = compare(record, whole, settling, window)
         return scores
 
 
@@ -288,6 +342,7 @@ def build_fit(
     bandwidth: float | None,
     search_notes: tuple[str, ...] = (),
     starts: tuple[int, int] = (1, 1),
+    settling: float = SETTLING,
 ) -> Fit:
     """The fit at the end of a search; ``search_notes`` are of what came before, ``starts`` how many there were and agreed."""
     uncertainties = uncertainty(problem, outcome.point, outcome.at_limit)
@@ -311,7 +366,9 @@ def build_fit(
         notes=(
             *notes(problem, outcome, uncertainties, labels, within),
             *search_notes,
+            *_short_notes(records, settling),
             *_data_sheet_notes(damper, records),
+            *_sampling_notes(damper, problem),
         ),
         clusters=_clusters([label in within for label in labels if np.isfinite(stderr[label])]),
         freedom=dict(zip(labels, map(float, uncertainties.freedom), strict=True)),
@@ -330,13 +387,39 @@ def build_fit(
         outcome=outcome,
         records=records,
         starts=starts,
+        settling=settling,
     )
+
+
+def _short_notes(records: tuple[Record, ...], settling: float) -> list[str]:
+    """The records that are scored from the start of their motion, because settling would leave next to nothing of them."""
+    short = [record.name for record in records if too_short(record, settling)]
+    if not short:
+        return []
+    return [
+        f"{listing(short, 3)}: too short for a settling of {settling:g} s, so scored from the start of the motion; a "
+        "prediction of such a record is not scored unless a shorter settling is given"
+    ]
 
 
 def _data_sheet_notes(damper: Damper | None, records: tuple[Record, ...]) -> list[str]:
     """The contradictions of the fit with the data sheet, where the records name one."""
     sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
     return [words for sheet in sorted(sheets) if damper for words in contradictions(damper, sheet)]
+
+
+def _sampling_notes(damper: Damper | None, problem: Problem) -> list[str]:
+    """What the records' samples make wrong in the force of this damper, of the worst record; warned of, too."""
+    if damper is None or not any(part.speed for part in damper.composition.parts):
+        return []
+    at = [damper if math.isnan(p.temperature) else damper.at_temperature(p.temperature, True) for p in problem.pieces]
+    given = ((p, one.values(p.u, allow_extrapolation=True)) for p, one in zip(problem.pieces, at, strict=True))
+    words = {sampling_error(damper.composition, p.t, p.x, p.v, u): (p, u) for p, u in given}
+    p, values = words[max(words)]
+    if not (text := sampling_words(damper.composition, p.t, p.x, p.v, values)):
+        return []
+    warnings.warn(f"{p.name}: {text}", DampyrWarning, stacklevel=4)
+    return [f"{p.name}: {text}"]
 
 
 def _clusters(within: list[bool]) -> str:

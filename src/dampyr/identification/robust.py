@@ -1,20 +1,33 @@
 r"""Losses that are robust to outliers: iteratively reweighted least squares.
 
-With the residual z of a sample over the scale of its record, 1.4826 times the median absolute residual, each round weighs
-the samples and minimises the weighted sum of squares:
+With the residual e of a sample in N, the scale :math:`s_r` of its record, 1.4826 times the median absolute residual, and
+:math:`z = e/s_r`, the sums over all records r and their samples are
 
-.. math:: w_\text{huber} = \min(1, 1.345/|z|), \qquad w_{l1} = 1/\sqrt{1 + (z/\varepsilon)^2}, \quad \varepsilon = 0.1
+.. math:: \sum_r \omega_r \Big(\frac{s_r}{\sigma_r}\Big)^2 \sum_i \rho_\text{huber}(z_i), \qquad
+          \sum_r \omega_r \frac{s_r}{d_r} \sum_i \sqrt{\varepsilon^2 + z_i^2}, \quad \varepsilon = 0.1
 
-At its end the first minimises Huber's (1964) loss, the second :math:`\sum\sqrt{\varepsilon^2 + z^2}`, which is the L1
-norm that dampyr scores by but for residuals below a tenth of the scale. The scales follow the residuals for a few rounds and
-are held then, so that one sum goes down in every round that follows. The errors are the clustered sandwich of an M-estimator
-(Huber 1967): the scores with these weights, the information with the second derivative of the loss.
+:math:`\sigma_r` is the standard deviation of the record's force, :math:`d_r` its mean absolute deviation from the middle of
+its range (see `dampyr.identification.score`), and :math:`\omega_r` the weight of the record (see
+`dampyr.identification.fit`). The first is Huber's (1964) loss: the sum of squares of a fit by ``"squares"`` where no residual
+exceeds 1.345 scales. The second is :math:`\sum_r \omega_r \sum_i |e_i|/d_r` but for residuals below a tenth of the scale:
+where records weigh the same, the sum of the L1 ratios that dampyr scores by. The scales say only where a residual counts as
+large or small; they do not weigh one record against another.
+
+Each round weighs the samples and minimises the weighted sum of squares, with
+
+.. math:: w_\text{huber} = \min(1, 1.345/|z|), \qquad w_{l1} = \frac{1}{s_r}\big/\sqrt{1 + (z/\varepsilon)^2}
+
+The scales follow the residuals for a few rounds and are held then, so that one sum goes down in every round that follows. The
+errors are the clustered sandwich of an M-estimator (Huber 1967): the scores with these weights, the information with the second
+derivative of the loss.
 
 Holland and Welsch (1977).
 """
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -24,7 +37,8 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.identification.normal_equations import modelled_force
 from dampyr.identification.problem import Point, Problem
-from dampyr.identification.variable_projection import Outcome, search
+from dampyr.identification.score import span
+from dampyr.identification.variable_projection import OUT_OF_TIME, Outcome, search
 
 Array = NDArray[np.float64]
 LOSSES = ("squares", "huber", "l1")
@@ -43,40 +57,61 @@ def check_loss(loss: str) -> None:
 
 
 def iteratively_reweighted(
-    problem: Problem, outcome: Outcome, loss: str, progress: Callable[[int, float], None] | None = None
+    problem: Problem,
+    outcome: Outcome,
+    loss: str,
+    progress: Callable[[int, float], None] | None = None,
+    deadline: float = math.inf,
 ) -> tuple[Problem, Outcome]:
     """From the least-squares fit to that of ``loss``: the problem with its weights, and how the last search ended."""
     scales, before, steps = np.ones(len(problem.pieces)), np.inf, outcome.iterations
+    unweighted = problem
     for turn in range(MAX_ROUNDS):
         residuals = _residuals(problem, outcome.point)
+        compared = [r[one.comparable] for r, one in zip(residuals, problem.pieces, strict=True)]
         if turn < SCALING_ROUNDS:
-            scales = np.array([max(NORMAL * float(np.median(np.abs(r))), 1e-12) for r in residuals])
-        total = sum(float(np.sum(s**2 * _loss(r / s, loss))) for r, s in zip(residuals, scales, strict=True))
+            scales = np.array([max(NORMAL * float(np.median(np.abs(r))), 1e-12) for r in compared])
+        shares = _shares(unweighted, scales, loss)
+        sums = [float(np.sum(s**2 * _loss(r / s, loss))) for r, s in zip(compared, scales, strict=True)]
+        total = float(shares @ sums)
         if turn > SCALING_ROUNDS and abs(before - total) <= ENOUGH * total:
             reason = f"{outcome.reason}; {turn} rounds of weights" if outcome.converged else outcome.reason
-            return _with_second_weights(problem, residuals, scales, loss), replace(
-                outcome, iterations=steps, reason=reason
-            )
+            return _weighted(unweighted, residuals, scales, loss), replace(outcome, iterations=steps, reason=reason)
         before = total
-        weights = [np.sqrt(_weight(r / s, loss)) for r, s in zip(residuals, scales, strict=True)]
-        pieces = [replace(p, weight=w / p.spread) for p, w in zip(problem.pieces, weights, strict=True)]
-        problem = replace(problem, pieces=pieces)
-        outcome = search(problem, outcome.point, progress, tolerance=1e-9)
+        problem = _weighted(unweighted, residuals, scales, loss, second=False)
+        outcome = search(problem, outcome.point, progress, tolerance=1e-9, deadline=deadline)
         steps += outcome.iterations
-    reason = f"did not converge: after {MAX_ROUNDS} rounds of weights the {loss} loss still changes"
+        if time.perf_counter() > deadline:
+            break
+    reason = (
+        OUT_OF_TIME
+        if time.perf_counter() > deadline
+        else f"did not converge: after {MAX_ROUNDS} rounds of weights the {loss} loss still changes"
+    )
     residuals = _residuals(problem, outcome.point)
-    return _with_second_weights(problem, residuals, scales, loss), replace(
+    return _weighted(unweighted, residuals, scales, loss), replace(
         outcome, converged=False, reason=reason, iterations=steps
     )
 
 
-def _with_second_weights(problem: Problem, residuals: list[Array], scales: Array, loss: str) -> Problem:
-    """The problem with the second derivative of the loss at each sample."""
-    zs = [r / s for r, s in zip(residuals, scales, strict=True)]
-    second_weights = [np.sqrt(_second(z, loss)) / p.spread for z, p in zip(zs, problem.pieces, strict=True)]
-    return replace(
-        problem, pieces=[replace(p, second_weight=w) for p, w in zip(problem.pieces, second_weights, strict=True)]
-    )
+def _shares(problem: Problem, scales: Array, loss: str) -> Array:
+    """(M,) By which the squares of each record's weights are multiplied, 1 on average of what differs between records."""
+    records = np.array([float((p.weight[0] * p.spread) ** 2) for p in problem.pieces])
+    if loss == "huber":
+        return records
+    forces = [p.force[p.comparable] for p in problem.pieces]
+    mean_deviations = [float(np.mean(np.abs(force - np.mean(span(force))))) for force in forces]
+    deviations = np.array([p.spread for p in problem.pieces]) / np.array(mean_deviations)
+    return np.asarray(records * deviations / np.mean(deviations) * np.mean(scales) / scales)
+
+
+def _weighted(problem: Problem, residuals: list[Array], scales: Array, loss: str, second: bool = True) -> Problem:
+    """The problem with the weight of each sample by the loss, and by its second derivative."""
+    pieces = []
+    for p, r, s, share in zip(problem.pieces, residuals, scales, _shares(problem, scales, loss), strict=True):
+        curved = np.sqrt(share * _second(r / s, loss)) / p.spread if second else None
+        pieces.append(replace(p, weight=np.sqrt(share * _weight(r / s, loss)) / p.spread, second_weight=curved))
+    return replace(problem, pieces=pieces)
 
 
 def _residuals(problem: Problem, point: Point) -> list[Array]:

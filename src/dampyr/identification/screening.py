@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 import warnings
 from collections.abc import Callable, Sequence
@@ -15,6 +16,7 @@ import numpy as np
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import parallel
 from dampyr.identification.validation import Validation, cross_validate
+from dampyr.identification.variable_projection import OUT_OF_TIME
 from dampyr.models import compose
 from dampyr.records import Record, check_bandwidth, cycles, default_bandwidth, measure, motion_start, with_velocity
 from dampyr.representation import Representation, Summary, Table, counted, percent
@@ -35,7 +37,7 @@ SAMPLES_PER_BANDWIDTH = 4.0  # twice the rate below which the motion would alias
 
 @dataclass(frozen=True)
 class Trial:
-    """One model on the screening set: its validation error there, or infinity and the reason."""
+    """One model on the screening set: its validation error there; ``reason`` says why it is infinite, or what stopped a fit."""
 
     model: str
     error: float
@@ -72,7 +74,12 @@ class Screened(Representation):
         return min(self.trials, key=lambda one: one.error)
 
 
-def chosen_bandwidth(records: list[Record], options: dict[str, Any]) -> float | None:
+def chosen_bandwidth(
+    records: list[Record],
+    options: dict[str, Any],
+    executor: Executor | None = None,
+    progress: Callable[[float], None] = lambda done: None,
+) -> float | None:
     """That of the derived velocity, or None for the velocity as recorded, whichever lets the probe predict better.
 
     Records without a velocity, sampled so differently that no bandwidth serves all of them, use their own bandwidths: None.
@@ -85,8 +92,9 @@ def chosen_bandwidth(records: list[Record], options: dict[str, Any]) -> float | 
         derived = None
     if derived is None or any(record.velocity is None for record in records):
         return derived
-    errors = {b: trial(PROBE, screening_set(records, b), 0, options).error for b in (None, derived)}
-    return None if errors[None] < errors[derived] else derived
+    jobs = [partial(trial, PROBE, screening_set(records, b), 0, options) for b in (None, derived)]
+    recorded, smooth = parallel.run_all(jobs, executor, progress)
+    return None if recorded.error < smooth.error else derived
 
 
 def screen_all(
@@ -97,20 +105,27 @@ def screen_all(
     options: dict[str, Any],
     executor: Executor | None,
     progress: Callable[[float], None],
-) -> list[Screened]:
-    """Every model bare and with each add-on; then, round by round, those in contention with one more."""
+    deadline: float = math.inf,
+) -> tuple[list[Screened], list[str]]:
+    """Every model bare and with each add-on; then, round by round, those in contention with one more.
+
+    No round begins after ``deadline``, a value of ``time.perf_counter``, s; the models that one would have gone on with are
+    returned too.
+    """
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
     ends = {base: base for base in bases}
     going, rounds = list(bases), max(len(add_ons), 1)
     for k in range(rounds):
+        if not going or (k and time.perf_counter() > deadline):
+            break
         plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
         tasks = [partial(trial, model, small, seed, options) for models in plan.values() for model in models]
         results = iter(parallel.run_all(tasks, executor, lambda done, k=k: progress((k + done) / rounds)))  # type: ignore[misc]
         for base, models in plan.items():
             trials[base] += [next(results) for _ in models]
-        going = _still_going(going, trials, ends)
+        going = _still_going(going, trials, ends) if k + 1 < rounds else []
     progress(1.0)
-    return [Screened(base, tuple(trials[base])) for base in bases]
+    return [Screened(base, tuple(trials[base])) for base in bases], [ends[base] for base in going]
 
 
 def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
@@ -154,6 +169,7 @@ def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -
             warnings.simplefilter("ignore", DampyrWarning)  # of a model that may never be chosen
             validations = validations_of(model, small, 2, seed, options | {"steps": STEPS})
         reasons = [reason for one in validations for reason in one.failed.values()]
+        reasons += [fold.reason for one in validations for fold in one.folds if OUT_OF_TIME in fold.reason]
         return Trial(model, validation_error(validations), time.perf_counter() - begun, "; ".join(reasons[:1]))
     except (InputError, np.linalg.LinAlgError) as problem:
         return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))

@@ -5,12 +5,16 @@ one) is far too small. The errors given here are the sandwich
 
 .. math:: (J^T J)^{-1} \Big(\sum_g J_g^T r_g\, r_g^T J_g\Big) (J^T J)^{-1} \frac{G}{G-1}
 
-over clusters g that are independent of one another: the records. A coefficient that fewer than `MIN_RECORDS` records
-determine has an error by cycles: it holds within these records only and gives no interval. J is what is left of the
-derivatives after each record's nuisances have taken their part, and G the effective number of clusters. A direction that the
-records do not determine has an infinite error, not a small one.
+over clusters g that are independent of one another: the records, the pieces of one that was cut together. How many degrees
+of freedom it has depends on how records differ: where each has noise of its own, the effective number of records less one;
+where each has a gain of its own, those of Satterthwaite (1946) for that, which are fewer. Records do both, and the mean of
+the two is taken. A coefficient that fewer than `MIN_RECORDS` records determine has an error by cycles: it holds within
+these records only and gives no interval. J is what is left of the derivatives after each record's nuisances have taken
+their part, and G the effective number of clusters. A direction that the records do not determine has an infinite error, not
+a small one.
 
-Liang and Zeger (1986); Cameron and Miller (2015).
+Liang and Zeger (1986); Cameron and Miller (2015); Bell and McCaffrey (2002) for the degrees of freedom under a model of how
+clusters differ.
 """
 
 from __future__ import annotations
@@ -36,10 +40,10 @@ SAME = 1e-13  # of the sums of squares: what is left below it is rounding
 class Uncertainty:
     """Covariances (m, m) of the coefficients, and what they rest on.
 
-    ``counts`` is how many clusters determine each coefficient, ``freedom`` its degrees of freedom (fewer where a few clusters
-    hold most of the information). The records do not determine the ``unidentifiable`` ones, and too ``few`` cycles determine
-    others. ``records`` is how many records determine each, ``within`` where these are too few to be the clusters, so that
-    cycles are.
+    ``counts`` is how many clusters determine each coefficient, ``freedom`` its degrees of freedom (fewer where a few
+    clusters hold most of the information, and where records differ by their gains). The records do not determine the
+    ``unidentifiable`` ones, and too ``few`` cycles determine others. ``records`` is how many records determine each,
+    ``within`` where these are too few to be the clusters, so that cycles are.
     """
 
     covariance: Array
@@ -59,20 +63,23 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
     second = weighted if curved is problem else _by_cluster(curved, point)
     reduced = [_reduced(problem, sums, each, held) for sums, each in zip(weighted, second, strict=True)]
     information = _above_rounding(reduced, problem.size)
-    samples = sum(one.t.size - problem.locals for one in problem.pieces)
+    samples = sum(one.count - problem.locals for one in problem.pieces)
     bread, unidentifiable = _inverse(information, held)
     squares = sum(one.squares for one in reduced) / max(samples - problem.size, 1)
     naive = bread * (squares if curved is problem else _variance(problem, point, samples))
+    reduced = _by_record(problem, reduced)
     whole = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
     records, cycles = _clusters(whole, information), _clusters(reduced, information)
     within = records.counts < MIN_RECORDS
     counts = np.where(within, cycles.counts, records.counts)
-    freedom = np.where(within, cycles.freedom, records.freedom)
+    between = 0.5 * (records.freedom + _freedom_by_gains(problem, point, whole, bread, records.freedom))
+    freedom = np.where(within, cycles.freedom, between)
+    inflation = np.where(within, cycles.freedom, records.freedom)
     # One stack of influences, so that the matrix is positive semidefinite whatever each coefficient is clustered by: over the
     # cycles of a record its influence as a whole is spread evenly, which keeps the sum of its squares.
     sizes = [one.scores.shape[0] for one in reduced]
     even = np.repeat((records.scores @ bread) / np.sqrt(sizes)[:, None], sizes, axis=0)
-    influence = np.where(within, cycles.scores @ bread, even) * np.sqrt((freedom + 1.0) / freedom)
+    influence = np.where(within, cycles.scores @ bread, even) * np.sqrt((inflation + 1.0) / inflation)
     covariance = influence.T @ influence
     few = tuple(k for k in map(int, np.flatnonzero(counts < MIN_CYCLES)) if k not in (*held, *unidentifiable))
     unknown = (*unidentifiable, *few)
@@ -97,6 +104,22 @@ class Reduced:
     information: Array
     squares: float
     raw: Array
+
+
+def _by_record(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
+    """The pieces of a record that was cut as one: they share its gain and its temperature, as its cycles do."""
+    groups: dict[str, list[Reduced]] = {}
+    for one, piece in zip(reduced, problem.pieces, strict=True):
+        groups.setdefault(piece.cut_from or piece.name, []).append(one)
+    return [
+        Reduced(
+            np.concatenate([one.scores for one in some]),
+            np.concatenate([one.information for one in some]),
+            sum(one.squares for one in some),
+            sum((one.raw for one in some), np.zeros(problem.size)),
+        )
+        for some in groups.values()
+    ]
 
 
 def _by_cluster(problem: Problem, point: Point) -> list[Array]:
@@ -124,9 +147,9 @@ def _variance(problem: Problem, point: Point, samples: int) -> float:
     for r, one in enumerate(problem.pieces):
         assert one.second_weight is not None
         slope = (one.weight * one.spread) ** 2 * (one.force - modelled_force(problem, point, r)) / one.spread
-        first += float(slope @ slope)
-        second += float(np.sum((one.second_weight * one.spread) ** 2))
-    total = sum(one.t.size for one in problem.pieces)
+        first += float(slope[one.comparable] @ slope[one.comparable])
+        second += float(np.sum((one.second_weight[one.comparable] * one.spread) ** 2))
+    total = sum(one.count for one in problem.pieces)
     return first / max(second, TINY) * total / max(samples - problem.size, 1)
 
 
@@ -191,6 +214,26 @@ def _clusters(parts: list[Reduced], information: Array) -> Clusters:
     shares = np.where(total > TINY, diagonals / np.where(total > TINY, total, 1.0), 0.0)
     effective = 1.0 / np.maximum(np.sum(shares**2, axis=0), TINY)
     return Clusters(scores, np.sum(shares > 1e-3, axis=0), np.maximum(np.minimum(effective, len(scores)), 1.5) - 1.0)
+
+
+def _freedom_by_gains(problem: Problem, point: Point, parts: list[Reduced], bread: Array, instead: Array) -> Array:
+    r"""The degrees of freedom (G,) where records differ by a gain; ``instead`` where no coefficient is a gain's.
+
+    With the gains :math:`\gamma_h` of the records the scores are :math:`s_g = A_g b \gamma_g - A_g B \sum_h A_h b \gamma_h`, A
+    the information of a record, B the bread, b the linear coefficients, which a gain multiplies. The variance of a coefficient
+    is then a quadratic form Q of the gains, of which Satterthwaite's degrees of freedom are tr(Q)^2 / tr(Q^2).
+    """
+    b = np.where(problem.is_linear, point.theta, 0.0)
+    A = np.stack([one.information.sum(axis=0) for one in parts])
+    own = A @ b
+    influence = -np.einsum("gij,hj->ghi", A @ bread, own)
+    places = np.arange(len(parts))
+    influence[places, places] += own
+    influence = influence @ bread  # (g, h, G): of the gain of record h on the influence of record g
+    Q = np.einsum("ghk,gik->khi", influence, influence)
+    trace, square = np.trace(Q, axis1=1, axis2=2), np.einsum("khi,kih->k", Q, Q)
+    seen = square > TINY
+    return np.where(seen, np.maximum(trace**2 / np.where(seen, square, 1.0), 0.5), instead)
 
 
 def _with_infinite(covariance: Array, unidentifiable: tuple[int, ...]) -> Array:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
-from dampyr.identification.score import SETTLING, Array, Score, compare, group_by_input, prediction
+from dampyr.identification.score import SETTLING, Array, Score, check_settling, compare, group_by_input, prediction
 from dampyr.identification.validation import score_columns, score_table
 from dampyr.models import Damper
 from dampyr.records import Record, nominal_inputs, write_comparison
@@ -30,8 +30,7 @@ class ValidateOptions:
     allow_extrapolation: bool = False
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.settling) and self.settling >= 0.0):
-            raise InputError(f"settling = {self.settling:g} s is not allowed; it must be finite and at least 0")
+        check_settling(self.settling)
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import fit
-from dampyr.identification.score import SETTLING, Score, score
+from dampyr.identification.score import SETTLING, Score, check_settling, scorable, score
 from dampyr.identification.splits import Target, Task, split_tasks
 from dampyr.models import Composition, Damper
 from dampyr.records import Record, check_bandwidth, motion_start
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 class Fold(Representation):
     """One part of the split: what was fitted, what was predicted, and how well (nothing where the fit gave no damper).
 
-    ``outside`` says which predicted records go beyond what the fitted ones covered, and by how much.
+    ``outside`` says which predicted records go beyond what the fitted ones covered, and by how much; ``skipped`` are those
+    that are too short to be scored.
     """
 
     fitted_on: tuple[str, ...]
@@ -38,6 +39,7 @@ class Fold(Representation):
     converged: bool
     reason: str
     outside: dict[str, str]
+    skipped: tuple[str, ...] = ()
 
     def _summary(self) -> Summary:
         l1 = [one.l1 for one in self.scores.values()]
@@ -57,12 +59,14 @@ class Fold(Representation):
 
 @dataclass(frozen=True, repr=False)
 class Validation(Representation):
-    """All folds of one split; ``inputs`` are those of the predicted records, by name, in ``unit``, V or A."""
+    """All folds of one split; ``inputs`` are those of the predicted records, by name, in ``unit``, V or A. ``not_scored`` are
+    the records that are too short for it, and why."""
 
     split: str
     folds: tuple[Fold, ...]
     inputs: dict[str, float] = field(default_factory=dict)
     unit: str = ""
+    not_scored: dict[str, str] = field(default_factory=dict)
 
     def plot(self) -> Any:
         """The L1 ratio of each predicted record, by input; the matplotlib axes ``(1,)``."""
@@ -95,6 +99,8 @@ class Validation(Representation):
             ("records", f"{len(self.scores)} predicted in {counted(len(self.folds), 'part')}"),
             ("by input", listing([f"{percent(e)} at {u:.4g} {self.unit}".rstrip() for u, e in self.by_input.items()])),
         ]
+        if self.not_scored:
+            rows.append(("not scored", listing([f"{name}: {why}" for name, why in self.not_scored.items()], 1)))
         if self.failed:
             rows.append(("failed", f"{counted(len(self.failed), 'part')}: {next(iter(self.failed.values()))}"))
         return f"Validation, split by {self.split}", rows
@@ -110,7 +116,7 @@ class Validation(Representation):
     @property
     def failed(self) -> dict[str, str]:
         """The folds that gave no damper: the first record that was to be predicted -> the reason."""
-        return {fold.fitted_on[0]: fold.reason for fold in self.folds if not fold.scores}
+        return {fold.fitted_on[0]: fold.reason for fold in self.folds if not (fold.scores or fold.skipped)}
 
     @cached_property
     def by_input(self) -> dict[float, float]:
@@ -127,7 +133,13 @@ class Validation(Representation):
 
     def as_dict(self) -> dict[str, Any]:
         """Split, folds and inputs with their unit, for `dampyr.to_json`."""
-        return {"split": self.split, "folds": self.folds, "inputs": self.inputs, "unit": self.unit}
+        return {
+            "split": self.split,
+            "folds": self.folds,
+            "inputs": self.inputs,
+            "unit": self.unit,
+            "not_scored": self.not_scored,
+        }
 
 
 def score_table(scores: Mapping[str, Score]) -> Table:
@@ -153,6 +165,7 @@ def cross_validate(
     folds: int = 5,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
+    settling: float = SETTLING,
     **options: Any,
 ) -> Validation:
     """Predict every record by a damper that was not fitted to it.
@@ -169,42 +182,68 @@ def cross_validate(
         motion fitted, the rest predicted.
     progress
         called with the fraction done.
+    settling
+        s from the start of each motion that are not scored. Records of which it leaves less than a quarter are fitted and not
+        scored; the result says which.
 
-    Raises :class:`~dampyr.errors.InputError` for an unknown split, fewer records than folds, fewer than three inputs, or a
-    single kind of motion.
+    Raises :class:`~dampyr.errors.InputError` for an unknown split, fewer records than folds, fewer than three inputs, a single
+    kind of motion, or where no record is long enough to be scored.
     """
+    jobs, assemble = validation_jobs(model, records, split, folds, seed, settling, **options)
+    done = []
+    for k, job in enumerate(jobs):
+        if progress:
+            progress(k / len(jobs))
+        done.append(job())
+    if progress:
+        progress(1.0)
+    return assemble(done)
+
+
+def validation_jobs(
+    model: str | Composition,
+    records: Sequence[Record],
+    split: str = "record",
+    folds: int = 5,
+    seed: int = 0,
+    settling: float = SETTLING,
+    **options: Any,
+) -> tuple[list[Callable[[], Fold]], Callable[[Sequence[Fold]], Validation]]:
+    """`cross_validate` as independent jobs, one a fold, and what makes their results a `Validation`."""
     listed = list(records)
+    check_settling(settling)
+    not_scored = scorable(listed, settling)
     tasks = split_tasks(listed, split, folds, seed)
     if options.get("bandwidth") is not None:
         check_bandwidth(listed, options["bandwidth"])
-    done = []
-    for k, task in enumerate(tasks):
-        if progress:
-            progress(k / len(tasks))
-        done.append(_fold(model, task, options))
-    if progress:
-        progress(1.0)
     inputs = {r.name: float(r.input_value or 0.0) for r in listed}
-    return Validation(split, tuple(done), inputs, listed[0].input or "")
+    unit = listed[0].input or ""
+    jobs: list[Callable[[], Fold]] = [partial(_fold, model, task, settling, not_scored, options) for task in tasks]
+    return jobs, lambda done: Validation(split, tuple(done), inputs, unit, not_scored)
 
 
-def _fold(model: str | Composition, task: Task, options: dict[str, Any]) -> Fold:
+def _fold(
+    model: str | Composition, task: Task, settling: float, not_scored: Mapping[str, str], options: dict[str, Any]
+) -> Fold:
     fit_result = fit(model, list(task.fitted), **options)
     names = tuple(_named(r, task) for r in task.fitted)
+    skipped = tuple(t.record.name for t in task.predicted if t.record.name in not_scored)
     scores: dict[str, Score] = {}
     outside: dict[str, str] = {}
     if fit_result.damper is None:
         return Fold(names, scores, fit_result.converged, fit_result.reason, outside)
     for target in task.predicted:
+        if target.record.name in not_scored:
+            continue
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", DampyrWarning)
             try:
-                scores[target.record.name] = _predicted(fit_result.damper, target)
+                scores[target.record.name] = _predicted(fit_result.damper, target, settling)
             except InputError as problem:  # a law that leaves its allowed values beyond the fitted inputs
                 return Fold(names, {}, False, str(problem), outside)
         if caught:
             outside[target.record.name] = "; ".join(str(w.message) for w in caught)
-    return Fold(names, scores, fit_result.converged, fit_result.reason, outside)
+    return Fold(names, scores, fit_result.converged, fit_result.reason, outside, skipped)
 
 
 def _named(record: Record, task: Task) -> str:
@@ -213,11 +252,11 @@ def _named(record: Record, task: Task) -> str:
     return f"{record.name} until {record.time[-1]:.4g} s" if again else record.name
 
 
-def _predicted(damper: Damper, target: Target) -> Score:
+def _predicted(damper: Damper, target: Target, settling: float) -> Score:
     low, high = damper.range
     record, u = target.record, target.record.input_value
     window = None
     if target.first is not None:
-        window = (max(target.first, motion_start(record) + SETTLING), float(record.time[-1]))
+        window = (max(target.first, motion_start(record) + settling), float(record.time[-1]))
     beyond = u is not None and not low <= u <= high
-    return score(damper, record, window=window, allow_extrapolation=beyond)
+    return score(damper, record, settling, window, allow_extrapolation=beyond)

@@ -9,6 +9,8 @@ determine; so a secant estimate of the second derivatives is added, as in NL2SOL
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -16,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification.fit_data import first_part
-from dampyr.identification.normal_equations import NormalEquations, linearise, step_point
+from dampyr.identification.normal_equations import NormalEquations, Step, linearise, step_point
 from dampyr.identification.problem import Point, Problem, independent_blocks
 
 Array = NDArray[np.float64]
@@ -29,10 +31,15 @@ SECANT_RANGE = 0.1  # of the cost: steps that promise more are too far from the 
 COARSE_TOLERANCE = 1e-4  # of the cost: where searches on some of the samples end
 FIRST_SAMPLES = 1500  # of each record, with which a search begins
 MIN_SAVING = 3.0  # times fewer samples, for that to be worth it
+FLAT_STEPS = 10  # that together lower the cost by `STALLED` of it: what they still change, the records hardly determine
+MAX_DAMPING = 1e8  # a step of a hundred-millionth of its length
+SAME_STEP = 0.05  # of a step's length, each coefficient in units of its own error, or of its promise
 DAMPING = 1e-3  # of a search that begins, as a part of each diagonal element
 WARM_DAMPING = 1e-6  # of one that begins near its end
 ROUNDING = 1e-18  # of each sample's variance: records without noise are met to a billionth
+OUT_OF_TIME = "did not converge: its time was used up"
 CONVERGED = "converged: no step lowers the sum of squares by more than 1e-8 of it"
+FLAT = "converged: along a flat valley, where a step lowers the sum of squares by less than 1e-5 of it"
 
 
 @dataclass(frozen=True)
@@ -53,13 +60,20 @@ def search(
     progress: Callable[[int, float], None] | None = None,
     tolerance: float = TOLERANCE,
     max_iterations: int = MAX_ITERATIONS,
+    deadline: float = math.inf,
 ) -> Outcome:
-    """Minimise from ``point``; the reason says how it ended. Blocks that share no coefficient are searched one by one."""
+    """Minimise from ``point``; the reason says how it ended. Blocks that share no coefficient are searched one by one.
+
+    ``deadline`` is a value of ``time.perf_counter``, s, after which no step begins; each block has an equal share of the time.
+    """
     theta, local = point.theta.copy(), point.local.copy()
     outcomes = []
-    for block in independent_blocks(problem):
+    blocks = independent_blocks(problem)
+    for k, block in enumerate(blocks):
         start = Point(theta[block.coefficients], local[block.records])
-        outcome = _search_in_stages(block.problem, start, progress, tolerance, max_iterations)
+        now = time.perf_counter()
+        until = now + (deadline - now) / (len(blocks) - k)
+        outcome = _search_in_stages(block.problem, start, progress, tolerance, max_iterations, until)
         theta[block.coefficients], local[block.records] = outcome.point.theta, outcome.point.local
         outcomes.append((block, outcome))
     end = Point(theta, local)
@@ -77,15 +91,22 @@ def search(
 
 
 def _search_in_stages(
-    problem: Problem, point: Point, progress: Callable[[int, float], None] | None, tolerance: float, max_iterations: int
+    problem: Problem,
+    point: Point,
+    progress: Callable[[int, float], None] | None,
+    tolerance: float,
+    max_iterations: int,
+    deadline: float,
 ) -> Outcome:
     """The search on the first part of each record, then on all samples: only there can it converge."""
     short = decimated_problem(problem)
     if short is None or max_iterations < 2:
-        return levenberg_marquardt(problem, point, progress, tolerance, max_iterations)
-    near = levenberg_marquardt(short, point, None, max(COARSE_TOLERANCE, tolerance), max_iterations // 2)
+        return levenberg_marquardt(problem, point, progress, tolerance, max_iterations, deadline=deadline)
+    near = levenberg_marquardt(
+        short, point, None, max(COARSE_TOLERANCE, tolerance), max_iterations // 2, deadline=deadline
+    )
     if not np.isfinite(near.cost):
-        return levenberg_marquardt(problem, point, progress, tolerance, max_iterations)
+        return levenberg_marquardt(problem, point, progress, tolerance, max_iterations, deadline=deadline)
     done = near.iterations
 
     def report_progress(iteration: int, cost: float) -> None:
@@ -93,7 +114,7 @@ def _search_in_stages(
             progress(done + iteration, cost)
 
     rest = max_iterations - done
-    outcome = levenberg_marquardt(problem, near.point, report_progress, tolerance, rest, WARM_DAMPING)
+    outcome = levenberg_marquardt(problem, near.point, report_progress, tolerance, rest, WARM_DAMPING, deadline)
     return replace(outcome, iterations=done + outcome.iterations)
 
 
@@ -117,6 +138,7 @@ def levenberg_marquardt(
     tolerance: float,
     max_iterations: int = MAX_ITERATIONS,
     damping: float = DAMPING,
+    deadline: float = math.inf,
 ) -> Outcome:
     """Minimise one problem whose records share coefficients."""
     point, here = solve_linear_parameters(problem, point)
@@ -126,15 +148,22 @@ def levenberg_marquardt(
     curvature: Array | None = None
     rounding = ROUNDING * sum(one.t.size for one in problem.pieces)
     all_linear = bool(np.all(here.linear) and np.all(here.local_linear))
-    iteration = 0
+    iteration, costs = 0, [np.inf] * FLAT_STEPS
     for iteration in range(1, max_iterations + 1):
         step = here.solve(damping=damping, curvature=curvature)
         predicted = here.reduction(step)
-        if predicted <= tolerance * here.cost + rounding:
+        small = predicted <= tolerance * here.cost + rounding
+        if small:
             predicted = here.reduction(here.solve())
         if all_linear or predicted <= tolerance * here.cost + rounding:
             converged, reason = True, CONVERGED
             break
+        slow = costs[-FLAT_STEPS] - here.cost <= STALLED * here.cost
+        refused = small and damping >= 1.0  # longer steps were, so what a whole one promises is not to be had
+        if (slow or refused) and predicted <= STALLED * here.cost:
+            converged, reason = True, FLAT
+            break
+        costs.append(here.cost)
         new_point, new_here = solve_linear_parameters(problem, step_point(problem, point, step))
         if progress:
             progress(iteration, min(here.cost, new_here.cost) if new_here.finite else here.cost)
@@ -148,16 +177,36 @@ def levenberg_marquardt(
             point, here = new_point, new_here
             damping = max(damping / 10.0, 1e-12)
         else:
-            damping *= 10.0
+            damping = more_damping(here, step, damping)
             curvature = None
-            if damping > 1e8:
+            if damping > MAX_DAMPING:
                 converged = predicted <= STALLED * here.cost
                 left = f"the last promised {predicted / here.cost:.1g} of it"
                 reason = f"stopped where no step lowers the sum of squares any more ({left})"
                 break
+        if time.perf_counter() > deadline:
+            reason = OUT_OF_TIME
+            break
     else:
         reason = f"did not converge: {max_iterations} steps were not enough"
     return Outcome(point, here.cost, converged, reason, iteration, _at_limit(problem, point))
+
+
+def more_damping(here: NormalEquations, step: Step, damping: float) -> float:
+    """The damping after a step that was refused: tens more until the step is another one.
+
+    Where the damping is far below the smallest eigenvalue of the scaled normal equations, ten times more changes nothing, and
+    an evaluation would show the same refusal.
+    """
+    scale = np.sqrt(np.maximum(np.diag(here.reduced.matrix), 0.0))
+    length, promise = float(np.linalg.norm(scale * step.theta)), here.reduction(step)
+    while damping <= MAX_DAMPING:
+        damping *= 10.0
+        other = here.solve(damping=damping)
+        shorter = float(np.linalg.norm(scale * (other.theta - step.theta))) > SAME_STEP * length
+        if shorter or abs(here.reduction(other) - promise) > SAME_STEP * promise:
+            break
+    return damping
 
 
 def solve_linear_parameters(problem: Problem, point: Point) -> tuple[Point, NormalEquations]:

@@ -8,7 +8,7 @@ read and write its card. `published` holds parameter sets from the literature.
 from dampyr.models import published
 from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.damper import Damper
-from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
+from dampyr.models.laws import Constant, Interpolation, Law, Polynomial, WithTemperature
 from dampyr.models.part import REGISTRY, part
 from dampyr.registry import names
 
@@ -20,6 +20,7 @@ __all__ = [
     "Interpolation",
     "Law",
     "Polynomial",
+    "WithTemperature",
     "compose",
     "part",
     "published",

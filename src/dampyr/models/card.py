@@ -23,6 +23,8 @@ def write(damper: Any, path: Path) -> Path:
     import tomli_w
 
     head = "# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n"
+    if damper.composition.not_for_buildings:
+        head += f"# {damper.composition.not_for_buildings}.\n"
     write_whole(path, head + tomli_w.dumps(_tables(damper)))
     return path
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
 from dampyr.models import card
 from dampyr.models.codegen.composition import Composition, compose
-from dampyr.models.laws import Constant, Law
+from dampyr.models.laws import Constant, Law, WithTemperature
 from dampyr.models.part import part_name
 from dampyr.representation import Representation, Summary, Table, column_name, data_frame, extent, listing
 from dampyr.units import for_people
@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 INPUTS = {"V": "voltage", "A": "current"}
 RANGES = {"displacement": "m", "velocity": "m/s", "frequency": "Hz"}
 SHOWN = 6  # parameters that a short text lists one by one
+SAME_TEMPERATURE = 0.5  # °C: less than one tells two temperatures of a damper apart by
+COLUMNS = 5  # inputs of a table where no law has knots
 ROWS = 11  # inputs of a table over the calibrated range: each tenth of it
 CURVE = 200  # inputs of a law's curve in a figure
 SINE = (0.010, 1.0)  # m, Hz: the motion of a loop where no calibrated range says another one
@@ -63,7 +65,7 @@ class DamperPlots:
         low, high = self.damper.range
         inputs = np.linspace(low, high, CURVE)
         panels = []
-        for name, law in self.damper.all_laws.items():
+        for name, law in self.damper.at_mean_temperature.all_laws.items():
             unit, factor = for_people(self.damper.composition.quantities[name].unit)
             values = np.asarray(law(inputs), dtype=float)
             curve, point = ((inputs, values), None) if low < high else (None, (inputs[:1], values[:1]))
@@ -75,7 +77,7 @@ class DamperPlots:
         self, inputs: Sequence[float] | None = None, amplitude: float | None = None, frequency: float | None = None
     ) -> tuple[Array, Array, None, dict[str, Array]]:
         """Displacement m, velocity m/s, None for what was measured, and the force N of each input: what `loops` draws."""
-        damper, (low, high) = self.damper, self.damper.range
+        damper, (low, high) = self.damper.at_mean_temperature, self.damper.range
         given = sorted({low, 0.5 * (low + high), high}) if inputs is None else [float(u) for u in np.atleast_1d(inputs)]
         stroke = damper.ranges.get("displacement", (0.0, SINE[0]))[1] if amplitude is None else amplitude
         if frequency is None:
@@ -199,7 +201,7 @@ class Damper(Representation):
         quantities = self.composition.quantities
         columns = {
             column_name(name, quantities[name].unit): values
-            for name, values in zip(self.laws, self.values(at).T, strict=True)
+            for name, values in zip(self.laws, self.at_mean_temperature.values(at).T, strict=True)
         }
         return data_frame(columns, at.tolist(), column_name(INPUTS[self.input], self.input))
 
@@ -231,19 +233,22 @@ class Damper(Representation):
                 "not known" if self.covariance is None else f"covariance of {len(self.coefficients)} coefficients",
             )
         )
+        if self.composition.not_for_buildings:
+            rows.append(("buildings", self.composition.not_for_buildings))
         if "records" in self.provenance:
             rows.append(("fitted to", listing(str(self.provenance["records"]).split(", "), 3)))
         return f"Damper {str(self.composition)!r}", rows
 
     def _table(self) -> Table:
-        inputs, quantities = self._inputs_of_a_table(), self.composition.quantities
-        units = {name: for_people(quantities[name].unit) for name in self.laws}
-        heads = [
-            f"{INPUTS[self.input]} [{self.input}]",
-            *(f"{name} [{unit or '1'}]" for name, (unit, _) in units.items()),
+        knots = sorted({u for law in self.all_laws.values() for u in getattr(law, "knots", ())})
+        low, high = self.range
+        inputs = np.array([u for u in knots if low <= u <= high] or np.unique(np.linspace(low, high, COLUMNS)))
+        units = [for_people(self.composition.quantities[name].unit) for name in self.laws]
+        values = self.at_mean_temperature.values(inputs).T * np.array([factor for _, factor in units])[:, None]
+        heads = ("parameter", "unit", *(f"{u:.4g} {self.input}" for u in inputs))
+        return heads, [
+            [name, unit or "1", *row.tolist()] for name, (unit, _), row in zip(self.laws, units, values, strict=True)
         ]
-        factors = np.array([factor for _, factor in units.values()])
-        return heads, np.column_stack([inputs, self.values(inputs) * factors]).tolist()
 
     @property
     def all_laws(self) -> dict[str, Law]:
@@ -269,6 +274,50 @@ class Damper(Representation):
             laws[name] = law.with_coefficients(numbers[start:stop])
             start = stop
         return replace(self, laws=laws)
+
+    @cached_property
+    def temperatures(self) -> tuple[float, float] | None:
+        """The temperatures in degC that its laws were calibrated on, or None where no law depends on the temperature."""
+        spans = [law.temperatures for law in self.all_laws.values() if isinstance(law, WithTemperature)]
+        return (max(low for low, _ in spans), min(high for _, high in spans)) if spans else None
+
+    def at_temperature(self, temperature: float, allow_extrapolation: bool = False) -> Damper:
+        """The damper at one temperature in degC: its laws depend on the input alone, as buildings and exports need them.
+
+        Itself where no law depends on the temperature. Raises :class:`~dampyr.errors.RangeError` outside the calibrated
+        temperatures unless allowed by name (then it warns).
+        """
+        if self.temperatures is None:
+            return self
+        (low, high), given = self.temperatures, float(temperature)
+        if not np.isfinite(given):
+            raise InputError(f"a temperature of {given:g} °C is not allowed; it must be finite")
+        if not low - SAME_TEMPERATURE <= given <= high + SAME_TEMPERATURE:
+            text = f"{given:g} °C is outside the calibrated temperatures {low:.4g} to {high:.4g} °C"
+            if not allow_extrapolation:
+                raise RangeError(f"{text}; stay inside them, or pass allow_extrapolation=True")
+            warnings.warn(f"{text}: extrapolated", ExtrapolationWarning, stacklevel=3)
+        laws: dict[str, Law] = {}
+        mixed = []
+        for name, law in self.all_laws.items():
+            one = np.eye(len(law.coefficients))
+            if isinstance(law, WithTemperature):
+                laws[name], s = law.at_temperature(given), law.share(given)
+                half = len(one) // 2
+                one = np.hstack([(1.0 - s) * np.eye(half), s * np.eye(half)])
+            else:
+                laws[name] = law
+            mixed.append(one)
+        covariance = None
+        if self.covariance is not None:
+            covariance = _mixed(self.covariance, mixed)
+        provenance = dict(self.provenance) | {"temperature": f"{given:g} °C"}
+        return replace(self, laws=laws, covariance=covariance, provenance=provenance)
+
+    @property
+    def at_mean_temperature(self) -> Damper:
+        """Itself, or in the middle of its temperatures, for figures and tables."""
+        return self if self.temperatures is None else self.at_temperature(float(np.mean(self.temperatures)))
 
     def without(self, *names: str) -> Damper:
         """The damper less some of its parts, such as ``"delay"`` where the delay belongs to the rig and not to the damper."""
@@ -377,21 +426,31 @@ class Damper(Representation):
         velocity: ArrayLike | None = None,
         state0: ArrayLike | None = None,
         allow_extrapolation: bool = False,
+        temperature: float | None = None,
     ) -> Array:
         """The force in N, shape (n,), along a path.
 
         ``t`` (n,) s rising, ``x`` (n,) m, ``velocity`` (n,) m/s or None for the derivative of x (see ``bandwidth``),
         ``voltage`` a number or (n,) V, ``state0`` the hysteretic states at the start (0: no memory). Between samples the
-        path is straight. A motion beyond the calibrated displacement or velocity gives one warning that names the limit.
+        path is straight. ``temperature`` in degC is that of a damper whose laws depend on it (see `at_temperature`). A motion
+        beyond the calibrated displacement or velocity gives one warning that names the limit, and samples too far apart for a
+        part's friction (`dampyr.models.sampling_error`) one that says by how much.
         """
         from dampyr.models.path_integration import along, delayed
+        from dampyr.models.sampling_error import sampling_words
 
+        if temperature is not None and self.temperatures is not None:
+            fixed = self.at_temperature(temperature, allow_extrapolation)
+            return fixed.force(t, x, voltage, current, velocity, state0, allow_extrapolation)
         t, x = _path(t, x)
         u = self._input_along(self.pick_input(voltage, current), t)
         v = self._velocity(t, x, velocity)
         self._warn_outside(x, v)
         values = self.values(self._behind(t, u), allow_extrapolation=allow_extrapolation)
-        undelayed = along(self.composition, t, x, v, values, self._state0(state0))
+        start = self._state0(state0)
+        undelayed = along(self.composition, t, x, v, values, start)
+        if words := sampling_words(self.composition, t, x, v, values, start):
+            warnings.warn(words, DampyrWarning, stacklevel=2)
         k = self.composition.delay
         return undelayed if k is None else delayed(t, undelayed, np.asarray(values[..., k]))
 
@@ -499,6 +558,19 @@ def _names_and_constants(parts: Any) -> tuple[str | list[str], dict[str, float]]
         if not isinstance(each, str):
             constants.update({f"{name}.{one.name}": float(getattr(each, one.name)) for one in fields(each)})
     return names, constants
+
+
+def _mixed(covariance: Array, mixed: list[Array]) -> Array:
+    """The covariance of coefficients that are mixed block by block; infinite where one of them was."""
+    from scipy.linalg import block_diag
+
+    T = block_diag(*mixed)
+    finite = np.where(np.isfinite(covariance), covariance, 0.0)
+    out = T @ finite @ T.T
+    for k in np.flatnonzero(~np.isfinite(np.diag(covariance))):
+        rows = np.flatnonzero(T[:, k])
+        out[rows, rows] = np.inf
+    return np.asarray(0.5 * (out + out.T))
 
 
 def _shortened(labels: tuple[str, ...]) -> str:

@@ -207,6 +207,84 @@ class Interpolation:
         return {"kind": self.kind, "knots": list(self.knots), "values": list(self.values)}
 
 
+@dataclass(frozen=True)
+class WithTemperature:
+    r"""A law at two temperatures of the damper, and straight between them.
+
+    .. math:: p(u, T) = (1 - s)\,p_\text{cold}(u) + s\,p_\text{warm}(u), \qquad
+              s = (T - T_\text{cold})/(T_\text{warm} - T_\text{cold})
+
+    ``temperatures`` in degC, rising. It has no value at an input alone: `at_temperature` gives the law that has.
+    """
+
+    cold: Law
+    warm: Law
+    temperatures: tuple[float, float]
+    kind = "temperature"
+
+    def __post_init__(self) -> None:
+        low, high = _checked_numbers("temperatures", self.temperatures)
+        if not low < high:
+            raise InputError(f"the temperatures {low:g} and {high:g} °C of a law must rise")
+        same = type(self.cold) is type(self.warm) and getattr(self.cold, "knots", ()) == getattr(self.warm, "knots", ())
+        if not same or len(self.cold.coefficients) != len(self.warm.coefficients):
+            raise InputError(
+                "the two laws of a law with temperature must be of one kind, with the same knots or degree"
+            )
+
+    @property
+    def low(self) -> float:
+        """The smallest input it was calibrated on."""
+        return self.cold.low
+
+    @property
+    def high(self) -> float:
+        """The largest input it was calibrated on."""
+        return self.cold.high
+
+    @property
+    def coefficients(self) -> tuple[float, ...]:
+        """Those of the cold law, then those of the warm one."""
+        return (*self.cold.coefficients, *self.warm.coefficients)
+
+    def share(self, temperature: float) -> float:
+        """s, where ``temperature`` stands between the two."""
+        low, high = self.temperatures
+        return (temperature - low) / (high - low)
+
+    def at_temperature(self, temperature: float) -> Law:
+        """The law over the input at one temperature in degC."""
+        s, cold, warm = self.share(temperature), np.array(self.cold.coefficients), np.array(self.warm.coefficients)
+        return self.cold.with_coefficients((1.0 - s) * cold + s * warm)
+
+    def __call__(self, u: ArrayLike) -> Any:
+        raise InputError(
+            "this damper's parameters depend on its temperature; give one, such as damper.at_temperature(25.0), in degC"
+        )
+
+    def with_coefficients(self, coefficients: ArrayLike) -> Self:
+        numbers, half = _checked_numbers("coefficients", coefficients), len(self.cold.coefficients)
+        return replace(
+            self, cold=self.cold.with_coefficients(numbers[:half]), warm=self.warm.with_coefficients(numbers[half:])
+        )
+
+    def shifted(self, amount: float) -> Self:
+        return replace(self, cold=self.cold.shifted(amount), warm=self.warm.shifted(amount))
+
+    def extremes(self) -> tuple[float, float]:
+        both = (*self.cold.extremes(), *self.warm.extremes())
+        return min(both), max(both)
+
+    def card(self) -> dict[str, Any]:
+        temperatures = list(map(float, self.temperatures))
+        return {
+            "kind": self.kind,
+            "temperatures_degC": temperatures,
+            "cold": self.cold.card(),
+            "warm": self.warm.card(),
+        }
+
+
 def from_card(table: dict[str, Any]) -> Law:
     """The law that a card's table describes; :class:`~dampyr.errors.InputError` names what is wrong with it."""
     kind = table.get("kind")
@@ -217,13 +295,16 @@ def from_card(table: dict[str, Any]) -> Law:
             return Polynomial(tuple(table["coefficients"]), *map(float, table["range"]))
         if kind == "interpolation":
             return Interpolation(tuple(table["knots"]), tuple(table["values"]))
+        if kind == "temperature":
+            low, high = map(float, table["temperatures_degC"])
+            return WithTemperature(from_card(table["cold"]), from_card(table["warm"]), (low, high))
     except KeyError as missing:
         raise InputError(f"a law of kind {kind!r} lacks {missing.args[0]!r}; add it") from None
     except (TypeError, ValueError) as problem:
         if isinstance(problem, InputError):
             raise
         raise InputError(f"a law of kind {kind!r} holds something that is not a number: {problem}") from None
-    raise InputError(f"unknown law {kind!r}; choose constant, polynomial or interpolation")
+    raise InputError(f"unknown law {kind!r}; choose constant, polynomial, interpolation or temperature")
 
 
 # The laws as piecewise polynomials, for kernels in which the input changes as they run:
@@ -238,6 +319,8 @@ def polynomials(law: Law) -> tuple[Array, Array]:
         return np.zeros(1), np.array([law.coefficients])
     if isinstance(law, Interpolation):
         return np.array(law.knots[:-1]), np.ascontiguousarray(law.pieces.T)
+    if isinstance(law, WithTemperature):
+        law(0.0)  # says what to give
     raise InputError(
         f"a law of kind {law.kind!r} cannot follow an input that changes; take constant, polynomial or interpolation"
     )

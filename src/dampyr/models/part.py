@@ -8,12 +8,15 @@ from functools import lru_cache, wraps
 from types import ModuleType
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
+import numpy as np
+
 from dampyr.errors import InputError
 from dampyr.models.codegen.formula import Formula, read
 from dampyr.registry import member
 from dampyr.units import Quantity
 
 REGISTRY = "dampyr.models.parts"
+POINTS = 16  # at which a force is compared with the motion, on both sides of every kink
 _Class = TypeVar("_Class", bound=type)
 
 
@@ -70,6 +73,11 @@ class Part:
         return getattr(self.module, "STATES", {})
 
     @property
+    def within_stroke(self) -> tuple[str, ...]:
+        """States in m that cannot be farther at the start of a record than the damper's ends have moved in all of them."""
+        return getattr(self.module, "WITHIN_STROKE", ())
+
+    @property
     def advance(self) -> Formula | None:
         """The formula that moves the states, if there are any."""
         return read(self.module.advance, f"{self.name}_advance") if self.states else None
@@ -95,6 +103,11 @@ class Part:
         return getattr(self.module, "LAG", None)
 
     @property
+    def speed(self) -> str | None:
+        """The name of the parameter within whose speed the force changes, if the samples must follow that."""
+        return getattr(self.module, "SPEED", None)
+
+    @property
     def add_on(self) -> bool:
         """Whether the part complements the model of a damper and is none by itself."""
         return getattr(self.module, "ADD_ON", False)
@@ -103,6 +116,11 @@ class Part:
     def holds(self) -> tuple[str, ...]:
         """The add-ons that the part includes already."""
         return getattr(self.module, "HOLDS", ())
+
+    @property
+    def not_for_buildings(self) -> str:
+        """Why the part must not stand in for a damper of a building, and what may; empty where it may."""
+        return getattr(self.module, "NOT_FOR_BUILDINGS", "")
 
     @property
     def static(self) -> bool:
@@ -123,6 +141,37 @@ class Part:
     def needs_acceleration(self) -> bool:
         """Whether the force needs the acceleration; in series such a part acts in parallel with the others."""
         return self.force is not None and "a" in self.force.arguments
+
+    @property
+    def proportional_to(self) -> dict[str, str]:
+        """Parameter -> the motion that its force is proportional to, ``"x"``, ``"v"``, ``"a"`` or ``"1"``, where it is one.
+
+        Such as c of c v. Seen at points that are drawn once, so that no part must state it.
+        """
+        if self.force is None:
+            return {}
+        draws = np.random.default_rng(0)
+        signed = set(self.force.arguments) - set(self.parameters)
+        points = [
+            {name: float(draws.uniform(-1.0 if name in signed else 0.5, 1.5)) for name in self.force.arguments}
+            for _ in range(POINTS)
+        ]
+        motions = {"1": np.ones(POINTS)} | {
+            name: np.array([at[name] for at in points]) for name in ("x", "v", "a") if name in self.force.arguments
+        }
+        proportional: dict[str, str] = {}
+        for key, quantity in self.parameters.items():
+            if not quantity.linear or key not in self.force.arguments:
+                continue
+            changes = [self._change(at, key) for at in points]
+            same = [name for name, values in motions.items() if np.allclose(changes, values, rtol=1e-9, atol=1e-12)]
+            if same:
+                proportional[key] = same[0]
+        return proportional
+
+    def _change(self, at: dict[str, float], key: str) -> float:
+        """Of the force at a point when a parameter grows by 1."""
+        return float(self.module.force(**(at | {key: at[key] + 1.0})) - self.module.force(**at))
 
     def starts(self, scale: Scale) -> list[dict[str, float]]:
         """Values of the parameters that are not linear, as initial guesses of a fit."""

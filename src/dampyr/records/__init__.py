@@ -2,12 +2,14 @@
 
 A :class:`Record` is read with :func:`read` or :func:`read_campaign`, in SI, checked and immutable. Each
 conditioning step returns a new record whose history says what was done; each report (:func:`measure`,
-:func:`quality`, :func:`disagreements`, :func:`estimate_delay`, :func:`drift`) changes nothing.
+:func:`quality`, :func:`disagreements`, :func:`estimate_delay`, :func:`drift`, :func:`recognise_smoothing`,
+:func:`displacement_noise`) changes nothing.
 """
 
 from dampyr.records.amplitude_spectrum import spectrum
 from dampyr.records.campaign_folder import CampaignRow, campaign_rows, read_campaign, read_row
 from dampyr.records.comparison import write_comparison
+from dampyr.records.cut_record import cut
 from dampyr.records.cycle_table import Cycle, cycle_table
 from dampyr.records.cycles import cycle_average, cycles, legs, turning_points
 from dampyr.records.datasets import fetch, locate
@@ -16,12 +18,17 @@ from dampyr.records.drift import drift, remove_drift
 from dampyr.records.force_lag import Delay, correct_delay, estimate_delay
 from dampyr.records.force_offset import mean_force, remove_offset
 from dampyr.records.label_checks import creates_energy, disagreements
+from dampyr.records.lowpass import DisplacementNoise, displacement_noise, with_lowpass
 from dampyr.records.measure import Measured, cycle_energies, measure
+from dampyr.records.moving_average import Declaration, MovingAverage
 from dampyr.records.nominal_input import nominal_inputs
 from dampyr.records.overview import Overview, overview
 from dampyr.records.quality import Quality, motion_start, quality, quantum
 from dampyr.records.record import Label, Record
 from dampyr.records.record_files import read, write
+from dampyr.records.smoothing import with_smoothing
+from dampyr.records.smoothing_inverse import Undone, undo
+from dampyr.records.smoothing_recognition import Recognised, recognise_smoothing
 from dampyr.records.velocity import check_bandwidth, default_bandwidth, differentiate, with_velocity
 from dampyr.records.waveform import waveform
 
@@ -31,6 +38,7 @@ __all__ = [
     "read",
     "write",
     "write_comparison",
+    "cut",
     "CampaignRow",
     "campaign_rows",
     "read_campaign",
@@ -67,6 +75,16 @@ __all__ = [
     "creates_energy",
     "describe",
     "spectrum",
+    "Recognised",
+    "recognise_smoothing",
+    "Declaration",
+    "MovingAverage",
+    "with_smoothing",
+    "Undone",
+    "undo",
+    "DisplacementNoise",
+    "displacement_noise",
+    "with_lowpass",
     "Cycle",
     "cycle_table",
 ]

@@ -1,7 +1,8 @@
 """A campaign is a folder: one with a ``campaign.csv``, one that dampyr recorded, or any folder of record files.
 
 The table's columns are ``file, table, row, voltage_V, peak_to_peak_mm, frequency_Hz, kx_Ns_per_mm, kw_N,
-rho_per_mm, sha256``. What it prints about a test becomes the record's label, never its measurement.
+rho_per_mm, sha256``, and where they are known ``measurement_session, specimen``. What it prints about a test becomes the
+record's label, never its measurement.
 """
 
 from __future__ import annotations
@@ -13,11 +14,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import Unpack, cast
 
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.records.folder import read_folder
-from dampyr.records.record import CHANNELS, Label, Record, Role, as_role
-from dampyr.records.record_files import read
+from dampyr.records.record import CHANNELS, GROUPS, Label, Record, Role, as_group, as_role
+from dampyr.records.record_files import Layout, read
 from dampyr.representation import Representation, Summary
 from dampyr.units import round_trip, to_si
 
@@ -45,6 +47,8 @@ class CampaignRow(Representation):
     role: Role
     sha256: str
     published: Mapping[str, float]
+    measurement_session: str | None = None
+    specimen: str | None = None
 
     def _summary(self) -> Summary:
         printed = ", ".join(f"{name} {value:.4g}" for name, value in self.published.items())
@@ -77,6 +81,7 @@ def read_campaign(
     current: float | None = None,
     units: Mapping[str, str] | None = None,
     columns: Mapping[str, str | int | None] | None = None,
+    **layout: Unpack[Layout],
 ) -> list[Record]:
     """The records of a campaign, in the order of its table, or, without one, in the natural order of the files' names.
 
@@ -90,8 +95,9 @@ def read_campaign(
         "fit" (the rows of the tables), "validation" (the tests that no fit may use), or None for both.
     incomplete
         Of dampyr's own files the complete tests are returned, the latest try of each; True adds all the rest.
-    voltage, current, units, columns
-        For every file, as in :func:`dampyr.records.read`. A ``campaign.csv`` gives the voltages itself.
+    voltage, current, units, columns, layout
+        For every file, as in :func:`dampyr.records.read`. A ``campaign.csv`` gives the voltages itself, and session and
+        specimen where it has columns for them.
 
     Rows without a file are skipped here and reported by :func:`campaign_rows`. Text files without a line of numbers, such as
     a README, are left out with a warning.
@@ -110,9 +116,8 @@ def read_campaign(
     if (folder / TABLE).is_file():
         _check_no_input(folder, voltage, current)
         rows = [row for row in campaign_rows(folder) if wanted in (None, row.role)]
-        return [read_row(row, units, columns) for row in rows if row.file is not None]
-    said = {"voltage": voltage, "current": current, "units": units, "columns": columns}
-    records = read_folder(folder, incomplete, **said)
+        return [read_row(row, units, columns, **layout) for row in rows if row.file is not None]
+    records = read_folder(folder, incomplete, voltage=voltage, current=current, units=units, columns=columns, **layout)
     return [record for record in records if wanted in (None, record.role)]
 
 
@@ -139,14 +144,19 @@ def campaign_rows(folder: str | Path | None = None) -> list[CampaignRow]:
 
 
 def read_row(
-    row: CampaignRow, units: Mapping[str, str] | None = None, columns: Mapping[str, str | int | None] | None = None
+    row: CampaignRow,
+    units: Mapping[str, str] | None = None,
+    columns: Mapping[str, str | int | None] | None = None,
+    **layout: Unpack[Layout],
 ) -> Record:
-    """The record of one row: its file checked by sha256, with the row's voltage, label and role."""
+    """The record of one row: its file checked by sha256, with the row's voltage, label, role, session and specimen."""
     if row.file is None:
         where = f"row {row.row} of table {row.table}" if row.row else f"the test of {row.table}"
         raise MissingData(f"{where} has no file{f' {row.file_name}' if row.file_name else ''}; choose another row")
     check_sha256(row.file, row.sha256)
-    record = read(row.file, voltage=row.voltage, units=units, columns=columns)
+    named = {name: getattr(row, name) for name in GROUPS if getattr(row, name) is not None}
+    said = cast(Layout, {**named, **layout})
+    record = read(row.file, voltage=row.voltage, units=units, columns=columns, **said)
     provenance = dict(record.provenance) | {"campaign": TABLE, "sha256": row.sha256}
     note = f"voltage, label and role from {TABLE}"
     return record.replace(note=note, label=row.label, role=row.role, provenance=provenance)
@@ -199,6 +209,7 @@ def _row(path: Path, line: int, cells: dict[str, str], folder: Path | None) -> C
         raise
     except InputError as problem:
         raise FileError(path, f"line {line}: {problem}") from problem
+    groups = {name: as_group(name, text) for name in GROUPS if (text := (cells.get(name) or "").strip())}
     printed = {c: parts for c, parts in PUBLISHED.items() if (cells.get(c) or "").strip()}
     name = (cells["file"] or "").strip()
     there = folder is not None and bool(name) and (folder / name).is_file()
@@ -210,4 +221,5 @@ def _row(path: Path, line: int, cells: dict[str, str], folder: Path | None) -> C
         role="validation" if label.row is None else "fit",
         sha256=(cells.get("sha256") or "").strip(),
         published={word: round_trip(to_si(number(c), unit, si)) for c, (word, unit, si) in printed.items()},
+        **groups,
     )

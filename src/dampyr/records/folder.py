@@ -10,10 +10,10 @@ from typing import Any
 
 from dampyr import registry
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
-from dampyr.records.folder_metadata import NAME, reading_of
+from dampyr.records.folder_metadata import DECIMAL, NAME, reading_of
 from dampyr.records.formats import h5
 from dampyr.records.record import Record
-from dampyr.records.record_files import REGISTRY, read
+from dampyr.records.record_files import REGISTRY, read_file, warn_of_integrated
 from dampyr.records.text_columns import has_numbers
 
 OWN = ".h5"
@@ -31,6 +31,7 @@ def read_folder(folder: Path, incomplete: bool = False, **said: Any) -> list[Rec
     records = [_read(path, said) for path in selected]
     if not incomplete:
         _check_names(folder, records)
+    warn_of_integrated(records)
     return records
 
 
@@ -69,9 +70,10 @@ def _is_text(path: Path) -> bool:
 
 
 def natural(path: Path) -> tuple[Any, ...]:
-    """The order in which a person lists files: test2 before test10, 0.25A before 0.5A."""
-    parts = re.split(r"(\d+(?:\.\d+)?)", path.name.lower())
-    return (*((float(part), "") if k % 2 else (-1.0, part) for k, part in enumerate(parts)), (-1.0, path.name))
+    """The order in which a person lists files: test2 before test10, 0.25A before 0.5A, 0p25A and 0,25A before 0p5A."""
+    parts = re.split(r"(\d+(?:[.,px]\d+)?)", path.name.lower())
+    numbers = (DECIMAL.sub(".", part) if k % 2 else part for k, part in enumerate(parts))
+    return (*((float(part), "") if k % 2 else (-1.0, part) for k, part in enumerate(numbers)), (-1.0, path.name))
 
 
 def _latest(files: list[Path]) -> list[Path]:
@@ -87,7 +89,7 @@ def _latest(files: list[Path]) -> list[Path]:
 
 def _read(path: Path, said: dict[str, Any]) -> Record:
     try:
-        return read(path, **said)
+        return read_file(path, **said)
     except FileError as problem:
         if not _is_text(path) or problem.path != path or NAME in str(problem):
             raise

@@ -94,6 +94,12 @@ def measure(record: Record) -> Measured:
     )
 
 
+def fundamental(record: Record) -> tuple[float, float]:
+    """The frequency in Hz and the distortion of :class:`Measured`, without the rest; an InputError without a whole cycle."""
+    frequency, _, distortion = _harmonics(record, require_cycles(record, "a measurement"))
+    return frequency, distortion
+
+
 def peak_to_peak(record: Record, cycles: list[tuple[int, int]]) -> float:
     """Peak to peak per cycle, m: the mean of the way up and the way down, median over the cycles."""
     return float(np.median([_half_travel(record.displacement[i0 : i1 + 1]) for i0, i1 in cycles]))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dampyr.records.cycles import cycles, turning_points
+from dampyr.records.measure import fundamental
 from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
 from dampyr.records.velocity import default_bandwidth, differentiate
@@ -70,14 +71,12 @@ def overview(record: Record) -> Overview:
 
 def repeats(record: Record) -> bool:
     """Whether the whole cycles of a record stand for its motion, see :class:`Overview`."""
-    from dampyr.records.measure import measure
-
     spans, points = cycles(record), turning_points(record)
     if not spans:
         return False
     moving = float(record.time[points[-1]]) - motion_start(record)
     covered = float(record.time[spans[-1][1]] - record.time[spans[0][0]])
-    return covered >= SHARE * moving and measure(record).distortion <= DISTORTION
+    return covered >= SHARE * moving and fundamental(record)[1] <= DISTORTION
 
 
 def work(record: Record) -> float:

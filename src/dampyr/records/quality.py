@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dampyr.records.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
@@ -13,6 +14,9 @@ from dampyr.representation import Representation, Summary
 
 GAP = 1.5  # median intervals: halfway to one missing sample
 MAX_PLATEAU = 5  # equal samples: a smooth extreme has fewer
+SPIKE_WINDOW = 5  # samples of the running median: a false value of one or two samples stands out of it
+SPIKE_SHARE = 0.10  # of the channel's range but for a hundredth at either end: smaller ones move no score
+SPIKE_OVER_REST = 5.0  # times what 99 of 100 samples differ from the running median: steep loops are no spikes
 PLATEAU_OF_CYCLE = 0.05  # of a cycle: a sine counted in fine steps stays at its extreme for less
 EXCURSION = 0.1  # of the median distance between turning points: far beyond noise and encoder steps
 
@@ -34,6 +38,9 @@ class Quality(Representation):
     saturated
         For displacement and force, how many samples stand at the channel's extreme in runs of five or more
         that last over 5 % of a cycle, while the table moves; channels without such are not in it.
+    spikes
+        For displacement and force, the times in s of samples that stand out of their neighbours by more than a tenth of the
+        channel's range, and far more than others do; channels without such are not in it.
     per_cycle
         Samples per cycle, or None without whole cycles.
     """
@@ -45,6 +52,7 @@ class Quality(Representation):
     quantum: Mapping[str, float]
     saturated: Mapping[str, int]
     per_cycle: float | None
+    spikes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     def _summary(self) -> Summary:
         per_cycle = "no whole cycle" if self.per_cycle is None else f"{self.per_cycle:.4g} per cycle"
@@ -55,6 +63,9 @@ class Quality(Representation):
         ]
         rows += [(f"{name} step", f"{value:.3g} {CHANNELS[name]}") for name, value in self.quantum.items()]
         rows += [(f"{name} saturated", f"{count} samples") for name, count in self.saturated.items()]
+        rows += [
+            (f"{name} spikes", f"{len(times)}, the first at {times[0]:.4g} s") for name, times in self.spikes.items()
+        ]
         return "Quality", rows
 
     @property
@@ -66,6 +77,12 @@ class Quality(Representation):
         said += [
             f"{channel} may be saturated: {count} samples stand at its extreme"
             for channel, count in self.saturated.items()
+        ]
+        said += [
+            f"{channel} has {len(times)} false sample{'s' * (len(times) > 1)}, it seems: at "
+            f"{', '.join(f'{t:.4g}' for t in times[:3])}{' ...' * (len(times) > 3)} s it leaps away from its neighbours and "
+            "back; cut or repair them, or fit with a loss of huber or l1"
+            for channel, times in self.spikes.items()
         ]
         if self.per_cycle is not None and self.per_cycle < 40:
             said.append(f"only {self.per_cycle:.0f} samples per cycle")
@@ -92,7 +109,27 @@ def quality(record: Record) -> Quality:
         quantum={name: step for name, values in arrays.items() if (step := quantum(values)) is not None},
         saturated={name: count for name, count in counts.items() if count},
         per_cycle=per_cycle,
+        spikes={
+            name: tuple(map(float, record.time[at]))
+            for name in ("displacement", "force")
+            if len(at := spikes(getattr(record, name)))
+        },
     )
+
+
+def spikes(values: Array) -> NDArray[np.int64]:
+    """The samples of a channel that leap away from their neighbours and back, as their numbers."""
+    from scipy.ndimage import maximum_filter, median_filter
+
+    apart = np.abs(values - median_filter(values, SPIKE_WINDOW, mode="nearest"))
+    low, high = np.quantile(values, (0.01, 0.99))
+    usual = float(np.quantile(apart, 0.99))
+    limit = max(SPIKE_SHARE * (high - low), SPIKE_OVER_REST * usual, 3.0 * (quantum(values) or 0.0))
+    if limit <= 0.0:
+        return np.empty(0, dtype=np.int64)
+    # Beside a spike the running median is off too, but by less than the spike itself.
+    foremost = apart > 0.5 * maximum_filter(apart, SPIKE_WINDOW, mode="nearest")
+    return np.asarray(np.flatnonzero((apart > limit) & foremost), dtype=np.int64)
 
 
 def quantum(values: Array) -> float | None:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.records.moving_average import MovingAverage
 from dampyr.representation import Representation, Summary, column_name, data_frame, extent
 
 if TYPE_CHECKING:
@@ -38,6 +39,9 @@ CHANNELS: Mapping[str, str] = MappingProxyType(
     }
 )
 """The channels that a record can hold, each with the unit it is held in."""
+
+GROUPS: Mapping[str, str] = MappingProxyType({"measurement_session": "session", "specimen": "specimen"})
+"""The fields by which records belong together, each with the word for it in tables."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +124,12 @@ class Record(Representation):
         What a table says about it, see :class:`Label`.
     provenance, history
         Where the numbers came from, and what was done to them since, oldest first.
+    measurement_session
+        Which records share a day and a mounting of the damper: one name for them, such as "2026-03-01", or None.
+    specimen
+        Which damper was tested, such as its serial number, or None.
+    smoothed
+        The moving average that some of its channels still hold (:mod:`dampyr.records.smoothing`), or None.
 
     Raises
     ------
@@ -139,12 +149,17 @@ class Record(Representation):
     label: Label | None = None
     provenance: Mapping[str, str] = field(default_factory=dict)
     history: tuple[str, ...] = ()
+    measurement_session: str | None = None
+    specimen: str | None = None
+    smoothed: MovingAverage | None = None
 
     def __post_init__(self) -> None:
         for channel in CHANNELS:
             object.__setattr__(self, channel, _frozen(channel, getattr(self, channel)))
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
         object.__setattr__(self, "history", tuple(self.history))
+        for name in GROUPS:
+            object.__setattr__(self, name, as_group(name, getattr(self, name)))
         _check_shapes(self)
         _check_values(self)
         if self.voltage is not None and self.current is not None:
@@ -214,6 +229,9 @@ class Record(Representation):
             rows.append(("temperature", extent(self.temperature, "°C")))
         if self.role != "fit":
             rows.append(("role", self.role))
+        rows += [(GROUPS[name], getattr(self, name)) for name in GROUPS if getattr(self, name) is not None]
+        if self.smoothed is not None:
+            rows.append(("smoothed", f"{', '.join(self.smoothed.channels)}, over {self.smoothed.window:.4g} s"))
         return f"Record {self.name!r}", rows
 
     def replace(self, *, note: str, **changes: Any) -> Record:
@@ -297,6 +315,21 @@ def _check_values(record: Record) -> None:
             f"time[{i}] = {record.time[i]:.9g} s does not come after {record.time[i - 1]:.9g} s; "
             "time must strictly increase, so sort or cut the samples"
         )
+
+
+def as_group(name: str, text: Any) -> str | None:
+    """The name of a session or of a specimen without blanks around it, or None; else an :class:`InputError`.
+
+    Records are grouped by these names, so that what is no name, or only looks like another one, is refused.
+    """
+    if text is None:
+        return None
+    if not isinstance(text, str):
+        raise InputError(f"{name} = {text!r} is no text; give a name in quotes, or leave it out")
+    trimmed = text.strip()
+    if not trimmed or not trimmed.isprintable():
+        raise InputError(f"{name} = {text!r} is not a name; give one line of text that is not empty, or leave it out")
+    return trimmed
 
 
 def as_role(text: str) -> Role:

@@ -2,30 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
 from dampyr import registry
-from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records.folder_metadata import FolderReading, reading_of
+from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
+from dampyr.records.folder_metadata import KEYS, FolderReading, reading_of
+from dampyr.records.integrated_displacement import INTEGRATED, is_integrated
+from dampyr.records.lowpass import as_lowpass, with_lowpass
+from dampyr.records.moving_average import Declaration
 from dampyr.records.nominal_input import agrees
-from dampyr.records.record import CHANNELS, Array, Record
+from dampyr.records.record import CHANNELS, GROUPS, Array, Record, as_group
+from dampyr.records.smoothing import with_smoothing
 
 REGISTRY = "dampyr.records.formats"
 
 
+class Layout(TypedDict, total=False):
+    """What a file may leave unsaid besides its input, its units and its columns; see :func:`read`."""
+
+    dt: float | str
+    variable: str
+    header: int
+    force_sign: int
+    measurement_session: str
+    specimen: str
+    smoothed: float | str | Mapping[str, Any] | Declaration
+    lowpass: float | str
+
+
 @dataclass(frozen=True)
 class Request:
-    """What the caller says about a file: the input, the units and the columns that it does not say itself."""
+    """What is said about a file that it does not say itself; see :func:`read`. ``dt`` becomes s."""
 
     voltage: float | Array | None = None
     current: float | Array | None = None
     units: Mapping[str, str] = field(default_factory=dict)
     columns: Mapping[str, str | int | None] = field(default_factory=dict)
+    dt: float | None = None
+    variable: str | None = None
+    header: int | None = None
+    force_sign: int | None = None
+    measurement_session: str | None = None
+    specimen: str | None = None
+    smoothed: Any = None
+    lowpass: Any = None
 
     def __post_init__(self) -> None:
         for argument in ("units", "columns"):
@@ -34,6 +60,24 @@ class Request:
                 raise InputError(
                     f"{argument} names {unknown[0]!r}, which is no channel; choose from {', '.join(CHANNELS)}"
                 )
+        for channel, column in self.columns.items():
+            if isinstance(column, bool) or not isinstance(column, str | int | None):
+                raise InputError(f"columns[{channel!r}] = {column!r} is no column; give its name, or its number from 0")
+        for name in ("dt", "variable", "header", "force_sign"):
+            if (said := getattr(self, name)) is not None:
+                object.__setattr__(self, name, KEYS[name](name, said))
+        for name in GROUPS:
+            object.__setattr__(self, name, as_group(name, getattr(self, name)))
+        if self.smoothed is not None:
+            object.__setattr__(self, "smoothed", Declaration.of(self.smoothed))
+        if self.lowpass is not None:
+            object.__setattr__(self, "lowpass", as_lowpass(self.lowpass))
+
+    def refuse(self, path: Path, **reasons: str) -> None:
+        """Raise :class:`FileError` where something is said that a format cannot use: ``variable="a text has none"``."""
+        for name, reason in reasons.items():
+            if (said := getattr(self, name)) is not None:
+                raise FileError(path, f"{name} = {said!r} was given, but {reason}; leave it out")
 
     def input_channels(self, voltage: Any = None, current: Any = None) -> dict[str, Any]:
         """The input from the call and from the file together.
@@ -83,16 +127,25 @@ def read(
     current: float | Array | None = None,
     units: Mapping[str, str] | None = None,
     columns: Mapping[str, str | int | None] | None = None,
+    *,
+    dt: float | str | None = None,
+    variable: str | None = None,
+    header: int | None = None,
+    force_sign: int | None = None,
+    measurement_session: str | None = None,
+    specimen: str | None = None,
+    smoothed: float | str | Mapping[str, Any] | Declaration | None = None,
+    lowpass: float | str | None = None,
 ) -> Record:
     """Read one test from a file; the suffix says which format it is.
 
     What is not said here is taken from the ``reading.toml`` beside the file, where there is one
-    (:mod:`dampyr.records.folder_metadata`): units, columns, input and role.
+    (:mod:`dampyr.records.folder_metadata`).
 
     Parameters
     ----------
     path
-        such as ``.mat`` (the campaign's MATLAB files), ``.csv`` and ``.txt`` (columns), ``.h5`` (dampyr's own); each file of
+        such as ``.mat`` (MATLAB), ``.csv``, ``.txt`` and ``.dat`` (columns), ``.h5`` (dampyr's own); each file of
         ``dampyr.records.formats`` is one format.
     voltage, current
         The damper's input at the coil, V or A, where the file does not hold it. A measured column of the file
@@ -100,8 +153,28 @@ def read(
     units
         Unit of each channel that the file does not state, such as ``{"displacement": "mm"}``.
     columns
-        Name (or number, from 0) of the column of each channel, where the header's own words do not tell; None, or
-        "-", for a channel that is not to be read.
+        Name (or number, from 0) of the column of each channel, where the header's own words do not tell; the name may have
+        its unit, ``"Displacement (mm)"``. None, or "-", for a channel that is not to be read.
+    dt
+        The sampling interval of a file without a time, s or a text such as ``"2 ms"``.
+    variable
+        The matrix of a MATLAB file whose columns ``columns`` gives by number.
+    header
+        The line of a text on which the names stand, from 1; 0: there is none.
+    force_sign
+        -1 turns the force, for files in which a positive force does not oppose a positive velocity.
+    measurement_session, specimen
+        As in :class:`~dampyr.records.record.Record`; what a file says itself gives way, and the history says so.
+    smoothed
+        The moving average that the file's channels went through, such as ``0.3`` (s) or ``"0.1 periods, trailing, force"``
+        (:class:`~dampyr.records.moving_average.Declaration`): it is undone where it can be
+        (:func:`~dampyr.records.smoothing.with_smoothing`).
+    lowpass
+        The frequency in Hz, or ``"15 f"`` for 15 times that of the motion, above which the displacement is taken to be noise
+        (:func:`~dampyr.records.lowpass.with_lowpass`).
+
+    A file with a velocity and no displacement is integrated (:func:`dampyr.records.velocity.with_integrated_displacement`),
+    with a warning.
 
     Raises
     ------
@@ -110,7 +183,20 @@ def read(
     FileError
         The file is wrong: one line with the file, the value and the repair.
     """
-    path = Path(path)
+    layout: dict[str, Any] = {"dt": dt, "variable": variable, "header": header, "force_sign": force_sign}
+    layout |= {
+        "measurement_session": measurement_session,
+        "specimen": specimen,
+        "smoothed": smoothed,
+        "lowpass": lowpass,
+    }
+    record = read_file(Path(path), voltage=voltage, current=current, units=units, columns=columns, **layout)
+    warn_of_integrated([record])
+    return record
+
+
+def read_file(path: Path, **said: Any) -> Record:
+    """As :func:`read`, without its warning."""
     available = registry.names(REGISTRY)
     kind = path.suffix.lower().removeprefix(".")
     if kind not in available:
@@ -119,8 +205,8 @@ def read(
         raise MissingData(f"{path}: there is no such file; check the path")
     try:
         metadata = reading_of(path.parent)
-        request = _request(metadata, path, voltage, current, Request(units=units or {}, columns=columns or {}))
-        return _as_the_folder_says(registry.member(REGISTRY, kind).read(path, request), metadata, path)
+        request = _request(metadata, path, {name: value for name, value in said.items() if value is not None})
+        return _as_said(registry.member(REGISTRY, kind).read(path, request), request, metadata, path)
     except FileError:
         raise
     except InputError as problem:
@@ -129,19 +215,43 @@ def read(
         raise FileError(path, f"cannot be read ({_one_line(problem)}); check the file and its permissions") from problem
 
 
-def _request(metadata: FolderReading, path: Path, voltage: Any, current: Any, said: Request) -> Request:
+def warn_of_integrated(records: Iterable[Record]) -> None:
+    """Warn, in one line, of records whose displacement was integrated from the velocity."""
+    names = [record.name for record in records if is_integrated(record)]
+    if names:
+        which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+        warnings.warn(
+            f"{which}: displacement {INTEGRATED}; what became of its drift is in the notes and the history",
+            DampyrWarning,
+            stacklevel=3,
+        )
+
+
+def _request(metadata: FolderReading, path: Path, said: Mapping[str, Any]) -> Request:
     """What the caller says, and where it says nothing what ``reading.toml`` does."""
-    given = {"voltage": voltage, "current": current}
-    inputs = given if voltage is not None or current is not None else given | metadata.input_of(path)
-    units, columns = {**metadata.units, **said.units}, {**metadata.columns, **said.columns}
-    return Request(**inputs, units=units, columns=columns)
+    of_folder = metadata.said_of(path, has_input="voltage" in said or "current" in said)
+    both = {**of_folder, **said}
+    for name in ("units", "columns"):
+        both[name] = {**of_folder.get(name, {}), **said.get(name, {})}
+    return Request(**both)
 
 
-def _as_the_folder_says(record: Record, metadata: FolderReading, path: Path) -> Record:
-    """The role that ``reading.toml`` gives the record, noted in its history."""
-    if not metadata.is_validation(path) or record.role == "validation":
-        return record
-    return record.replace(note=f"role validation from {metadata.path.name}", role="validation")
+def _as_said(record: Record, request: Request, metadata: FolderReading, path: Path) -> Record:
+    """The record with all that is said of it: sign of the force, moving average, low-pass, session, specimen, role."""
+    if request.force_sign == -1:
+        record = record.replace(note="force turned, as its sign was declared", force=-record.force)
+    if request.smoothed is not None:
+        record = with_smoothing(record, request.smoothed)
+    if request.lowpass is not None:
+        record = with_lowpass(record, request.lowpass)
+    for name in GROUPS:
+        said, stored = getattr(request, name), getattr(record, name)
+        if said is not None and said != stored:
+            instead = "" if stored is None else f", {stored!r} in the file"
+            record = record.replace(note=f"{name} {said!r} as stated{instead}", **{name: said})
+    if metadata.is_validation(path) and record.role != "validation":
+        record = record.replace(note=f"role validation from {metadata.path.name}", role="validation")
+    return record
 
 
 def write(record: Record, path: str | Path, **details: Any) -> Path:

@@ -27,7 +27,7 @@ from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError
 from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.new_file import new_file, reserve
-from dampyr.records.record import CHANNELS, Array, Label, Record, Role
+from dampyr.records.record import CHANNELS, GROUPS, Array, Label, Record, Role
 
 SYNC_EVERY = 1.0  # s
 STRUCTURE = 2**16  # bytes of a file besides samples and texts: 20 to 40 KiB were seen
@@ -66,11 +66,20 @@ class Header:
     label: Label | None = None
     provenance: Mapping[str, str] = field(default_factory=dict)
     derived: tuple[str, ...] = ()
+    measurement_session: str | None = None
+    specimen: str | None = None
+
+    @property
+    def groups(self) -> dict[str, str]:
+        """The session and the specimen, as far as they are known."""
+        return {name: getattr(self, name) for name in GROUPS if getattr(self, name) is not None}
 
     def file_sizes(self, rows: int) -> tuple[int, int]:
         """Bytes of the file under way and of the finished one, at most, with ``rows`` samples."""
         sample = 8 * len(self.channels) + sum(np.dtype(raw.kind).itemsize for raw in self.raw.values())
-        texts = STRUCTURE + 2 * sum(len(str(text).encode()) for text in self.provenance.values())
+        texts = STRUCTURE + 2 * sum(
+            len(str(text).encode()) for text in (*self.provenance.values(), *self.groups.values())
+        )
         return rows * sample + texts, rows * (sample + 8 * len(self.derived)) + texts
 
 
@@ -142,7 +151,7 @@ class Recording:
         )
         header = self.header
         about: dict[str, Any] = {"name": header.name, "label": header.label, "role": header.role, **header.constants}
-        about |= {"provenance": entries, "history": history}
+        about |= {"provenance": entries, "history": history, **header.groups}
         raw = {name: _raw(self._data[f"raw/{name}"], channel) for name, channel in header.raw.items()}
         try:
             with self._translate_errors("cannot be finished"), whole_file(self.path) as temporary:
@@ -251,7 +260,7 @@ def _made(path: Path, capacity: int, header: Header) -> tuple[dict[str, Place], 
     """
     with whole_file(path, new=True) as temporary, new_file(temporary, libver="earliest") as file:
         file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0), "name": header.name})
-        file.attrs.update({"role": header.role, "test": header.test, "try": header.attempt})
+        file.attrs.update({"role": header.role, "test": header.test, "try": header.attempt, **header.groups})
         for name in header.channels:
             _allocate_dataset(file, f"calibrated/{name}", capacity, "f8").attrs["unit"] = CHANNELS[name]
         for name, value in header.constants.items():

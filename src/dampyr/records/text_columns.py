@@ -1,138 +1,138 @@
-"""Records in columns of text: the header names each channel and its unit, the delimiter is found.
+"""Tables of text: the header names each column and its unit, the delimiter and the decimal mark are recognised.
 
 A header cell is a name and a unit in brackets or parentheses: ``time [s]``, ``displacement [mm]``, ``force
 (N)``. Lines that start with ``#`` or ``%`` are comments; the last line before the numbers is the header, even
-as a comment. A comma is the decimal mark where the delimiter is a semicolon, a tab or white space.
+as a comment, and a line of units may follow the names. A comma is the decimal mark where the delimiter is a semicolon, a tab
+or white space. A column may hold times of day (``10:00:00.123``), dates (``2026-03-01``) or both (``2026-03-01T10:00:00.123``).
 """
 
 from __future__ import annotations
 
-import math
 import re
-from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from dampyr.errors import FileError
-from dampyr.records.nominal_input import MEASURED, SOURCE
-from dampyr.records.record import CHANNELS, Array, Record
+from dampyr.records.column_table import SPELLINGS, TEMPERATURES, Table, name_and_unit, record_of
+from dampyr.records.record import GROUPS, Array, Record
 from dampyr.records.record_files import Request
-from dampyr.units import to_si
 
-WORDS = {
-    "time": ("time", "t", "tempo"),
-    "displacement": ("displacement", "disp", "dist", "position", "stroke", "x"),
-    "force": ("force", "forc", "load", "f"),
-    "velocity": ("velocity", "speed", "v"),
-    "voltage": ("voltage", "u"),
-    "current": ("current", "i"),
-    "temperature": ("temperature", "temp"),
-}
 DELIMITERS = (";", "\t", ",", None)
 BARE_UNITS = {
-    *("s", "sec", "ms", "m", "cm", "mm", "um", "µm", "in", "inch", "n", "kn", "lbf", "kip"),
-    *("m/s", "cm/s", "mm/s", "in/s", "v", "mv", "a", "ma", "degc", "°c", "g"),
+    *("s", "ms", "min", "m", "cm", "mm", "um", "µm", "in", "inch", "inches", "n", "kn", "lbf", "kip", "kips"),
+    *("m/s", "cm/s", "mm/s", "in/s", "m/sec", "mm/sec", "in/sec", "v", "mv", "a", "ma", "g"),
+    *SPELLINGS,
+    *TEMPERATURES,
 }
 """What a cell in a line of units below the names may be, in lower case."""
-
-
-@dataclass(frozen=True)
-class Table:
-    """Columns of numbers as found in a text file: names, units ("" unknown) and ``(n, m)`` values."""
-
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    values: Array
+DAY = r"(\d{4})[-/](\d{1,2})[-/](\d{1,2})"
+CLOCK = r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d*)?)"
+DECIMAL_COMMA = rf"[+-]?\d+(,\d+)?([eE][+-]?\d+)?|{DAY}|\d{{1,2}}:\d{{2}}:\d{{2}}(,\d*)?"
+KINDS = {
+    "clock": re.compile(CLOCK),
+    "date": re.compile(DAY),
+    "stamp": re.compile(rf"{DAY}(?:T|\s+){CLOCK}\s*(Z|[+-]\d{{2}}:?\d{{2}})?"),
+}
+"""What a cell may be besides a number."""
+IN_WORDS = {"number": "a number", "clock": "a time of day", "date": "a date", "stamp": "a date with a time of day"}
+GROUP = re.compile(rf"[#%]\s*({'|'.join(GROUPS)})\s*:\s*(\S.*)")
+"""A comment above the numbers that states the session or the specimen, as dampyr writes it."""
 
 
 def read(path: Path, request: Request, kind: str) -> Record:
     """The record in a text file of columns, every channel in SI."""
-    table = read_table(path)
-    columns = {channel: _column(path, table, channel, request) for channel in CHANNELS}
-    used = {channel: column for channel, column in columns.items() if column is not None}
-    for channel in ("time", "displacement", "force"):
-        if channel not in used:
-            there = ", ".join(table.names) or f"{table.values.shape[1]} columns without names"
-            raise FileError(
-                path,
-                f"no column is the {channel} (there: {there}); declare which, --column {channel}=NAME or "
-                f"columns={{{channel!r}: NAME}}",
-            )
-    _check_units(path, table, used, request)
-    channels: dict[str, Any] = {name: _in_si(path, table, name, column, request) for name, column in used.items()}
-    measured = {name: channels.pop(name, None) for name in ("voltage", "current")}
-    inputs: dict[str, Any] = request.input_channels(**measured)
-    _check_one_input(path, inputs)
-    units = ", ".join(f"{name} [{unit}]" if unit else name for name, unit in zip(table.names, table.units))
-    provenance = {"file": path.name, "format": kind, "header": units}
-    is_measured = any(value is not None and value is measured[name] for name, value in inputs.items())
-    return Record(
-        **channels,
-        voltage=_constant(inputs["voltage"]),
-        current=_constant(inputs["current"]),
-        name=path.stem,
-        provenance=provenance | ({SOURCE: MEASURED} if is_measured else {}),
-        history=("read from columns, converted to SI", *request.replaced(**measured)),
-    )
+    request.refuse(path, variable="a text has columns and no variables")
+    said = [column for column in request.columns.values() if column not in (None, "-")]
+    by_number = bool(said) and all(isinstance(column, int) or column.isdigit() for column in said)
+    return record_of(path, read_table(path, request.header, by_number), request, kind)
 
 
 def has_numbers(path: Path) -> bool:
-    """Whether a text file has a line of two or more numbers and nothing else, as every record has."""
-    lines = path.read_text("utf-8-sig", errors="replace").splitlines()
-    return any(_is_numbers(line) for line in lines)
+    """Whether a text file has a line of two or more numbers, and nothing else but times, as every record has."""
+    return any(_is_row(line.strip()) for line in path.read_text("utf-8-sig", errors="replace").splitlines())
 
 
-def _is_numbers(line: str) -> bool:
-    cells = [cell for cell in re.split(r"[;\t\s]+|,\s+", line.strip().strip(";,")) if cell]
-    cells = cells if len(cells) > 1 else line.strip().strip(",").split(",")
-    try:
-        return len([float(cell.strip().strip('"').replace(",", ".")) for cell in cells]) > 1
-    except ValueError:
-        return False
+def read_table(path: Path, header: int | None = None, by_number: bool = False) -> Table:
+    """The numbers of a text file with the header above them.
 
-
-def read_table(path: Path) -> Table:
-    """The numbers of a text file with the header above them."""
+    ``header`` is the line of the names, from 1, or 0 where there is none; None: the last before the numbers, or before a line
+    of units. ``by_number``: no name is needed, so that a header which does not fit the columns is left out.
+    """
     try:
         lines = path.read_text("utf-8-sig").splitlines()
     except UnicodeDecodeError as problem:
         raise FileError(path, f"is no UTF-8 text (byte {problem.start}); save it as UTF-8 text") from None
-    header, above, rows, first = _split(lines)
-    if not rows:
+    if header is not None and header >= max(len(lines), 1):
+        raise FileError(
+            path, f"header = {header}, but the file has {len(lines)} lines; give the line of the names, from 1"
+        )
+    first = _first_row(path, lines, header or 0)
+    rows = [
+        (k, text)
+        for k, text in enumerate(lines[first:], start=first + 1)
+        if text.strip() and text.strip()[0] not in "#%"
+    ]
+    delimiter = _delimiter(rows[0][1].strip())
+    kinds, values = _values(path, rows, delimiter)
+    cells = [] if header == 0 else _header(path, lines[:first], header, delimiter, values.shape[1], by_number)
+    pairs = [name_and_unit(cell) for cell in cells]
+    texts = _texts(rows[0][1], delimiter)
+    return Table(
+        names=tuple(name for name, _ in pairs),
+        units=tuple(unit for _, unit in pairs),
+        values=values,
+        kinds=kinds,
+        stamps={k: texts[k] for k, kind in enumerate(kinds) if kind != "number"},
+        groups={match[1]: match[2].strip() for line in lines[:first] if (match := GROUP.fullmatch(line.strip()))},
+        lines=[number for number, _ in rows],
+    )
+
+
+def _first_row(path: Path, lines: list[str], start: int) -> int:
+    """Where the numbers begin; a line right above them with something else in a place of a number counts with them."""
+    first = next((k for k in range(start, len(lines)) if _is_row(lines[k].strip())), None)
+    if first is None:
         raise FileError(path, "has no line of numbers; give a header and one line per sample")
-    delimiter = _delimiter(rows)
-    values = _numbers(path, rows, first, delimiter)
-    cells = _with_units_below(*(_header_cells(line, delimiter) for line in (above, header)))
-    if cells and len(cells) != values.shape[1]:
-        glued = _glued(header)
-        if len(glued) != values.shape[1]:
-            raise FileError(
-                path,
-                f"the header names {len(cells)} columns and the first line has {values.shape[1]} numbers; "
-                "repair the header",
-            )
-        cells = glued
-    pairs = [_name_and_unit(cell) for cell in cells]
-    return Table(tuple(name for name, _ in pairs), tuple(unit for _, unit in pairs), values)
+    delimiter = _delimiter(lines[first].strip())
+    width = len(_texts(lines[first], delimiter))
+    for k in range(first - 1, start - 1, -1):
+        cells = _texts(lines[k], delimiter)
+        if not lines[k].strip() or len(cells) != width or _kind(cells[0], delimiter) is None:
+            break
+        first = k
+    return first
 
 
-def _split(lines: list[str]) -> tuple[str, str, list[tuple[int, str]], int]:
-    """The header line, the one above it, the ``(line number, text)`` rows below, and the number of the first row's line."""
-    header = above = ""
-    for number, line in enumerate(lines, start=1):
-        bare = line.strip()
-        if bare and _starts_with_number(bare):
-            rows = [(k, text) for k, text in enumerate(lines[number - 1 :], start=number) if text.strip()]
-            return header, above, [(k, text) for k, text in rows if text.strip()[0] not in "#%"], number
-        if bare.lstrip("#% "):
-            header, above = bare.lstrip("#% "), header
-    return header, above, [], len(lines)
-
-
-def _header_cells(line: str, delimiter: str | None) -> list[str]:
-    return [cell.strip().strip('"') for cell in _cells(line, delimiter)] if line else []
+def _header(
+    path: Path, above: list[str], line: int | None, delimiter: str | None, width: int, by_number: bool
+) -> list[str]:
+    """The cells of the header, each name with its unit; none where there is no header."""
+    texts = [
+        text for text in (each.strip().lstrip("#% ") for each in above) if text and not GROUP.fullmatch(f"# {text}")
+    ]
+    if line is None:
+        names, last = (["", "", *texts])[-2:]
+    else:
+        below = [text for text in (each.strip().lstrip("#% ") for each in above[line:]) if text]
+        names = above[line - 1].strip().lstrip("#% ")
+        last = below[0] if below else names
+    cells = _with_units_below(_texts(names, delimiter), _texts(last, delimiter))
+    if line is not None and cells == _texts(last, delimiter):
+        cells = _texts(names, delimiter)
+    if not cells or len(cells) == width:
+        return cells
+    glued = _glued(last if line is None else names)
+    if len(glued) == width:
+        return glued
+    if by_number:
+        return []
+    raise FileError(
+        path,
+        f"the header names {len(cells)} columns and the first line has {width} numbers; repair the header, or say which line "
+        "it is, from 1, or 0 where there is none: --header 0, header=0",
+    )
 
 
 def _with_units_below(names: list[str], cells: list[str]) -> list[str]:
@@ -143,125 +143,102 @@ def _with_units_below(names: list[str], cells: list[str]) -> list[str]:
     return [f"{name} [{unit}]" if unit not in ("", "-") else name for name, unit in zip(names, bare)]
 
 
-def _starts_with_number(line: str) -> bool:
-    first = re.split(r"[;\t,\s]", line, maxsplit=1)[0].strip('"')
-    try:
-        return math.isfinite(float(first)) or first.lower() == "nan"
-    except ValueError:
+def _glued(header: str) -> list[str]:
+    """The cells of a white-space header whose names stand apart from their units: ``force (N)``."""
+    return re.findall(r"[^\s\[\]()]+(?:\s*[\[(][^\])]*[\])])?", header)
+
+
+def _is_row(line: str) -> bool:
+    """Whether a line is two or more numbers, with times and dates between them or without."""
+    if not line or line[0] in "#%":
         return False
+    delimiter = _delimiter(line)
+    kinds = [_kind(cell, delimiter) for cell in _texts(line, delimiter)]
+    return None not in kinds and kinds.count("number") > 1
 
 
-def _delimiter(rows: list[tuple[int, str]]) -> str | None:
-    """The first delimiter that stands in the first row; None is white space."""
-    line = rows[0][1].strip()
+def _delimiter(line: str) -> str | None:
+    """The first delimiter that stands in a line of numbers; None is white space."""
     return next((d for d in DELIMITERS if d is not None and d in line and not _is_decimal_comma(d, line)), None)
 
 
 def _is_decimal_comma(delimiter: str, line: str) -> bool:
     """A comma inside white-space columns, such as ``0,01  1,5``, is a decimal mark."""
     parts = line.split()
-    return (
-        delimiter == "," and len(parts) > 1 and all(re.fullmatch(r"[+-]?\d+(,\d+)?([eE][+-]?\d+)?", p) for p in parts)
-    )
+    return delimiter == "," and len(parts) > 1 and all(re.fullmatch(DECIMAL_COMMA, part) for part in parts)
 
 
-def _cells(line: str, delimiter: str | None) -> list[str]:
-    """The cells of a line; a delimiter at its end, as spreadsheets leave it, makes none."""
-    cells = line.split(delimiter) if delimiter else line.split()
-    return cells[:-1] if len(cells) > 1 and not cells[-1].strip() else cells
+def _texts(line: str, delimiter: str | None) -> list[str]:
+    """The cells of a line without quotes; a delimiter at its end, as spreadsheets leave it, makes none."""
+    bare = line.strip()
+    if not bare:
+        return []
+    cells = bare.split(delimiter) if delimiter else bare.split()
+    cells = cells[:-1] if len(cells) > 1 and not cells[-1].strip() else cells
+    return [cell.strip().strip('"') for cell in cells]
 
 
-def _glued(header: str) -> list[str]:
-    """The cells of a white-space header whose names stand apart from their units: ``force (N)``."""
-    return re.findall(r"[^\s\[\]()]+(?:\s*[\[(][^\])]*[\])])?", header)
+def _kind(cell: str, delimiter: str | None) -> str | None:
+    """What a cell is: "number", "clock", "date", "stamp", or None."""
+    text = cell if delimiter == "," else cell.replace(",", ".")
+    try:
+        float(text)
+        return "number"
+    except ValueError:
+        return next((kind for kind, pattern in KINDS.items() if pattern.fullmatch(text)), None)
 
 
-def _numbers(path: Path, rows: list[tuple[int, str]], first: int, delimiter: str | None) -> Array:
-    width = len(_cells(rows[0][1].strip(), delimiter))
-    values = np.empty((len(rows), width))
-    for k, (number, line) in enumerate(rows):
-        cells = _cells(line.strip(), delimiter)
-        if len(cells) != width:
+def _values(path: Path, rows: list[tuple[int, str]], delimiter: str | None) -> tuple[tuple[str, ...], Array]:
+    """What each column holds, by the first row, and the values ``(n, m)``: numbers, or s."""
+    number, line = rows[0]
+    cells = _texts(line, delimiter)
+    kinds = tuple(_kind(cell, delimiter) or "number" for cell in cells)
+    values = np.empty((len(rows), len(cells)))
+    first_day = min((_day(cell) for cell, kind in zip(cells, kinds) if kind in ("date", "stamp")), default=0)
+    for k, (number_of_line, line) in enumerate(rows):
+        cells = _texts(line, delimiter)
+        if len(cells) != len(kinds):
             raise FileError(
-                path, f"line {number} has {len(cells)} values and line {first} has {width}; repair the line"
+                path,
+                f"line {number_of_line} has {len(cells)} values and line {number} has {len(kinds)}; repair the line",
             )
         for j, cell in enumerate(cells):
-            text = cell.strip().strip('"')
             try:
-                values[k, j] = float(text if delimiter == "," else text.replace(",", "."))
+                text = cell if delimiter == "," else cell.replace(",", ".")
+                values[k, j] = float(text) if kinds[j] == "number" else _seconds(text, kinds[j], first_day)
             except ValueError:
-                raise FileError(path, f"line {number}: {text!r} is not a number; repair or cut out the line") from None
-    return values
+                raise FileError(
+                    path, f"line {number_of_line}: {cell!r} is not {IN_WORDS[kinds[j]]}; repair or cut out the line"
+                ) from None
+    return kinds, values
 
 
-def _name_and_unit(cell: str) -> tuple[str, str]:
-    match = re.fullmatch(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*", cell)
-    return (match[1].strip(), match[2].strip()) if match else (cell.strip(), "")
+def _day(text: str) -> int:
+    """The number of the day that a date or a stamp begins with; 0 where there is no such day, which is said later."""
+    match = re.match(DAY, text)
+    try:
+        return date(*(int(part) for part in match.groups())).toordinal() if match else 0
+    except ValueError:
+        return 0
 
 
-def _column(path: Path, table: Table, channel: str, request: Request) -> int | None:
-    """Which column a channel is: as declared, else by the words of the header."""
-    said = request.columns.get(channel, "")
-    if said is None or said == "-":
-        return None
-    lower = [name.lower() for name in table.names]
-    if isinstance(said, int):
-        if not 0 <= said < table.values.shape[1]:
-            last = table.values.shape[1] - 1
-            raise FileError(path, f"columns[{channel!r}] = {said} is no column; choose a number from 0 to {last}")
-        return said
-    if said:
-        if said.lower() not in lower:
-            raise FileError(path, f"there is no column {said!r}; choose from {', '.join(table.names)}")
-        return lower.index(said.lower())
-    fits = [k for word in WORDS[channel] for k, name in enumerate(lower) if name == word]
-    if len(fits) > 1:
-        names = " and ".join(table.names[k] for k in fits)
-        raise FileError(
-            path,
-            f"the columns {names} could all be the {channel}; declare which, --column {channel}=NAME or "
-            f"columns={{{channel!r}: NAME}}",
-        )
-    return fits[0] if fits else None
-
-
-def _check_units(path: Path, table: Table, used: dict[str, int], request: Request) -> None:
-    """Raise :class:`FileError` with every column that has no unit, not the first one only."""
-    stated = {channel: table.units[column] if table.units else "" for channel, column in used.items()}
-    bare = [channel for channel in used if not (stated[channel] or request.units.get(channel))]
-    if bare:
-        names = ", ".join(repr(table.names[used[channel]]) if table.names else str(used[channel]) for channel in bare)
-        raise FileError(
-            path,
-            f"the {'columns' if len(bare) > 1 else 'column'} {names} {'have' if len(bare) > 1 else 'has'} no unit; write it in "
-            f"the header, such as {bare[0]} [{CHANNELS[bare[0]]}], or declare it: --unit {bare[0]}={CHANNELS[bare[0]]}, "
-            f"units={{{bare[0]!r}: {CHANNELS[bare[0]]!r}}} or in reading.toml",
-        )
-
-
-def _check_one_input(path: Path, inputs: dict[str, Any]) -> None:
-    if all(value is not None for value in inputs.values()):
-        raise FileError(
-            path,
-            "voltage and current are both given; a record has one input, so leave one out, such as --column voltage=- or "
-            "columns={'voltage': None}",
-        )
-
-
-def _in_si(path: Path, table: Table, channel: str, column: int, request: Request) -> Array:
-    stated = table.units[column] if table.units else ""
-    declared = request.units.get(channel, "")
-    unit = declared or stated
-    if stated and declared and stated != declared:
-        raise FileError(
-            path,
-            f"the header says {channel} is in {stated!r}, but units declares {declared!r}; leave it out of units",
-        )
-    unit = unit.replace("°C", "degC") if channel == "temperature" else unit
-    values = table.values[:, column]
-    return values if unit == CHANNELS[channel] else to_si(values, unit, CHANNELS[channel])
-
-
-def _constant(values: Any) -> Any:
-    """A channel that never changes is a constant input."""
-    return float(values[0]) if np.ndim(values) == 1 and len(values) and np.ptp(values) == 0 else values
+def _seconds(text: str, kind: str, first_day: int) -> float:
+    """s since midnight, of dates and stamps since that before the first one; :class:`ValueError` for anything else."""
+    match = KINDS[kind].fullmatch(text)
+    if match is None:
+        raise ValueError(text)
+    parts = list(match.groups())
+    seconds = 0.0
+    if kind != "clock":
+        # days since the first row and not since the calendar's first: s of two thousand years have no microseconds left
+        seconds = 86400.0 * (date(*(int(part) for part in parts[:3])).toordinal() - first_day)
+        parts = parts[3:]
+    if kind != "date":
+        hour, minute, second = int(parts[0]), int(parts[1]), float(parts[2])
+        if hour > 23 or minute > 59 or second >= 61.0:  # 60: a leap second
+            raise ValueError(text)
+        seconds += 3600.0 * hour + 60.0 * minute + second
+    if kind == "stamp" and parts[3] not in (None, "Z"):
+        zone = parts[3].replace(":", "")
+        seconds -= (1 if zone[0] == "+" else -1) * (3600.0 * int(zone[1:3]) + 60.0 * int(zone[3:5]))
+    return seconds

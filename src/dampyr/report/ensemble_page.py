@@ -11,10 +11,12 @@ import numpy as np
 import dampyr
 from dampyr.figures.fragility import axis_of
 from dampyr.figures.incremental import incremental_curves
+from dampyr.ground_motions import end_in_words
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.report.fragility_section import fragility_section
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental, summary
+from dampyr.structures.ensemble_accuracy import BOUNDS, FLOOR, doubts
 
 SHOWN = {
     "drift": ("drift", "mm", 1e3),
@@ -108,22 +110,27 @@ def trust(dataset: Any) -> list[str]:
     """What was measured of the error, and what it does not cover; sentences."""
     attributes = dataset.attrs
     error = f"{100 * attributes['error_estimate']:.2g} %"
+    moving = attributes.get("error_estimate_moving")
+    among = f" ({100 * moving:.2g} % among {FLOOR})" if moving is not None else ""
     measured = (
-        f"The largest change of a peak displacement or drift on halving the step was {error}, measured on "
-        f"{attributes['judged']} of {attributes['cases']} cases."
+        f"The largest change of a peak displacement or drift on halving the step was {error}{among}, measured on "
+        f"{attributes['judged']} of {attributes['cases']} cases, the hardest and others at random."
     )
+    bound = f"{100 * BOUNDS[attributes['accuracy']]:.2g} %"
     fast = (
-        "The accuracy is “fast”: about 0.1 % of the peak in strong motion, up to about 1 % where the motion is small and "
-        "the input high. Accelerations are less sharp, a few per cent at a high input, rarely ten. Accuracy “strict” takes 0.4 "
-        "of the step."
+        f"The accuracy is “fast”: about 0.1 % of the peak in strong motion, at most {bound} of {FLOOR}; smaller ones have no "
+        "bound. Accelerations are less sharp, a few per cent at a high input, rarely ten. Accuracy “strict” takes 0.4 of the "
+        "step."
     )
-    strict = "The accuracy is “strict”, 0.4 of the step of “fast”. Accelerations are less sharp than drifts."
+    strict = f"The accuracy is “strict”: at most {bound} of {FLOOR}; smaller ones have no bound. Accelerations are less sharp."
     lost = (
         f"{attributes['unbounded']} cases grew without bound; they have no peak, and count as exceeding every limit."
         if attributes["unbounded"]
         else "No case grew without bound."
     )
-    return [measured, fast if attributes["accuracy"] == "fast" else strict, lost]
+    warned = [f"Warning: {sentence}." for sentence in doubts(attributes | {"unbounded": 0})]
+    end = f"Each case {end_in_words(attributes.get('after_s', 0.0))}."
+    return [*warned, measured, fast if attributes["accuracy"] == "fast" else strict, end, lost]
 
 
 def _provenance(dataset: Any) -> dict[str, str]:

@@ -35,9 +35,10 @@ def write_fit_page(
     if isinstance(fit, Identified):
         checks = [*fit.validations, *checks]
         sections = [*([leaderboard_section(fit.board)] if fit.board else []), *sections]
+        beyond = list(fit.beyond.values())
         damper, fit = fit.damper, fit.fit
     else:
-        damper = fit.damper
+        damper, beyond = fit.damper, []
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
     if damper is not None:
@@ -47,7 +48,7 @@ def write_fit_page(
     html = page(
         f"Identified: {fit.problem.composition}",
         [
-            _summary(fit, checks),
+            _summary(fit, checks, beyond),
             *sections,
             Section("Parameters", fit_blocks(fit)),
             Section("Correlation of the parameters", correlation_blocks(fit)),
@@ -64,7 +65,7 @@ def write_fit_page(
     return path
 
 
-def _summary(fit: Fit, checks: Sequence[Validation]) -> Section:
+def _summary(fit: Fit, checks: Sequence[Validation], beyond: Sequence[str]) -> Section:
     """What a reader who reads nothing else should know."""
     inputs, precision = _inputs(fit), _precision(fit)
     l1 = {name: one.l1 for name, one in fit.scores.items()}
@@ -88,7 +89,7 @@ def _summary(fit: Fit, checks: Sequence[Validation]) -> Section:
         rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])
     rows.append(["errors", f"by {fit.clusters}; {precision}"])
     blocks: list[Block] = [Table(("quantity", "result"), rows)]
-    warning_texts = [*warnings_of(fit.residuals), *fit.notes]
+    warning_texts = [*warnings_of(fit.residuals), *fit.notes, *beyond]
     if warning_texts:
         blocks.append(Text("\n\n".join(("Before you use the numbers:", *map(sentence, warning_texts)))))
     else:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +15,6 @@ from dampyr.identification import Fit, Score
 from dampyr.identification.law_panels import law_panels
 from dampyr.identification.score import group_by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text, sentence
-from dampyr.units import for_people
 
 PAIRS = 8  # of parameters listed in words; the matrix shows all
 
@@ -26,28 +24,18 @@ if TYPE_CHECKING:
     from dampyr.models import Damper
 
 
-def parameter_table(fit: Fit) -> Table:
-    """Every fitted number with its 95 % interval, its standard error and the naive one, in units that people read.
+def parameter_tables(fit: Fit) -> list[Table]:
+    """Every fitted number with half of its 95 % interval, and its standard error with the naive one: a row a parameter, a
+    column an input, in units that people read.
 
-    Where some errors hold within the fitted records only, a column says which: these have no interval.
+    Errors that hold within the fitted records only say so: these numbers have no interval.
     """
-    caption, rows = _caption(fit), []
-    for (name, value), (low, high) in zip(fit.parameters.items(), fit.intervals().values(), strict=True):
-        unit, factor = for_people(fit.units[name])
-        row: list[Cell] = [name, value * factor]
-        row += [None, None] if name in fit.within_records else [low * factor, high * factor]
-        for error in (fit.stderr[name], fit.naive_stderr[name]):
-            undetermined = "at its limit" if math.isnan(error) else "not determined"
-            row.append(error * factor if math.isfinite(error) else undetermined)
-        rows.append([*row, unit, *([fit.error_holds(name)] if fit.within_records else [])])
-    labelled = ("error holds",) if fit.within_records else ()
-    return Table(
-        columns=("parameter", "value", "95 % from", "to", "standard error", "naive error", "unit", *labelled),
-        rows=rows,
-        align=("left", *("right",) * 5, "left", *("left" for _ in labelled)),
-        caption=caption,
-        digits=4,
-    )
+    tables = []
+    for errors, caption in ((False, "Value ± half of its 95 % interval."), (True, _caption(fit))):
+        heads, rows = fit.by_input(errors)
+        align = ("left", "left", *("right",) * (len(heads) - 2))
+        tables.append(Table(columns=tuple(heads), rows=rows, align=align, caption=caption))
+    return tables
 
 
 def _caption(fit: Fit) -> str:
@@ -59,6 +47,7 @@ def _caption(fit: Fit) -> str:
         "record and cycle": f"{between}; where so labelled, within {within}",
     }
     return (
+        "Standard errors, and in parentheses the naive ones. "
         f"Errors allow for residuals that are correlated within {correlated[fit.clusters]}. The naive errors assume "
         "independent samples and are shown for comparison."
     )
@@ -129,7 +118,7 @@ def score_table(scores: dict[str, Score], caption: str) -> Table:
 
 def score_blocks(fit: Fit) -> list[Block]:
     """How well a fit describes the records that it was fitted to."""
-    table = score_table(fit.scores, "From 2 s after the motion starts, each record's own offset taken.")
+    table = score_table(fit.scores, f"From {fit.settling:g} s after the motion starts, each record's own offset taken.")
     groups = group_by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
     return [
         Text("These records were fitted: the scores describe the fit and are not predictions."),
@@ -140,7 +129,7 @@ def score_blocks(fit: Fit) -> list[Block]:
 
 def fit_blocks(fit: Fit) -> list[Block]:
     """Parameters, laws, and what a reader should know."""
-    blocks: list[Block] = [parameter_table(fit)]
+    blocks: list[Block] = [*parameter_tables(fit)]
     if fit.damper is not None and fit.damper.range[0] < fit.damper.range[1]:
         bars = "fitted values" if fit.clusters == "cycle" else "fitted values with 95 % intervals"
         some = " (none where an error holds within these records only)" if fit.clusters == "record and cycle" else ""

@@ -6,25 +6,26 @@ import math
 
 from dampyr.figures.leaderboard import leaderboard_figure
 from dampyr.identification import Leaderboard
-from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text
+from dampyr.identification.leaderboard import choice_in_words
+from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, sentence
 
-NAMES = ("", "model", "error", "L1", "unseen input", "NRMSE", "pointwise", "energy", "parameters", "AIC", "BIC", "fit")
-UNITS = ("", "", "%", "%", "%", "%", "%", "%", "", "", "", "s")
+NAMES = (
+    "", "model", "error", "±", "parameters", "building", "L1", "unseen input", "NRMSE", "pointwise", "energy", "fit",
+)  # fmt: skip
+UNITS = ("", "", "%", "%", "", "", "%", "%", "%", "%", "%", "s")
 
 
 def leaderboard_section(board: Leaderboard) -> Section:
     """The finalists, and every model bare and at its best."""
-    best, second = board.winner, board.runner_up
-    words = f"{best.model} predicts best: {100 * best.error:.3g} %"
-    words += f"; the runner-up, {second.model}, has {100 * second.error:.3g} %." if second else "."
+    words = " ".join(sentence(each) for each in choice_in_words(board))
     words += (
         " The error is three quarters of the L1 ratio of records that were left out (five random parts), and one of that of "
         "whole inputs that were left out where there are three or more, every input counting the same. Nothing here was "
-        "scored on what it was fitted on. AIC and BIC are of the fits to all records; they are shown, not used."
+        "scored on what it was fitted on."
     )
     rows: list[list[Cell]] = [
-        [k, e.model, *(100 * v for v in (e.error, e.l1, e.unseen_input, e.nrmse, e.pointwise, e.energy)), e.parameters,
-         e.aic, e.bic, e.seconds]
+        [k, e.model, 100 * e.error, 100 * e.standard_error, e.parameters, "no" if e.not_for_buildings else "yes",
+         *(100 * v for v in (e.l1, e.unseen_input, e.nrmse, e.pointwise, e.energy)), e.seconds]
         for k, e in enumerate(board.entries, start=1)
     ]  # fmt: skip
     return Section(

@@ -53,6 +53,7 @@ def _split(fit: Fit, validation: Validation) -> list[Block]:
             digits=3,
         ),
         _parts(validation),
+        *[Text(f"{name} is not scored: {why}.") for name, why in validation.not_scored.items()],
     ]
 
 
@@ -68,7 +69,7 @@ def _rows(fit: Fit, validation: Validation) -> list[list[Cell]]:
 
 def _parts(validation: Validation) -> Table:
     rows: list[list[Cell]] = [
-        [number, len(fold.fitted_on), ", ".join(fold.scores) or f"no damper: {fold.reason}"]
+        [number, len(fold.fitted_on), ", ".join([*fold.scores, *fold.skipped]) or f"no damper: {fold.reason}"]
         for number, fold in enumerate(validation.folds, 1)
     ]
     return Table(("part", "fitted on", "not fitted on"), rows, ("", "records", ""), ("left", "right", "left"))

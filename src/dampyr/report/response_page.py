@@ -10,6 +10,7 @@ from dampyr.figures.control_comparison import controlled
 from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import CURRENT, VOLTAGE, Axis
+from dampyr.ground_motions import end_in_words
 from dampyr.report.blocks import FigureBlock, Section, Table, Text
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import Response, Simulated
@@ -54,7 +55,8 @@ def _peaks(cases: Mapping[str, Response]) -> Table:
         ("case", *floors, "largest drift", "largest acceleration", "base shear", "damper force"),
         rows,
         ("", *("mm" for _ in floors), "mm", "m/s²", "N", "N"),
-        caption="Peaks inside the step; displacements relative to the ground, accelerations absolute.",
+        caption="Peaks inside the step; displacements relative to the ground, accelerations absolute. "
+        f"The response {end_in_words(next(iter(cases.values())).after)}.",
     )
 
 

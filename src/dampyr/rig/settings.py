@@ -13,6 +13,7 @@ from typing import Annotated
 
 from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
+from dampyr.records.record import as_group
 from dampyr.representation import Representation, Summary
 from dampyr.units import Quantity
 
@@ -107,9 +108,13 @@ class Supply:
 
 @dataclass(frozen=True)
 class Specimen:
-    """The damper on the table; all but its card is for the simulated rig only."""
+    """The damper on the table; all but its name, card and data sheet is for the simulated rig only."""
 
-    card: Annotated[str, "a card of dampyr, beside this file; empty: the fit to the original rig's damper"] = ""
+    name: Annotated[str, "which damper it is, such as its serial number; kept with every record"] = ""
+    card: Annotated[
+        str,
+        "a card of dampyr, beside this file, or a published set's name; empty: the fit to the original rig's damper",
+    ] = ""
     data_sheet: Annotated[str, "whose promises a fit is held against: RD-8041-1 (Table A.1), or empty"] = "RD-8041-1"
     free_play: Annotated[float, Metre, "simulated: the play of the pins"] = 0.0
     heat_capacity: Annotated[float, Quantity("J/K", low=0.0, open_low=True), "assumed: 0.9 kg of steel and fluid"] = (
@@ -118,6 +123,10 @@ class Specimen:
     cooling: Annotated[float, Quantity("W/K", low=0.0), "assumed: still air"] = 1.0
     softening: Annotated[float, Quantity("1/K", low=0.0), "assumed: force lost per kelvin above the room"] = 0.0
     room: Annotated[float, Quantity("degC"), "assumed"] = 20.0
+
+    def __post_init__(self) -> None:
+        if self.name:
+            object.__setattr__(self, "name", as_group("name", self.name))
 
 
 @dataclass(frozen=True)
@@ -176,7 +185,12 @@ class RigSettings(Representation):
             ("load cell", f"{self.load_cell.capacity:.5g} N, {self.load_cell.scale:.5g} N/V"),
             ("encoder", f"{1e6 * self.encoder.count:.4g} µm a count"),
             ("actuator", f"{1e3 * self.actuator.free_speed:.4g} mm/s free, {self.actuator.max_load:.5g} N"),
-            ("specimen", self.specimen.card or f"the original damper, {self.specimen.data_sheet or 'no data sheet'}"),
+            (
+                "specimen",
+                self.specimen.name
+                or self.specimen.card
+                or f"the original damper, {self.specimen.data_sheet or 'no data sheet'}",
+            ),
         ]
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from dampyr.models import Damper
+from dampyr.models import Damper, published
 from dampyr.rig.settings import RigSettings
 
 CARD = Path(__file__).with_name("original_specimen.toml")
@@ -22,6 +22,9 @@ def original_specimen() -> Damper:
 
 
 def specimen_of(settings: RigSettings, folder: Path | None = None) -> Damper:
-    """The damper that the settings name, without a card the original one; a relative card is in ``folder``."""
+    """The damper that the settings name, without a card the original one; a relative card is in ``folder``.
+
+    In place of a card the name of a set of `dampyr.models.published` will do.
+    """
     card = settings.specimen.card
-    return Damper.load((folder or Path()) / card) if card else original_specimen()
+    return published.card_or_published(card, folder) if card else original_specimen()

@@ -1,7 +1,10 @@
 r"""Shards of an ensemble: the cases of each sorted into blocks that an engine runs together.
 
 The step is that of the rule (`dampyr.structures.step_size`) with :math:`\omega_s h \le 1`; 0.4 of it where the accuracy is
-"strict". The error is measured: the first block of every kind of case in a shard is run again with half the step.
+"strict", and less where dampers stretch in series (`dampyr.structures.ensemble_grid`). The error is measured: of every kind of
+case in a shard one block is run again with half the step, of the cases that are hardest and of others at random. Hardest are
+those whose floors or storeys move least beside their others, as a stuck damper lets them, and the weakest motions on the
+stiffest dampers.
 
 Every block of a precision is equally wide (64 or 128 histories), filled or not, and a history does not depend on its
 neighbours: the numbers are the same however the work is divided.
@@ -23,7 +26,7 @@ from dampyr.structures.batch import bouc_wen_branchless
 from dampyr.structures.batch.engine import Engine, can_run, engine
 from dampyr.structures.batch.gpu import engine as gpu_engine
 from dampyr.structures.building import Building
-from dampyr.structures.ensemble_grid import STEPS, Cases
+from dampyr.structures.ensemble_grid import STEPS, STEPS_IN_SERIES, STEPS_WITH_MEMORY, Cases
 from dampyr.structures.kernel_run import runner
 from dampyr.structures.response import Run
 from dampyr.structures.sites import Site, connections, laws_of
@@ -32,6 +35,7 @@ from dampyr.structures.step_size import (
     difference_slopes,
     halve_until_converged,
     largest_step,
+    largest_stiffness,
     steps_per_sample,
 )
 
@@ -40,13 +44,19 @@ Integers = NDArray[np.int64]
 LIMIT = 1.0  # of omega h: fast stays below 0.1 % of the peak in the standard suite with it
 MAX_STEP_COUNT = 1_000_000  # of a case under control laws: seconds, as there are many cases
 JUDGED = ("displacement", "drift")
+# Peaks above both of these are held to a bound: smaller ones are of no consequence, and of a floor that a stuck damper locks
+# the relative error has none that a fixed step could hold.
+MOVING, MOVING_SHARE = 1e-4, 0.01  # m; of the largest of the case
+SEED = 15  # of the choice of the cases that are judged; any
+JUDGED_ONE_BY_ONE = 4  # at most, of the cases of a kind that no engine can run: each costs two more
 
 
 @dataclass
 class Shard:
     """Result of shard ``number``: ``values`` quantity -> (lines, scales, width), NaN where a building has no such storey.
 
-    ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases; ``unbounded`` counts
+    ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases, twice that where the step
+    counts to first order; ``moving`` the same of peaks above 0.1 mm and 1 % of the largest of the case; ``unbounded`` counts
     cases that grew without bound; ``general`` counts those that no engine can run.
     """
 
@@ -57,6 +67,7 @@ class Shard:
     judged: int = 0
     unbounded: int = 0
     general: int = 0
+    moving: float = 0.0
 
 
 def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
@@ -81,20 +92,22 @@ class Member:
     sites: tuple[Site, ...]
     motion: int
     m: int
+    stiffness: float  # 1/s2, the largest of the dampers at rest over the mass that each moves
 
 
 def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
     """The lines by what one engine can run; the last of a key is None where no engine can."""
     groups: dict[tuple[Any, ...], list[Member]] = {}
-    cached: dict[tuple[int, int, int], tuple[tuple[Site, ...], float]] = {}
+    cached: dict[tuple[int, int, int], tuple[tuple[Site, ...], float, float]] = {}
     for row, number in enumerate(lines):
         b, d, u, k = cases.line(number)
         if (b, d, u) not in cached:
             sites = tuple(map(_without_zero_delay, cases.sites_of(b, d, u)))
-            share = 1.0 if laws_of(sites) else STEPS[cases.accuracy]  # under laws the step is halved
-            rule = largest_step(cases.buildings[b], sites, difference_slopes(sites), LIMIT)
-            cached[b, d, u] = sites, share * rule
-        sites, step = cached[b, d, u]
+            share = 1.0 if laws_of(sites) else _share(cases.accuracy, sites)  # under laws the step is halved
+            slopes = difference_slopes(sites)
+            rule = largest_step(cases.buildings[b], sites, slopes, LIMIT)
+            cached[b, d, u] = sites, share * rule, largest_stiffness(cases.buildings[b], sites, slopes)
+        sites, step, stiffness = cached[b, d, u]
         dt = cases.motions[k].dt
         m = steps_per_sample(dt, step, sites)
         compositions = tuple(site.composition for site in sites)
@@ -103,8 +116,16 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
             (site.composition, site.values) for site in sites
         )
         key = (b, rows, compositions, dt, branchless, m if can_run(compositions) and not laws_of(sites) else None)
-        groups.setdefault(key, []).append(Member(row, b, sites, k, m))
+        groups.setdefault(key, []).append(Member(row, b, sites, k, m, stiffness))
     return groups
+
+
+def _share(accuracy: str, sites: tuple[Site, ...]) -> float:
+    """The step as a share of the rule's."""
+    series = [site.composition for site in sites if site.composition.in_series]
+    if any(part.follows_velocity for composition in series for part in composition.parts):
+        return STEPS_WITH_MEMORY[accuracy]
+    return STEPS_IN_SERIES[accuracy] if series else STEPS[accuracy]
 
 
 def _without_zero_delay(site: Site) -> Site:
@@ -123,9 +144,41 @@ def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done:
         who, scale = np.divmod(np.arange(first, min(first + made.max_histories, len(members) * scales)), scales)
         peaks = inputs.run(made, who, cases.scales[scale])
         _store(inputs.rows[who], scale, peaks, done)
-        if first == 0:
-            few, finer = slice(made.text.block_width), _made(cases, kind, members[0].sites, 2 * m)
-            _judge({q: v[few] for q, v in peaks.items()}, inputs.run(finer, who[few], cases.scales[scale[few]]), done)
+    if any(quantity in done.values for quantity in JUDGED):
+        who, scale = _hardest_and_random(cases, inputs, made.text.block_width, done)
+        coarse = {
+            q: done.values[q][inputs.rows[who], scale, : cases.buildings[kind[0]].n] for q in JUDGED if q in done.values
+        }
+        finer = inputs.run(_made(cases, kind, members[0].sites, 2 * m), who, cases.scales[scale])
+        _judge(coarse, finer, done, any(composition.in_series for composition in kind[2]))
+
+
+def _hardest_and_random(cases: Cases, inputs: Inputs, count: int, done: Shard) -> tuple[Integers, Integers]:
+    """Up to ``count`` members and scales of a kind, a quarter each: those whose least floor or storey moves least beside its
+    largest; the same, but at most one of each member; the weakest motions on the stiffest dampers; and any, at random."""
+    members, scales = len(inputs.rows), len(cases.scales)
+    size = members * scales
+    if size <= count:
+        who, scale = np.divmod(np.arange(size), scales)
+        return who, scale
+    quantity = next(quantity for quantity in JUDGED if quantity in done.values)
+    peaks = np.nan_to_num(
+        done.values[quantity][inputs.rows], nan=np.inf
+    )  # of cases without bound, and storeys that are not
+    largest = np.max(peaks, axis=2, initial=0.0, where=np.isfinite(peaks))
+    locked = np.min(peaks, axis=2) / np.maximum(largest, 1e-300)
+    of_each = np.full(locked.shape, np.inf)
+    best = (np.arange(members), np.argmin(locked, axis=1))
+    of_each[best] = locked[best]
+    weak = np.outer(inputs.strengths / inputs.stiffnesses, np.abs(cases.scales))
+    chosen: list[int] = []
+    for rank in (locked, of_each, weak):
+        order = np.argsort(rank.ravel(), kind="stable")
+        chosen += order[~np.isin(order, chosen)][: count // 4].tolist()
+    others = np.setdiff1d(np.arange(size), chosen)
+    random = np.random.default_rng((SEED, done.number)).choice(others, count - len(chosen), replace=False)
+    who, scale = np.divmod(np.concatenate([chosen, random]).astype(np.int64), scales)
+    return who, scale
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +190,8 @@ class Inputs:
     values: list[Array]
     rest: Array
     delays: Array
+    strengths: Array  # m/s2, the peaks of the motions
+    stiffnesses: Array  # 1/s2, of the members
 
     @classmethod
     def of(cls, cases: Cases, members: list[Member]) -> Inputs:
@@ -148,6 +203,8 @@ class Inputs:
             [np.array([member.sites[d].values for member in members]) for d in range(count)],
             np.array([rest_forces[id(member.sites)] for member in members]),
             np.array([[site.delay for site in member.sites] for member in members]),
+            np.array([cases.motions[member.motion].pga for member in members]),
+            np.array([member.stiffness for member in members]),
         )
 
     def run(self, made: Engine, who: Integers, scales: Array) -> dict[str, Array]:
@@ -191,17 +248,25 @@ def _store(rows: Integers, scales: Integers, peaks: dict[str, Array], done: Shar
         done.values[quantity][rows, scales, : values.shape[1]] = values
 
 
-def _judge(coarse: dict[str, Array], fine: dict[str, Array], done: Shard) -> None:
-    """Measure the error of a block by one of half the step."""
+def _judge(coarse: dict[str, Array], fine: dict[str, Array], done: Shard, first_order: bool) -> None:
+    """Measure the error of cases by half the step: halving leaves a sixteenth of it, or half of it."""
     for quantity in JUDGED:
         if quantity in coarse:
-            gap = np.abs(coarse[quantity] / fine[quantity] - 1.0)
-            done.error = max(done.error, float(np.nanmax(gap, initial=0.0)))
+            size = np.abs(fine[quantity])
+            with np.errstate(invalid="ignore", divide="ignore"):
+                gap = np.abs(coarse[quantity] / fine[quantity] - 1.0) * (2.0 if first_order else 1.0)
+            gap[~np.isfinite(gap)] = 0.0  # a case without bound, or a floor that never moves
+            moving = (size > MOVING) & (size > MOVING_SHARE * size.max(axis=1, keepdims=True))
+            done.error = max(done.error, float(np.max(gap, initial=0.0)))
+            done.moving = max(done.moving, float(np.max(gap, initial=0.0, where=moving)))
             done.judged += len(gap) if quantity == JUDGED[0] or JUDGED[0] not in coarse else 0
 
 
 def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
     """Cases that no engine can run, by the kernel of `respond`."""
+    count = min(JUDGED_ONE_BY_ONE, len(members))
+    judged = set(np.random.default_rng((SEED, done.number)).choice(len(members), count, replace=False).tolist())
+    weakest = int(np.argmin(np.abs(cases.scales)))
     for number, member in enumerate(members):
         building, motion = cases.buildings[member.building], cases.motions[member.motion]
         run = runner(building, motion, member.sites)
@@ -218,15 +283,17 @@ def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
             peaks = _peaks(made.out, member.sites, building)
             _store(np.array([member.row]), np.array([s]), {q: peaks[q] for q in cases.quantities if q in peaks}, done)
             done.general += 1
-            if number == 0 and s == 0 and not laws_of(member.sites):
-                _judge(peaks, _peaks(once(2 * member.m).out, member.sites, building), done)
+            if number in judged and s == weakest and not laws_of(member.sites):
+                series = any(site.composition.in_series for site in member.sites)
+                _judge(peaks, _peaks(once(2 * member.m).out, member.sites, building), done, series)
 
 
 def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Run:
     """A case under control laws, its step halved until the peaks stop changing: where a decision falls the other way the
     response is another one, so that no step chosen beforehand is small enough for all cases."""
     made = halve_until_converged(once, motion, ACCURACIES[accuracy], m, MAX_STEP_COUNT)
-    done.error, done.judged = max(done.error, made.error or 0.0), done.judged + 1
+    done.error, done.moving = max(done.error, made.error or 0.0), max(done.moving, made.error or 0.0)
+    done.judged += 1
     return made
 
 

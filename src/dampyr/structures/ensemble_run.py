@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
-from dampyr.ground_motions import GroundMotion, kanai_tajimi
+from dampyr.ground_motions import GroundMotion, end_in_words, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.representation import Representation, Summary, Table, column_name, counted, data_frame, listing
 from dampyr.structures.building import Building
 from dampyr.structures.ensemble import run
+from dampyr.structures.ensemble_accuracy import doubts
 from dampyr.structures.ensemble_grid import STEPS, Cases, cases
 from dampyr.structures.fragility import Curve, Fragility, fragility
 from dampyr.structures.incremental import incremental
@@ -52,9 +53,9 @@ class Limit:
 class EnsembleOptions:
     """Options of `run_ensemble`; ``inputs``, ``laws``, ``place`` and ``brace`` as in `SimulateOptions`.
 
-    ``bare`` runs the building without damper, too; ``draws`` dampers are drawn from the card's covariance by ``seed``. There is
-    a fragility curve over ``intensity`` for each of ``limits``. Raises :class:`~dampyr.errors.InputError` for a value that is
-    not allowed.
+    ``bare`` runs the building without damper, too; ``after`` s of rest follow each motion; ``draws`` dampers are drawn from
+    the card's covariance by ``seed``. There is a fragility curve over ``intensity`` for each of ``limits``. Raises
+    :class:`~dampyr.errors.InputError` for a value that is not allowed.
     """
 
     inputs: tuple[float, ...] = ()
@@ -70,6 +71,7 @@ class EnsembleOptions:
     accuracy: str = "fast"
     precision: int = 64
     allow_extrapolation: bool = False
+    after: float = 0.0
 
     def __post_init__(self) -> None:
         check_inputs(self.inputs, self.laws)
@@ -113,6 +115,11 @@ class EnsembleResult(Representation):
         """Figures: ``result.plot.fragility()`` and ``.incremental()``, each giving matplotlib axes."""
         return EnsemblePlots(self)
 
+    @property
+    def notes(self) -> list[str]:
+        """What is wrong with the accuracy or the cases, in sentences; none where nothing is."""
+        return doubts(self.dataset.attrs)
+
     def to_dataframe(self) -> Any:
         """Medians and 84 % fractiles of the peaks as a ``pandas.DataFrame``, SI units: one row a case and scale."""
         rows = summary(self.dataset)
@@ -141,7 +148,9 @@ class EnsembleResult(Representation):
                 "accuracy",
                 f"{attributes['accuracy']}, largest change on halving the step {100 * attributes['error_estimate']:.2g} %",
             ),
+            ("end", end_in_words(attributes.get("after_s", 0.0))),
             ("without bound", f"{attributes['unbounded']} cases"),
+            *(("warning", sentence) for sentence in self.notes),
         ]
         rows += [("fragility", f"{curve.limit_in_words}, over {curve.intensity}") for curve in self.curves[:4]]
         return "EnsembleResult", rows
@@ -163,7 +172,9 @@ class EnsembleResult(Representation):
             }
             for each in self.curves
         ]  # fmt: skip
-        return dict(plain({**self.dataset.attrs, "peaks": summary(self.dataset), "fragility": curves}))
+        return dict(
+            plain({**self.dataset.attrs, "notes": self.notes, "peaks": summary(self.dataset), "fragility": curves})
+        )
 
 
 def synthetic_motions(
@@ -190,6 +201,7 @@ def requested_cases(
         accuracy=options.accuracy,
         precision=options.precision,
         allow_extrapolation=options.allow_extrapolation,
+        after=options.after,
     )
 
 

@@ -20,7 +20,16 @@ from dampyr.errors import FileError, InputError
 from dampyr.records.self_contained import check_contained
 from dampyr.structures.ensemble import Progress, completed, warn_of
 from dampyr.structures.ensemble_grid import Cases
-from dampyr.structures.store import DIAGNOSTICS, FORMAT, Labels, allocate_dataset, attributes, describe, read_ensemble
+from dampyr.structures.store import (
+    DIAGNOSTICS,
+    FORMAT,
+    Labels,
+    allocate_dataset,
+    attributes,
+    describe,
+    made_with,
+    read_ensemble,
+)
 
 Array = NDArray[np.float64]
 NAME = re.compile(r"part-(\d+)-of-(\d+)\.h5")
@@ -104,7 +113,7 @@ def collect(folder: str | Path, out: str | Path | None = None) -> Any:
     with _opened(paths[0]) as first:
         digest, labels = first.attrs["digest"], Labels.read(first["labels"].asstr()[()])
         shapes = {str(q): (int(np.prod(labels.shape[:-1])), *first[q].shape[1:]) for q in first.attrs["quantities"]}
-        made = (str(first.attrs["accuracy"]), int(first.attrs["precision"]))
+        made = made_with(first, labels)
     for path in paths:
         with _opened(path) as file:
             if file.attrs["digest"] != digest:
@@ -114,7 +123,7 @@ def collect(folder: str | Path, out: str | Path | None = None) -> Any:
         dataset = read_ensemble(out)
     else:
         values = {quantity: np.empty(shape) for quantity, shape in shapes.items()}
-        dataset = labels.dataset(values, attributes(_joined(paths, values), *made, int(np.prod(labels.shape))))
+        dataset = labels.dataset(values, attributes(_joined(paths, values), *made))
     warn_of(dataset)
     return dataset
 
@@ -138,8 +147,9 @@ def _write_whole(out: Path, paths: Sequence[Path], shapes: Mapping[str, tuple[in
 
     with whole_file(out) as temporary, h5py.File(temporary, "w") as file:
         with _opened(paths[0]) as first:
-            for name in ("format", "digest", "quantities", "accuracy", "precision"):
-                file.attrs[name] = first.attrs[name]
+            for name in ("format", "digest", "quantities", "accuracy", "precision", "after"):
+                if name in first.attrs:
+                    file.attrs[name] = first.attrs[name]
             file["labels"] = first["labels"].asstr()[()]
         diagnostics = _joined(
             paths, {quantity: allocate_dataset(file, quantity, shape) for quantity, shape in shapes.items()}

@@ -59,6 +59,8 @@ class Control(NamedTuple):
     settings: Any  # (N, the longest of a law)
     every: Any  # (N,) whole steps between decisions
     decay: Any  # (N, 4): the remaining share of the coil's gap to its command at h/4, h/2, 3h/4, h
+    mean_decay: Any  # (N,): its mean over a step
+    total: Any  # (N,): the sum over the steps of the mean input in each
     command: Any  # (N,) the latest decision
     level: Any  # (N,) at the coil, at the end of the step under way
     reached: Any  # (N, 2): the least and the greatest decision so far
@@ -118,11 +120,12 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
         dampers = _dampers(sites, step, start)
         control = _control(sites, kinds, law_gains, step) if any(laws) else None
         if control is None:
-            out.input[:] = [site.input_value for site in sites]
+            out.input[:] = out.mean_input[:] = [site.input_value for site in sites]
         work = _scratch(building.n, dampers.states)
         kernel(ag, m, step, FORCE_TOLERANCE, linear(step), dampers, control, work, out)
         if control is not None:
             _check_inputs(sites, control)
+            out.mean_input[:] = control.total / ((len(ag) - 1) * m) if len(ag) > 1 else control.level
         _check_bounded(out, motion)
         return Run(out, step)
 
@@ -182,6 +185,8 @@ def _control(sites: tuple[Site, ...], kinds: list[int], law_gains: Array, step: 
         settings=np.zeros((count, max_settings)),
         every=np.zeros(count, dtype=np.int64),
         decay=np.zeros((count, 4)),
+        mean_decay=np.zeros(count),
+        total=np.zeros(count),
         command=np.zeros(count),
         level=np.zeros(count),
         reached=np.tile([math.inf, -math.inf], (count, 1)),
@@ -205,6 +210,7 @@ def _fill(control: Control, d: int, site: Site, step: float) -> None:
     control.settings[d, : len(numbers)] = numbers
     if lag > 0:
         control.decay[d] = np.exp(-np.arange(1, 5) * 0.25 * step / lag)
+        control.mean_decay[d] = -math.expm1(-step / lag) * lag / step
 
 
 def _check_inputs(sites: tuple[Site, ...], control: Control) -> None:

@@ -9,7 +9,7 @@ undetermined place.
 References
 ----------
 .. [Baker2015] J. W. Baker, "Efficient analytical fragility function fitting using dynamic structural analysis", Earthquake
-   Spectra 31(1), 579-599, 2015, eqs. 7 to 11.
+   Spectra 31(1), 579-599, 2015, eqs. 3 and 7 to 11.
 .. [Shinozuka2000] M. Shinozuka, M. Q. Feng, J. Lee and T. Naganuma, "Statistical analysis of fragility curves", Journal of
    Engineering Mechanics 126(12), 1224-1231, 2000.
 .. [Olsen1978] R. J. Olsen, "Note on the uniqueness of the maximum likelihood estimator for the tobit model", Econometrica
@@ -77,7 +77,9 @@ def fit_binomial(x: Array, yes: Array, cases: Array) -> Lognormal:
 
 
 def by_capacity(x: Array, kind: Array, weight: Array) -> Lognormal:
-    """The curve of capacities ``x``: known (``kind`` 0), greater than x (+1), or less than x (-1); [Baker2015]_, eq. 7."""
+    """The curve of capacities ``x``: known (``kind`` 0), greater than x (+1), or less than x (-1); [Baker2015]_, eq. 7.
+
+    Of largest likelihood: beta has the divisor n where no capacity is censored, not the n - 1 of eq. 3."""
     observed = kind == 0
     if weight[observed].sum() < 2 or np.ptp(np.log(x[observed & (weight > 0)])) == 0:
         return none("fewer than two different capacities are known; refine or widen the scales")

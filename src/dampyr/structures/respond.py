@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning
-from dampyr.ground_motions import GroundMotion
+from dampyr.ground_motions import GroundMotion, followed_by_rest
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import describe_law
 from dampyr.structures.kernel_run import runner
 from dampyr.structures.linear_response import peak_displacement
 from dampyr.structures.response import Energy, Output, Response, Run
-from dampyr.structures.sites import Site, connections, describe_place, drifts, make_sites
+from dampyr.structures.sites import Site, connections, describe_place, drifts, make_sites, warn_of_parts
 from dampyr.structures.step_size import (
     given_steps_per_sample,
     halve_until_converged,
@@ -46,6 +46,7 @@ def respond(
     accuracy: str | float = "strict",
     step: float | None = None,
     allow_extrapolation: bool = False,
+    after: float = 0.0,
 ) -> Response:
     """The response of ``building`` to ``motion``, from rest.
 
@@ -62,12 +63,15 @@ def respond(
         finer one is well below.
     step : s; run once with this step, which must divide the motion's and the period of every law.
     allow_extrapolation : take an input outside the range that a damper was calibrated on, with a warning.
+    after : s of rest of the ground after the record. The response ends with the record otherwise: a building that still swings
+        then may reach its peak later (long periods, short pulses).
 
     Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns
-    (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached or where a damper, on the
-    whole, fed the building.
+    (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached, where a damper, on the
+    whole, fed the building, and where one has a part that is not for buildings.
     """
     sites = make_sites(building, dampers, voltage, current, allow_extrapolation)
+    motion = followed_by_rest(motion, after)
     run = runner(building, motion, sites)
     if step is None:
         tolerance = tolerance_of(accuracy)
@@ -77,14 +81,15 @@ def respond(
         best = halve_until_converged(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))
     else:
         best = run_once(run, given_steps_per_sample(motion, step, sites))
-    response = _response(building, motion, sites, best)
+    response = _response(building, motion, sites, best, after)
     _warn(response, sites)
+    warn_of_parts(sites)
     for note in response.outside:
         warnings.warn(note, DampyrWarning, stacklevel=2)
     return response
 
 
-def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: Run) -> Response:
+def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: Run, after: float) -> Response:
     out, n = run.out, building.n
     rows, pull = connections(building, sites), building.influence @ building.M
     q = np.ascontiguousarray(out.state[:, :n].T)
@@ -111,6 +116,7 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         inputs=tuple(site.input_value for site in sites),
         laws=tuple(describe_law(site.law, site.damper.input) if site.law else "" for site in sites),
         input=np.ascontiguousarray(out.input.T),
+        mean_input=out.mean_input.copy(),
         input_units=tuple(site.damper.input for site in sites),
         floors=tuple(building.floors),
         scheme="linear" if not sites else "general" if general else "exact path",
@@ -120,6 +126,7 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         converged=not run.reason,
         reason=run.reason,
         title=f"{building.name}, {motion.name}",
+        after=float(after),
         outside=tuple(note for d, site in enumerate(sites) for note in _outside(site, rows[d], out, motion.dt)),
     )
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.ground_motions import end_in_words
 from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ _UNITS = {
     "peak_acceleration": ("floor", "m/s^2"),
     "peak_base_shear": ("", "N"),
     "peak_force": ("damper", "N"),
+    "mean_input": ("damper", ""),
 }  # name -> dims, unit
 
 
@@ -45,6 +47,7 @@ class Output(NamedTuple):
     acceleration: Any  # (samples, n), absolute
     force: Any  # (samples, N)
     input: Any  # (samples, N) V or A, that of the force
+    mean_input: Any  # (N,) V or A, over all steps
     work: Any  # (samples, 2 + N): input, viscous, each damper
     displacement_peak: Any  # (n,)
     drift_peak: Any  # (n,)
@@ -62,6 +65,7 @@ def output(samples: int, n: int, sites: int) -> Output:
         acceleration=np.zeros((samples, n)),
         force=np.zeros((samples, sites)),
         input=np.zeros((samples, sites)),
+        mean_input=np.zeros(sites),
         work=np.zeros((samples, 2 + sites)),
         displacement_peak=np.zeros(n),
         drift_peak=np.zeros(n),
@@ -201,7 +205,9 @@ class Response(Representation):
     base_shear: Array  # (T,) N that springs, dashpots and dampers hand to the ground, signed as displacement
     force: Array  # (N, T) N, as applied; positive opposes positive velocity
     stroke: Array  # (N, T) m, what each site's floors move apart
-    input: Array  # (N, T) V or A at the coil, as the force of the same sample was made; a jump at a sample acts from there on
+    # V or A at the coil (N, T), as the force of the same sample was made; a jump at a sample acts from there on. Laws decide
+    # more often than a motion has samples, so its mean is no mean over time: that is ``mean_input``.
+    input: Array
     peak_displacement: Array  # (n,) m
     peak_drift: Array  # (n,) m
     peak_acceleration: Array  # (n,) m/s2, absolute
@@ -223,6 +229,8 @@ class Response(Representation):
     sites: tuple[str, ...] = ()  # (N,) where the sites are, such as "storey 1" and "0-2"
     laws: tuple[str, ...] = ()  # (N,) what sets the inputs, in words; empty where they are constant
     input_units: tuple[str, ...] = ()  # (N,) "V" or "A"
+    mean_input: Array = field(default_factory=lambda: np.zeros(0))  # (N,) V or A at the coil, the mean over time
+    after: float = 0.0  # s of rest after the record, at the end of the arrays
     outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
 
     @property
@@ -258,6 +266,7 @@ class Response(Representation):
         rows = [
             ("time", f"{len(self.time)} samples, {self.time[-1]:.4g} s; {self.scheme}, step {1e3 * self.step:.4g} ms")
         ]
+        rows.append(("end", end_in_words(self.after)))
         dampers = list(zip(self.sites, self.inputs, self.laws, self.input_units))
         rows += [("damper", f"{site}, {law or f'{value:g} {unit}'}") for site, value, law, unit in dampers[:FEW]]
         if len(dampers) > FEW:
@@ -282,7 +291,8 @@ class Response(Representation):
 
         data = {k: (dims.split(), np.asarray(getattr(self, k)), {"units": unit}) for k, (dims, unit) in _UNITS.items()}
         units = set(self.input_units)
-        data["input"][2]["units"] = units.pop() if len(units) == 1 else "V or A"
+        unit = units.pop() if len(units) == 1 else "V or A"
+        data["input"][2]["units"] = data["mean_input"][2]["units"] = unit
         for part in ("input", "kinetic", "strain", "viscous", "damper", "residual"):
             data[f"energy_{part}"] = (["time"], getattr(self.energy, part), {"units": "J"})
         count = len(self.storeys)
@@ -308,11 +318,12 @@ class Response(Representation):
             "peak_force_N": self.peak_force.tolist(),
             "sites": list(self.sites),
             "laws": list(self.laws),
-            "mean_input": self.input.mean(axis=1).tolist(),
+            "mean_input": self.mean_input.tolist(),
             "scheme": self.scheme,
             "step_s": self.step,
             "error_estimate": self.error_estimate,
             "converged": self.converged,
+            "after_s": self.after,
         }
 
     def _attributes(self) -> dict[str, Any]:
@@ -321,6 +332,7 @@ class Response(Representation):
             "step_s": self.step,
             "converged": int(self.converged),
             "title": self.title,
+            "after_s": self.after,
         }
         if self.error_estimate is not None:
             attributes["error_estimate"] = self.error_estimate

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr import units
 from dampyr.errors import InputError
-from dampyr.ground_motions import GroundMotion
+from dampyr.ground_motions import GroundMotion, end_in_words
 from dampyr.models import Damper
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.structures.building import Building
@@ -32,8 +32,8 @@ class SimulateOptions:
 
     ``inputs`` are V or A, as the damper takes them; a law is written as in ``on_off`` or ``on_off:period=0.01,lag=5ms``
     (see `law_of`). The damper stands in storey ``place``, or between two floors (i, j), without the parts in ``without``,
-    on a brace of stiffness ``brace`` in N/m where one is given. Raises :class:`~dampyr.errors.InputError` for a value that is
-    not allowed.
+    on a brace of stiffness ``brace`` in N/m where one is given. After the record come ``after`` s of rest. Raises
+    :class:`~dampyr.errors.InputError` for a value that is not allowed.
     """
 
     inputs: tuple[float, ...] = ()
@@ -43,6 +43,7 @@ class SimulateOptions:
     without: tuple[str, ...] = ()
     accuracy: str = "strict"
     allow_extrapolation: bool = False
+    after: float = 0.0
 
     def __post_init__(self) -> None:
         check_inputs(self.inputs, self.laws)
@@ -123,7 +124,7 @@ class Simulated(Representation):
         return peaks_by_floor(*self.peaks_by_floor(), axes=_peak_axes())
 
     def _summary(self) -> Summary:
-        rows = [
+        rows = [("end", self.end)] + [
             (name, f"peak drift {1e3 * max(r.peak_drift):.4g} mm, acceleration {max(r.peak_acceleration):.4g} m/s²")
             for name, r in self.cases.items()
         ]
@@ -142,6 +143,11 @@ class Simulated(Representation):
     def title(self) -> str:
         """Building and motion."""
         return f"{self.building}, {self.motion}"
+
+    @property
+    def end(self) -> str:
+        """Where the responses end, in words."""
+        return end_in_words(next(iter(self.cases.values())).after)
 
     def as_dict(self) -> dict[str, Any]:
         """The peaks of each case for JSON, SI units."""
@@ -164,10 +170,10 @@ def simulate(
     inputs = all_inputs(fitted, options.inputs, options.laws)
     kind = "voltage" if fitted.input == "V" else "current"
     tell("without damper", 0.0)
-    cases = {BARE: respond(building, motion, accuracy=options.accuracy)}
+    cases = {BARE: respond(building, motion, accuracy=options.accuracy, after=options.after)}
     for k, u in enumerate(inputs, start=1):
         tell(f"case {k + 1} of {len(inputs) + 1}", k / (len(inputs) + 1))
-        given: dict[str, Any] = {kind: u, "allow_extrapolation": options.allow_extrapolation}
+        given: dict[str, Any] = {kind: u, "allow_extrapolation": options.allow_extrapolation, "after": options.after}
         response = respond(building, motion, {options.place: fitted}, accuracy=options.accuracy, **given)
         cases[response.laws[0] or f"{u:g} {fitted.input}"] = response
     return Simulated(building.name, motion.name, fitted.input, cases)
@@ -225,9 +231,10 @@ def _response_as_dict(response: Response) -> dict[str, Any]:
         "peak_force_N": response.peak_force,
         "sites": response.sites,
         "laws": response.laws,
-        "mean_input": response.input.mean(axis=1),
+        "mean_input": response.mean_input,
         "scheme": response.scheme,
         "step_s": response.step,
         "error_estimate": response.error_estimate,
         "converged": response.converged,
+        "after_s": response.after,
     }

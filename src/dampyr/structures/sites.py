@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import ExtrapolationWarning, InputError
+from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError
 from dampyr.models.damper import INPUTS
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import is_control_law, values_at
@@ -49,6 +49,13 @@ class Site:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ExtrapolationWarning)  # warned of when the site was made
             return np.asarray(self.damper.values(u, static=False, allow_extrapolation=True))
+
+
+def warn_of_parts(sites: Iterable[Site]) -> None:
+    """Warn of dampers with parts that are not for a building."""
+    for note in dict.fromkeys(site.composition.not_for_buildings for site in sites):
+        if note:
+            warnings.warn(note, DampyrWarning, stacklevel=3)
 
 
 def make_sites(

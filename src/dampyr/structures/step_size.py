@@ -53,6 +53,12 @@ def largest_step(building: Building, sites: tuple[Site, ...], slopes: Array, lim
     return step
 
 
+def largest_stiffness(building: Building, sites: tuple[Site, ...], slopes: Array) -> float:
+    r"""The largest :math:`\omega_s^2` (1/s2) of the dampers at rest; a tiny number where none resists a stroke."""
+    flexibility = [float(row @ np.linalg.solve(building.M, row)) for row in connections(building, sites)]
+    return max([1e-30, *(slopes[:, 0] * flexibility if sites else ())])
+
+
 def kernel_slopes(run: Any, sites: tuple[Site, ...]) -> Array:
     """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take, by the kernel of ``run``."""
     if not sites:

@@ -23,7 +23,7 @@ from dampyr.structures.ensemble_grid import AXES, Cases
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"
 MAPPED = 2**28  # bytes of a quantity from which it stays in the file: what a laptop's memory holds several times
-DIAGNOSTICS = ("error", "judged", "unbounded", "general")
+DIAGNOSTICS = ("error", "judged", "unbounded", "general", "moving")  # files of before have the first four
 BARE = "no damper"
 SA_DAMPING = 0.05  # ratio to critical, that of published spectra
 UNIT_OF = {"voltage": "V", "current": "A"}
@@ -198,7 +198,7 @@ class Store:
         """Store a shard; it counts as done only after its values are written."""
         for quantity, values in shard.values.items():
             self.values[quantity][shard.lines.start : shard.lines.stop] = values
-        self.diagnostics[shard.number] = [getattr(shard, name) for name in DIAGNOSTICS]
+        self.diagnostics[shard.number] = [getattr(shard, name) for name in DIAGNOSTICS[: self.diagnostics.shape[1]]]
         if self.file is not None:
             self.file["told"][shard.number] = self.diagnostics[shard.number]
             self.file.flush()
@@ -216,8 +216,9 @@ class Store:
 
     def dataset(self) -> Any:
         """All values with labels, and the measured errors."""
-        made = (self.what.accuracy, self.what.precision)
-        return self.labels.dataset(dict(self.values), attributes(self.diagnostics, *made, self.what.size))
+        what = self.what
+        made = attributes(self.diagnostics, what.accuracy, what.precision, what.size, what.after)
+        return self.labels.dataset(dict(self.values), made)
 
 
 def allocate_dataset(file: Any, quantity: str, shape: tuple[int, ...]) -> Any:
@@ -246,19 +247,24 @@ def describe(file: Any, what: Cases, labels: Labels) -> None:
     file.attrs["quantities"] = list(what.quantities)
     file.attrs["accuracy"] = what.accuracy
     file.attrs["precision"] = what.precision
+    if what.after:
+        file.attrs["after"] = what.after
 
 
-def attributes(diagnostics: Array, accuracy: str, precision: int, size: int) -> dict[str, Any]:
-    """Errors and counts, from the rows of `DIAGNOSTICS` of all shards."""
-    sums = dict(zip(DIAGNOSTICS[1:], diagnostics[:, 1:].sum(axis=0)))
+def attributes(diagnostics: Array, accuracy: str, precision: int, size: int, after: float = 0.0) -> dict[str, Any]:
+    """Errors and counts, from the rows of `DIAGNOSTICS` of all shards; ``after_s`` where the motions have a rest."""
+    sums = dict(zip(DIAGNOSTICS, diagnostics.sum(axis=0)))
+    largest = dict(zip(DIAGNOSTICS, diagnostics.max(axis=0, initial=0.0)))
     return {
-        "error_estimate": float(diagnostics[:, 0].max(initial=0.0)),
+        "error_estimate": float(largest["error"]),
         "judged": int(sums["judged"]),
         "unbounded": int(sums["unbounded"]),
         "one_by_one": int(sums["general"]),
         "accuracy": accuracy,
         "precision_bits": precision,
         "cases": size,
+        **({"error_estimate_moving": float(largest["moving"])} if "moving" in largest else {}),
+        **({"after_s": after} if after else {}),
     }
 
 
@@ -287,8 +293,13 @@ def read_ensemble(path: str | Path) -> Any:
             )
         labels = Labels.read(file["labels"].asstr()[()])
         values = {quantity: values_of(file[quantity]) for quantity in file.attrs["quantities"]}
-        made = (str(file.attrs["accuracy"]), int(file.attrs["precision"]), int(np.prod(labels.shape)))
-        return labels.dataset(values, attributes(file["told"][:], *made))
+        return labels.dataset(values, attributes(file["told"][:], *made_with(file, labels)))
+
+
+def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float]:
+    """Accuracy, precision, number of cases and s of rest of an ensemble, or of the whole that a part belongs to."""
+    attrs = file.attrs
+    return str(attrs["accuracy"]), int(attrs["precision"]), int(np.prod(labels.shape)), float(attrs.get("after", 0.0))
 
 
 def progress_of(path: str | Path) -> tuple[int, int]:

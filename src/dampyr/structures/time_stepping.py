@@ -236,6 +236,7 @@ def update_inputs(step: int, lin: Any, sites: Any, control: Any, now: Any, groun
                 look_up(control.knots[d], control.coefficients[d], level, sites.params[d, part])
             control.level[d] = control.command[d] + gap * control.decay[d, 3]
             jumped = jumped or control.decay[d, 0] == 0.0
+        control.total[d] += control.command[d] + gap * control.mean_decay[d]
     return jumped
 
 

@@ -6,6 +6,7 @@ sets, by the command line and by the console.
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,19 @@ def published_damper(name: str) -> Damper:
         damper: Damper = study.damper()
         return damper
     return published.damper(name)
+
+
+def load_damper(name: str | Path) -> Damper:
+    """The damper of a card's file, or the published one of this name, as every command and the console take them.
+
+    :class:`~dampyr.errors.MissingData` lists the names and the files where there is neither.
+    """
+    from dampyr.models import published
+
+    studies = registry.members(__name__)
+    return published.card_or_published(
+        name, others={own: study.damper for own, study in studies if hasattr(study, "damper")}
+    )
 
 
 def __getattr__(name: str) -> ModuleType:

@@ -25,7 +25,9 @@ def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, da
     own, output = identification.fit("dahl + spring", chosen), identified["result"]
     assert output["records"] == ["ensaio.A.1", "ensaio.B.3", "ensaio.vali.1"]
     assert output["mean_l1"] == pytest.approx(sum(s.l1 for s in own.scores.values()) / 2, rel=1e-6)
-    assert [row[0] for row in output["parameters"]["rows"]] == list(own.parameters)
+    shown, errors = output["parameters"]
+    assert [shown["rows"], errors["rows"]] == [own.by_input()[1], own.by_input(errors=True)[1]]
+    assert output["settling"] == 2.0
     (held,) = output["held"]
     vali = next(r for r in records.read_campaign(campaign_folder, role="validation"))
     if held["problem"] == "":
@@ -53,7 +55,6 @@ def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, da
     ("request_body", "words"),
     [
         ({"records": []}, "at least 1 item"),
-        ({"records": KEYS[:2]}, "five records or more"),
         ({"records": KEYS[:1], "model": "dahl + nothing"}, "nothing"),
         ({"records": ["labcontrol/none.mat"], "model": "dahl"}, "no such file"),
         ({"records": KEYS[:1], "model": "dahl", "bandwidth": -1}, "greater than 0"),

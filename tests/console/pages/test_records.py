@@ -76,6 +76,29 @@ def test_what_the_file_does_not_say_is_asked_for_in_a_sentence(client, data):
     assert upload(client, "a.csv", text, unit=["displacement=mm"], column=["force=cell"]).status_code == 201
 
 
+def test_an_upload_is_read_with_every_option_of_the_reader(client):
+    bare = "".join(f"{8 * np.sin(k / 12):.5f},{-300 * np.cos(k / 12):.4f}\n" for k in range(600))
+    said = {"column": ["displacement=0", "force=1"], "unit": ["displacement=mm", "force=N"], "dt": "10 ms", "header": 0}
+    said |= {"force_sign": -1, "measurement_session": "day 1", "specimen": "no. 7"}
+    answer = upload(client, "bare.csv", bare, **said)
+    assert answer.status_code == 201, answer.text
+    (one,) = client.get("/api/records/list").json()
+    about = one["about"]
+    assert (about["measurement_session"], about["specimen"], about["duration_s"]) == (
+        "day 1",
+        "no. 7",
+        pytest.approx(5.99),
+    )
+    assert about["measured"]["energy_per_cycle"] > 0
+    assert not about["notes"]
+    refused = upload(client, "again.csv", bare, **(said | {"dt": "10 mm"}))
+    assert (refused.status_code, "'mm' does not measure what 's' measures" in refused.text) == (400, True)
+    matrix = io.BytesIO()
+    scipy.io.savemat(matrix, {"run": np.fromstring(bare.replace("\n", ","), sep=",").reshape(-1, 2)})
+    said = {name: value for name, value in said.items() if name != "header"} | {"variable": "run"}
+    assert upload(client, "run.mat", matrix.getvalue(), **said).status_code == 201
+
+
 def _v5(**variables):
     page = io.BytesIO()
     scipy.io.savemat(page, variables)

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 
+from dampyr.models.numerics import bouc_wen_exact
 from dampyr.models.numerics.bouc_wen_exact import (
     back_at,
     flow,
@@ -21,7 +22,7 @@ def by_phases(y: float, xi: float, n: float, c: float) -> float:
     """The step without a short series."""
     if y < 0.0:
         rest = phase_back(-y, n, c)
-        return -back_at(rest - xi, n, c) if xi < rest else state_at(xi - rest, n)
+        return -back_at(rest - xi, n, c, min(rest - xi, 1.0)) if xi < rest else state_at(xi - rest, n)
     return state_at(phase(y, n) + xi, n)
 
 
@@ -79,3 +80,60 @@ def test_every_term_of_the_series_is_right() -> None:
                 worst, taken = max(worst, abs(value - np.tanh(np.arctanh(y) + h))), taken + 1
     assert taken > 100
     assert worst < 6e-15
+
+
+def missed_by(y: float, xi: float, n: float, c: float) -> float:
+    """How far the state after ``xi`` is from the right one, by the integral of 1/(1 + c u^n) from -end to -y; in ln(1 - u)."""
+
+    def of_path(s: float) -> float:
+        power = n * np.log1p(-np.exp(s))  # ln u^n
+        return np.exp(s) / (-np.expm1(power) + (1.0 + c) * np.exp(power))  # 1 + c u^n without cancellation
+
+    end = flow(y, xi, n, c)
+    path, _ = quad(of_path, np.log(1.0 + y) if y > -1.0 else -60.0, np.log(1.0 + end), epsabs=1e-14, limit=500)
+    return abs(path - xi) * (1.0 + c * (-end) ** n)
+
+
+@pytest.mark.parametrize("n", [1.0, 1.5, 2.5, 10.0, 50.0])
+def test_the_way_back_where_the_shape_is_extreme(n: float) -> None:
+    """Beside sigma = 1/2, where c is nearly 0, and down to where friction hardly leaves its limit."""
+    worst, taken = 0.0, 0
+    for sigma in (1e-9, 5e-6, 5e-4, 5e-3, 0.1, 0.5 - 5e-9, 0.5, 0.5 + 5e-13, 0.5 + 5e-12, 0.5 + 5e-9, 1.0, 100.0):
+        for y in (-1.0, -0.999, -0.7):
+            for xi in (0.01, 0.3, 1.0, 3.0, 6.0):
+                if flow(y, xi, n, 2.0 * sigma - 1.0) < -1e-6:
+                    worst, taken = max(worst, missed_by(y, xi, n, 2.0 * sigma - 1.0)), taken + 1
+    assert taken > 40
+    assert worst < 1e-12
+
+
+@pytest.mark.parametrize("c", [2.5, 23.2, 1999.0])
+@pytest.mark.parametrize("n", [1.0, 1.0000001, 1.722, 3.5, 12.0])
+def test_the_phase_of_a_stiff_way_back_is_its_integral(n: float, c: float) -> None:
+    for u in (0.3, 0.9, 1.0):
+        kink = min((1.0 / c) ** (1.0 / n), u)  # there the integrand begins to fall
+        sides = (0.0, kink), (kink, u)
+        parts = [
+            quad(lambda s: 1.0 / (1.0 + c * s**n), *ends, epsabs=0.0, epsrel=1e-13, limit=200)[0] for ends in sides
+        ]
+        assert phase_back(u, n, c) == pytest.approx(sum(parts), rel=1e-11)
+
+
+def test_a_long_step_takes_few_series(monkeypatch: pytest.MonkeyPatch) -> None:
+    counts = [0]
+    for name in ("phase_low", "phase_high", "phase_near"):
+        series = getattr(bouc_wen_exact, name)
+
+        def summed(*given: float, series=series) -> float:
+            counts[0] += 1
+            return series(*given)
+
+        monkeypatch.setattr(bouc_wen_exact, name, summed)
+    rng, each = np.random.default_rng(3), []
+    for _ in range(300):
+        shape = rng.uniform(1.05, 4.0), 2.0 * 10.0 ** rng.uniform(-0.5, 1.2) - 1.0
+        before = counts[0]
+        flow_any(rng.uniform(-1.0, 0.99), 10.0 ** rng.uniform(-1.5, 0.8), *shape)
+        each.append(counts[0] - before)
+    assert max(each) <= 8  # 61 where Newton's method went on to rounding from afar
+    assert np.mean(each) < 3.0

@@ -5,7 +5,7 @@ import pytest
 from scipy.io import loadmat, savemat
 
 from dampyr.errors import FileError
-from dampyr.records import read
+from dampyr.records import read, write
 
 N = 50
 
@@ -79,16 +79,97 @@ def test_a_truncated_file(tmp_path, variables):
         read(path)
 
 
-def test_matlab_7_3_says_how_to_save_again(tmp_path):
+def saved_7_3(path, variables):
+    """As MATLAB's ``save(..., '-v7.3')``: HDF5 behind 512 bytes, dimensions in the opposite order, each with its class."""
     import h5py
 
-    path = tmp_path / "new.mat"
     with h5py.File(path, "w", userblock_size=512) as file:
-        file["Ts"] = 0.01
+        for name, value in variables.items():
+            text = isinstance(value, str)
+            stored = np.array([[ord(c)] for c in value], dtype="u2") if text else np.atleast_2d(np.asarray(value)).T
+            file.create_dataset(name, data=stored).attrs["MATLAB_class"] = np.bytes_("char" if text else "double")
     header = b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM"
     path.write_bytes(header.ljust(512, b"\0") + path.read_bytes()[512:])
-    with pytest.raises(FileError, match=r"is a MATLAB v7.3 file; save it again with save\(..., '-v7'\)"):
-        read(path)
+    return path
+
+
+def test_version_7_3_is_read_as_version_5_is(tmp_path, variables):
+    old = read(saved(tmp_path, variables), voltage=1.0)
+    new = read(saved_7_3(tmp_path / "new.mat", variables), voltage=1.0)
+    for channel in ("time", "displacement", "force", "velocity"):
+        assert np.array_equal(getattr(new, channel), getattr(old, channel)), channel
+    assert (old.provenance["format"], new.provenance["format"]) == ("MATLAB v5", "MATLAB v7.3")
+
+
+@pytest.mark.parametrize("version", ["5", "7.3"])
+def test_any_matrix_by_its_columns(tmp_path, variables, version):
+    matrix = np.column_stack([variables["forc"].ravel() / 1e3, np.zeros(N), variables["dist"].ravel()])
+    path, contents = tmp_path / "any.mat", {"run": matrix, "specimen": "no. 7", "note": "x"}
+    saved_7_3(path, contents) if version == "7.3" else savemat(path, contents)
+    units = {"force": "kN", "displacement": "mm"}
+    record = read(path, variable="run", columns={"force": 0, "displacement": "2"}, units=units, dt="10 ms")
+    assert record.force == pytest.approx(variables["forc"].ravel())
+    assert record.displacement == pytest.approx(1e-3 * variables["dist"].ravel())
+    assert np.array_equal(record.time, 0.01 * np.arange(N))
+    assert record.specimen == "no. 7"
+    for said, words in (
+        ({"variable": "rum"}, r"there is no variable 'rum'; choose from note, run, specimen"),
+        ({"variable": "note"}, r"the variable note is not real numbers"),
+        ({}, r"columns by number \(force = 0\) are those of a matrix; declare which, --variable NAME"),
+        ({"variable": "run", "columns": {"force": 3}}, r"columns\['force'\] = 3 is no column; .* from 0 to 2"),
+        ({"variable": "run", "columns": {"force": 0, "displacement": 2}}, r"any\.mat: .*have no unit"),
+        (
+            {"variable": "run", "columns": {"force": 0}, "units": units},
+            r"no column is the displacement \(there: 3 columns",
+        ),
+        (
+            {"variable": "run", "columns": {"force": 0, "displacement": 2}, "units": units, "dt": None},
+            r"or give the sampling",
+        ),
+        ({"header": 1}, r"header = 1 was given, but a MATLAB file has none; leave it out"),
+    ):
+        with pytest.raises(FileError, match=words):
+            read(path, **({"columns": {"force": 0}, "dt": 0.01} | said))
+
+
+def test_a_matrix_that_lies_on_its_side(tmp_path):
+    savemat(tmp_path / "a.mat", {"run": np.zeros((2, 30))})
+    with pytest.raises(
+        FileError, match=r"run has the shape \(2, 30\); its rows must be the samples, so save its transpose"
+    ):
+        read(tmp_path / "a.mat", variable="run", columns={"force": 0}, dt=0.01)
+
+
+@pytest.mark.parametrize("version", ["5", "7.3"])
+def test_a_variable_for_each_channel(tmp_path, variables, version):
+    path, contents = tmp_path / "each.mat", {"X": variables["dist"], "x": variables["forc"], "clock": variables["Tout"]}
+    saved_7_3(path, contents) if version == "7.3" else savemat(path, contents)
+    columns = {"time": "clock", "displacement": "X", "force": "x"}
+    record = read(path, columns=columns, units={"time": "s", "displacement": "mm", "force": "N"})
+    assert np.array_equal(record.force, variables["forc"].ravel())
+    assert record.displacement == pytest.approx(1e-3 * variables["dist"].ravel())
+    with pytest.raises(
+        FileError, match=r"dt = 0.01 s was given, but the column 'clock' is the time; leave one of them out"
+    ):
+        read(path, columns=columns, dt=0.01)
+
+
+def test_a_file_of_version_7_3_that_points_out_of_itself_is_refused(tmp_path, variables):
+    import h5py
+
+    path = saved_7_3(tmp_path / "out.mat", {"run": np.zeros((30, 2))})
+    with h5py.File(path, "r+") as file:
+        file["secret"] = h5py.ExternalLink("/etc/passwd", "/")
+    with pytest.raises(
+        FileError, match=r"/secret is a link out of the file, and a file is read only where it holds all"
+    ):
+        read(path, variable="run", columns={"force": 0, "displacement": 1}, dt=0.01)
+
+
+def test_session_and_specimen_go_through_a_file(tmp_path, variables):
+    record = read(saved(tmp_path, variables), voltage=1.0, measurement_session=" day 1 ", specimen="no. 7")
+    again = read(write(record, tmp_path / "again.mat"), voltage=1.0)
+    assert (again.measurement_session, again.specimen) == ("day 1", "no. 7")
 
 
 def test_the_real_files_hold_what_the_reader_says(campaign_folder):

@@ -70,7 +70,7 @@ class Earthquake:
 def prepared(motion: str, highpass: float) -> GroundMotion:
     """The ground motion, filtered, and at rest at its end where it began."""
     raw = el_centro() if motion == BUILT_IN else read(motion)
-    return corrected(filtered(raw, low=highpass))
+    return corrected(filtered(raw, low=highpass, keep_pads=False))
 
 
 def displacement(ground: GroundMotion, t: np.ndarray) -> np.ndarray:

@@ -18,9 +18,10 @@ from dampyr.console.jobs import CARD, CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
 from dampyr.identification import Fit, Identified, findings, identify, prediction, score, warnings_of
+from dampyr.identification.leaderboard import choice_in_words
 from dampyr.records import Record
 from dampyr.report import write_fit_page
-from dampyr.report.fit_sections import parameter_table, score_table
+from dampyr.report.fit_sections import parameter_tables, score_table
 from dampyr.to_json import plain
 
 MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
@@ -44,21 +45,22 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
 def _summarise(result: Identified) -> dict[str, Any]:
     """What the page shows in its own form, besides the data."""
     fit = result.fit
-    parameters, scores = parameter_table(fit), score_table(fit.scores, "")
+    scores = score_table(fit.scores, "")
     l1 = [one.l1 for one in fit.scores.values()]
     return {
         "model": str(fit.problem.composition),
         "card": fit.damper is not None,
         "converged": fit.converged,
         "reason": fit.reason,
-        "warnings_of_fit": [*warnings_of(fit.residuals), *fit.notes],
+        "warnings_of_fit": [*warnings_of(fit.residuals), *fit.notes, *result.beyond.values()],
         "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
-        "parameters": {
-            "columns": list(parameters.columns),
-            "rows": [list(row) for row in parameters.rows],
-            "caption": parameters.caption,
-        },
+        "parameters": [
+            {"columns": list(one.columns), "rows": [list(row) for row in one.rows], "caption": one.caption}
+            for one in parameter_tables(fit)
+        ],
+        "choice": choice_in_words(result.board) if result.board else [],
+        "settling": fit.settling,
         "scores": {
             "columns": list(scores.columns),
             "units": list(scores.units),

@@ -37,6 +37,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "title": result.title,
         "floors": list(result.cases[BARE].floors),
         "unit": result.unit,
+        "end": result.end,
         "cases": [_summarise(name, each) for name, each in result.cases.items()],
     }
 
@@ -58,7 +59,7 @@ def _summarise(name: str, r: Response) -> dict[str, Any]:
         "peak_acceleration": r.peak_acceleration,
         "peak_base_shear": r.peak_base_shear,
         "peak_force": r.peak_force,
-        "mean_input": r.input.mean(axis=1),
+        "mean_input": r.mean_input,
         "energy": {word: float(values[-1]) for word, values in ends.items()},
         "scheme": r.scheme,
         "step": r.step,

@@ -18,7 +18,6 @@ from dampyr.console.jobs import CARD, CURVES, PAGE
 from dampyr.console.state import AppState, Here
 from dampyr.errors import InputError, MissingData
 from dampyr.identification.identify import choices
-from dampyr.identification.leaderboard import check_count
 from dampyr.models import Damper
 
 TITLE, ORDER = "Identify", 40
@@ -33,6 +32,7 @@ class Choices(BaseModel):
     models: list[str]
     add_ons: list[str]
     losses: dict[str, str]
+    weightings: dict[str, str]
     splits: dict[str, str]
     exports: dict[str, str]
 
@@ -60,8 +60,6 @@ def start_identification(here: Here, request: IdentifyRequest) -> JobState:
     """Start to identify; the job reports progress and has the result."""
     _check_keys(here, request.records)
     request.options()
-    if request.model is None:
-        check_count(len(request.records))
     title = f"{request.model or 'the best model'}, {_counted(len(request.records))}"
     return as_job_state(here.jobs.submit(KIND, request.model_dump(), title))
 

@@ -150,9 +150,19 @@ async def take(
     column: Annotated[list[str], Query(default_factory=list, max_length=8, description="Such as force=Load cell.")],
     voltage: Annotated[float | None, Query(allow_inf_nan=False, description="V, constant, at the coil.")] = None,
     current: Annotated[float | None, Query(allow_inf_nan=False, description="A, constant.")] = None,
+    dt: Annotated[str | None, Query(max_length=40, description="Sampling interval, such as 2 ms.")] = None,
+    variable: Annotated[str | None, Query(max_length=100, description="Matrix of a MATLAB file.")] = None,
+    header: Annotated[int | None, Query(ge=0, le=10**6, description="Line of the names, from 1; 0: none.")] = None,
+    force_sign: Annotated[int | None, Query(ge=-1, le=1, description="-1 turns the force.")] = None,
+    measurement_session: Annotated[
+        str | None, Query(max_length=100, description="A day's records on a mounting.")
+    ] = None,
+    specimen: Annotated[str | None, Query(max_length=100, description="Which damper it is.")] = None,
 ) -> Taken:
     """Upload a record: it is read in a process with limits and saved as an .h5 file in the folder ``uploads``."""
-    said = {"voltage": voltage, "current": current, "units": _pairs(unit), "columns": _pairs(column)}
+    said: dict[str, Any] = {"voltage": voltage, "current": current, "units": _pairs(unit), "columns": _pairs(column)}
+    said |= {"dt": dt, "variable": variable, "header": header, "force_sign": force_sign}
+    said |= {"measurement_session": measurement_session, "specimen": specimen}
     if not safe_paths.is_name(name) or Path(name).suffix.lower() not in SUFFIXES:
         raise InputError(f"{name!r} is not a valid record name; it must end in {', '.join(SUFFIXES)}")
     target = safe_paths.inside(here.data, f"{UPLOADS}/{Path(name).stem}.h5")

@@ -43,6 +43,26 @@ class Composition:
         return {n: replace(q, linear=False) for n, q in quantities.items()} if self.in_series else quantities
 
     @cached_property
+    def not_for_buildings(self) -> str:
+        """Which parts must not stand in for a damper of a building, why, and what may; empty where all may."""
+        return "; ".join(
+            f"{p.name} is not for a building: {p.not_for_buildings}" for p in self.parts if p.not_for_buildings
+        )
+
+    @cached_property
+    def twins(self) -> dict[str, str]:
+        """Parameters that do exactly what an earlier one does -> that one, such as two dashpots: only their sum is seen."""
+        first: dict[str, str] = {}
+        twins = {}
+        for p in self.parts:
+            for key, motion in p.proportional_to.items():
+                name = f"{p.name}.{key}"
+                if motion in first:
+                    twins[name] = first[motion]
+                first.setdefault(motion, name)
+        return twins
+
+    @cached_property
     def in_series(self) -> bool:
         """Whether the parts are in series with an element that stretches under the force."""
         return self.layout.in_series
@@ -63,6 +83,11 @@ class Composition:
         states = {f"{p.name}.{key}": bounds for p in self.parts for key, bounds in p.states.items()}
         added = [series.RATE] * self.layout.has_rate + [series.FORCE] * self.in_series
         return states | dict.fromkeys(added, (-math.inf, math.inf))
+
+    @cached_property
+    def within_stroke(self) -> frozenset[str]:
+        """Flat names of the states that are within the stroke at the start of a record (`Part.within_stroke`)."""
+        return frozenset(f"{p.name}.{key}" for p in self.parts for key in p.within_stroke)
 
     @cached_property
     def free_at_start(self) -> tuple[int, ...]:

@@ -10,8 +10,10 @@ Both sides separate, so a step of any length is :math:`\theta(y_1) = \theta(y_0)
           \theta_- = \int_0^u \frac{du}{1+c u^n} = u\,{}_2F_1(1, b; 1+b; -c u^n), \qquad b = 1/n.
 
 They are summed from their series (near saturation from the one in 1 - y^n: Abramowitz and Stegun 15.3.10;
-for c > 0 after Pfaff's transformation, 15.3.4; for c u^n > 2 in 1/(c u^n)) and inverted by Newton's method to
-rounding. n = 1 and n = 2 are elementary.
+for c > 0 after Pfaff's transformation, 15.3.4; for c u^n > 2 in 1/(c u^n)) and inverted to rounding by Newton's method, whose
+last step is a series of its own (`dampyr.models.numerics.bouc_wen_taylor`). For c < 0 the second is the first with u stretched
+by :math:`(-c)^b`, so that it has the same two series, of which the one near saturation converges where sigma is small. n = 1
+and n = 2 are elementary.
 """
 
 from math import atan, exp, expm1, log, log1p, sqrt, tan, tanh
@@ -41,7 +43,9 @@ def digamma_gap(b: float) -> float:
         gap = gap + 1.0 / z
         z = z + 1.0
     r = 1.0 / (z * z)
-    return gap - (log(z) - 0.5 / z - r * (1.0 / 12.0 - r * (1.0 / 120.0 - r * (1.0 / 252.0 - r / 240.0))))
+    return gap - (
+        log(z) - 0.5 / z - r * (1.0 / 12.0 - r * (1.0 / 120.0 - r * (1.0 / 252.0 - r * (1.0 / 240.0 - r / 132.0))))
+    )
 
 
 def phase_low(y: float, n: float) -> float:
@@ -69,7 +73,7 @@ def phase_high(y: float, ell: float, n: float) -> float:
         term = weight * (gap + ell)
         total = total + term
         gap = gap + 1.0 / (k + 1.0) - 1.0 / (b + k)
-        weight = weight * e * (b + k) / (k + 1.0)
+        weight = weight * (e * (b + k) / (k + 1.0))
         if weight * (abs(gap) + ell) < ROUNDING:
             break
     return y * b * total
@@ -78,40 +82,42 @@ def phase_high(y: float, ell: float, n: float) -> float:
 def phase_near(u: float, n: float, c: float) -> float:
     """theta_-(u) for 0 <= u <= 1, c > -1 and c u**n at most about 2."""
     z = c * u**n
-    b = 1.0 / n
-    total = 0.0
-    term = 1.0
     if c >= 0.0:
+        b = 1.0 / n
         q = z / (1.0 + z)
+        total = 0.0
+        term = 1.0
         for k in range(TERMS):
             total = total + term
-            term = term * q * (k + 1.0) / (1.0 + b + k)
+            term = term * (q * (k + 1.0) / (1.0 + b + k))
             if term < ROUNDING:
                 break
         return u * total / (1.0 + z)
-    for k in range(TERMS):
-        total = total + term / (1.0 + k * n)
-        term = term * (-z)
-        if term < ROUNDING:
-            break
-    return u * total
+    stretch = (-c) ** (1.0 / n)
+    if z > -0.5:
+        return phase_low(stretch * u, n) / stretch
+    return phase_high(stretch * u, -log(1.0 + z), n) / stretch
 
 
 def phase_far(u: float, n: float, c: float) -> float:
     """theta_-(u) for c u**n > 2: up to 2 as before, then the series in 1/(c u**n) term by term."""
     low = (2.0 / c) ** (1.0 / n)
     ratio = log(u / low)
-    total = phase_near(low, n, c)
-    sign = 1.0 / c
-    for k in range(TERMS):
-        m = 1.0 - (k + 1.0) * n
-        if abs(m) < 1e-12:
-            term = sign * ratio
-        else:
-            term = sign * low**m * expm1(m * ratio) / m
-        total = total + term
-        sign = -sign / c
-        if abs(term) < ROUNDING:
+    m = 1.0 - n
+    first = ratio
+    if abs(m) > 1e-12:
+        first = expm1(m * ratio) / m
+    total = phase_near(low, n, c) + 0.5 * low * first
+    shrink = 1.0 / (c * u**n)
+    sign = -1.0
+    at_low = 0.5 * low
+    at_u = u * shrink
+    for k in range(1, TERMS):
+        at_low = 0.5 * at_low
+        at_u = at_u * shrink
+        total = total + sign * (at_u - at_low) / (1.0 - (k + 1.0) * n)
+        sign = -sign
+        if at_low < ROUNDING * low:
             break
     return total
 
@@ -132,14 +138,18 @@ def phase(y: float, n: float) -> float:
 
 
 def state_at(theta: float, n: float) -> float:
-    """The y at which theta(y) = theta >= 0."""
+    """The y at which theta(y) = theta >= 0: Newton's method, and its end by the series of a short step."""
     half = 0.5 ** (1.0 / n)
     if theta < phase_low(half, n):
         y = min(theta, half)
         for _ in range(60):
-            step = (phase_low(y, n) - theta) * (1.0 - y**n)
-            y = y - step
-            if abs(step) < 1e-16:
+            left = theta - phase_low(y, n)
+            if abs(left) < short_enough(y, n, 1.0, -1.0):
+                near = short_step(y, left, n, 1.0, -1.0)
+                if near > 0.0:
+                    return near
+            y = y + left * (1.0 - y**n)
+            if abs(left) < 1e-16:
                 break
         return y
     ell = max(n * theta - digamma_gap(1.0 / n), 0.5)
@@ -147,22 +157,39 @@ def state_at(theta: float, n: float) -> float:
         if ell > 40.0:
             return 1.0
         y = (1.0 - exp(-ell)) ** (1.0 / n)
-        step = (phase_high(y, ell, n) - theta) * n * y ** (n - 1.0)
-        ell = max(ell - step, 0.3)
+        left = theta - phase_high(y, ell, n)
+        if abs(left) < short_enough(y, n, 1.0, -1.0):
+            near = short_step(y, left, n, 1.0, -1.0)
+            if near > 0.0:
+                return min(near, 1.0)
+        step = left * n * y ** (n - 1.0)
+        ell = max(ell + step, 0.3)
         if abs(step) < 1e-13:
             break
     return (1.0 - exp(-ell)) ** (1.0 / n)
 
 
-def back_at(theta: float, n: float, c: float) -> float:
-    """The u at which theta_-(u) = theta."""
-    u = theta
+def back_at(theta: float, n: float, c: float, guess: float) -> float:
+    """The u at which theta_-(u) = theta, likewise from a ``guess`` between 0 and 1."""
+    u = guess
     for _ in range(60):
-        step = (phase_back(u, n, c) - theta) * (1.0 + c * u**n)
-        u = min(u - step, 1.0)
+        left = theta - phase_back(u, n, c)
+        if abs(left) < short_enough(u, n, 1.0, c):
+            near = short_step(u, left, n, 1.0, c)
+            if near > 0.0:
+                return min(near, 1.0)
+        step = left * (1.0 + c * u**n)
+        u = min(max(u + step, 0.0), 1.0)
         if abs(step) < 1e-16:
             break
     return u
+
+
+def way_back(u: float, part: float, way: float, n: float, c: float) -> float:
+    """A guess of what is left of u after a ``part`` of the ``way`` to 0: the cubic with its rates at both ends."""
+    more = 1.0 - part
+    guess = more * more * (u * (1.0 + 2.0 * part) - (1.0 + c * u**n) * way * part) + way * part * part * more
+    return min(max(guess, 0.0), u)
 
 
 def flow_one(y: float, xi: float, c: float) -> float:
@@ -175,7 +202,7 @@ def flow_one(y: float, xi: float, c: float) -> float:
         if xi < rest:
             if abs(c) < 1e-12:
                 return y + xi
-            return (1.0 - (1.0 - c * y) * exp(-c * xi)) / c
+            return y - (1.0 - c * y) * expm1(-c * xi) / c
         return 1.0 - exp(-(xi - rest))
     return 1.0 + (y - 1.0) * exp(-xi)
 
@@ -213,7 +240,7 @@ def flow_any(y: float, xi: float, n: float, c: float) -> float:
     if left > 0.0 and y < 0.0:
         rest = phase_back(-y, n, c)
         if left < rest:
-            return -back_at(rest - left, n, c)
+            return -back_at(rest - left, n, c, way_back(-y, left / rest, rest, n, c))
         return state_at(left - rest, n)
     for _ in range(MAX_STEPS):
         if left <= 0.0 or y < NEAR_ZERO or 1.0 - y < SATURATED:

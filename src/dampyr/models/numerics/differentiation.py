@@ -56,6 +56,28 @@ def differentiate(time: Array, values: Array, bandwidth_hz: float | None) -> Arr
     return out
 
 
+def smooth(time: Array, values: Array, bandwidth_hz: float) -> Array:
+    """``values`` ``(n,)`` after a low-pass of the same gain, 3 dB down at ``bandwidth_hz``, without phase.
+
+    The value of the local cubic whose slope :func:`differentiate` takes. Raises :class:`~dampyr.errors.InputError` as it does.
+    """
+    time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    steps = np.diff(time)
+    dt = float(np.median(steps))
+    _check(bandwidth_hz, dt, float(time[-1] - time[0]))
+    width, reach = window(dt, bandwidth_hz)
+    every = np.arange(len(time))
+    if len(time) < 2 * reach + 2 or np.ptp(steps) > 1e-6 * dt:
+        return values + _fitted(time, values, every, width, reach, 0)
+    offsets = dt * np.arange(-reach, reach + 1, dtype=np.float64)
+    kernel = _weights(offsets[None, :], width, 0)[0]
+    out = np.empty(len(time))
+    out[reach:-reach] = np.convolve(values, kernel[::-1], mode="valid")
+    ends = np.r_[0:reach, len(time) - reach : len(time)]
+    out[ends] = values[ends] + _fitted(time, values, ends, width, reach, 0)
+    return out
+
+
 def window(dt: float, bandwidth_hz: float) -> tuple[float, int]:
     """The standard deviation of the weights in s, and how many samples ``dt`` s apart they reach to each side."""
     width = math.sqrt(2.0 * HALF_POWER) / (2.0 * math.pi * bandwidth_hz)
@@ -84,28 +106,32 @@ def _check(bandwidth_hz: float, dt: float, duration: float) -> None:
 
 def _slopes_kernel(dt: float, width: float, reach: int) -> Array:
     time = dt * np.arange(-reach, reach + 1, dtype=np.float64)
-    weights = _slope_weights(time[None, :], width)
-    return weights[0]
+    return _weights(time[None, :], width, 1)[0]
 
 
 def _slopes(time: Array, values: Array, at: NDArray[np.int64], width: float, reach: int) -> Array:
     """The slopes at the samples ``at`` one window each, cut off at the ends of the record."""
+    return _fitted(time, values, at, width, reach, 1)
+
+
+def _fitted(time: Array, values: Array, at: NDArray[np.int64], width: float, reach: int, order: int) -> Array:
+    """The cubics' coefficients of ``order`` about the samples ``at``, of the values less those at these samples."""
     n = len(time)
     size = min(2 * reach + 1, n)
     out = np.empty(len(at))
     for start in range(0, len(at), AT_ONCE):
         here = at[start : start + AT_ONCE]
         window = np.clip(here - reach, 0, n - size)[:, None] + np.arange(size)[None, :]
-        weights = _slope_weights(time[window] - time[here][:, None], width)
+        weights = _weights(time[window] - time[here][:, None], width, order)
         out[start : start + AT_ONCE] = np.sum(weights * (values[window] - values[here][:, None]), axis=1)
     return out
 
 
-def _slope_weights(offsets: Array, width: float) -> Array:
-    """``(k, size)`` weights whose sum with the values is the slope of the cubic at offset 0."""
+def _weights(offsets: Array, width: float, order: int) -> Array:
+    """``(k, size)`` weights whose sum with the values is the coefficient of ``order`` of the cubic about offset 0."""
     s = offsets / width
     gauss = np.exp(-0.5 * s**2)
     powers = s[..., None] ** np.arange(4)
     normal = np.einsum("ki,kip,kiq->kpq", gauss, powers, powers)
-    slope = np.linalg.solve(normal, np.broadcast_to(np.eye(4)[:, 1:2], (len(s), 4, 1)))[..., 0]
-    return gauss * np.einsum("kip,kp->ki", powers, slope) / width
+    chosen = np.linalg.solve(normal, np.broadcast_to(np.eye(4)[:, order : order + 1], (len(s), 4, 1)))[..., 0]
+    return gauss * np.einsum("kip,kp->ki", powers, chosen) / width**order

@@ -8,11 +8,28 @@ with y(xi) from `dampyr.models.numerics.bouc_wen_exact`: the mean of its force o
 constant rate. The left side rises by at least the change of xi, so there is one solution, between 0 and delta.
 """
 
+from math import copysign
+
 from dampyr.models.codegen.formula import intrinsic
-from dampyr.models.numerics.bouc_wen_exact import flow, rate
+from dampyr.models.numerics.bouc_wen_exact import NEAR_ZERO, flow, rate
+from dampyr.models.numerics.bouc_wen_taylor import short_enough, short_step
 
 MAX_ITERATIONS = 100  # halving the bracket alone needs about 53, the bits of a double
 CLOSE = 1e-5  # of a step that converges quadratically; `advance` of `modified_bouc_wen` takes one more
+
+
+def corrected(y: float, change: float, start: float, xi: float, n: float, c: float) -> float:
+    """The state after a path of xi from ``start``, where y is that after one shorter by ``change``, which may be negative.
+
+    By the series of a short step from y where it suffices: a tenth of the cost of the whole way.
+    """
+    side = copysign(1.0, y)
+    b = c if y < 0.0 else -1.0
+    if n != 1.0 and abs(y) > NEAR_ZERO and abs(change) < short_enough(abs(y), n, 1.0, b):
+        near = short_step(abs(y), side * change, n, 1.0, b)
+        if near > 0.0:
+            return side * min(near, 1.0)
+    return flow(start, xi, n, c)
 
 
 @intrinsic()
@@ -23,23 +40,25 @@ def extension(y: float, delta: float, beta: float, n: float, c: float) -> float:
     """
     low = 0.0
     high = delta
-    xi = 0.0
+    xi = delta / (1.0 + 0.5 * beta * rate(y, n, c))
+    half = flow(y, 0.5 * xi, n, c)
+    end = flow(half, 0.5 * xi, n, c)
     for _ in range(MAX_ITERATIONS):
-        half = flow(y, 0.5 * xi, n, c)
-        end = flow(y, xi, n, c)
         excess = xi + beta * ((y + 4.0 * half + end) / 6.0 - y) - delta
         if excess > 0.0:
             high = xi
         else:
             low = xi
-        step = excess / slope(half, end, beta, n, c)
-        xi = xi - step
-        if abs(step) <= CLOSE * xi:
+        before = xi
+        xi = xi - excess / slope(half, end, beta, n, c)
+        if abs(xi - before) <= CLOSE * xi:
             break
         if xi < low:
             xi = 0.5 * (low + high)
         if xi > high:
             xi = 0.5 * (low + high)
+        half = corrected(half, 0.5 * (xi - before), y, 0.5 * xi, n, c)
+        end = corrected(end, xi - before, y, xi, n, c)
     return xi
 
 

@@ -2,7 +2,8 @@ r"""A pure delay of the whole force.
 
 .. math:: F(t) = F_\text{other parts}(t - \tau)
 
-Until the motion has lasted tau, the force is the one at the start. Between samples the force is interpolated linearly.
+Until the motion has lasted tau, the force is the one at the start. Between samples of a path the force is interpolated
+linearly, of second order in the step.
 """
 
 from collections.abc import Iterator

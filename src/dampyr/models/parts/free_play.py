@@ -4,7 +4,7 @@ r"""Free play in series with the damper: a joint whose pin has clearance in its 
 
 The pin lies against one side of the eye or the other, at z = +-g, wherever the force is large beside fc, and crosses the gap
 2 g as the force changes sign; fc is the force that closes 71 % of the gap and rounds the crossing. g = 0 is a tight
-joint. It acts in series as `compliance` does, and one damper can have both.
+joint. It acts in series as `compliance` does, with the same order of the step, and one damper can have both.
 
 The dead band of a joint in series with a spring, as in Tao and Kokotovic (1996), Adaptive Control of Systems with Actuator
 and Sensor Nonlinearities; rounded here, so that the force is a single value.

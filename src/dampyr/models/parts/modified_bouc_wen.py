@@ -14,7 +14,9 @@ A step takes e by the trapezoidal rule, with the mean of w along its own exact p
 (`dampyr.models.numerics.bouc_wen_exact`): implicit, stable at any step, of second order. Where e turns round inside a
 step, what it travels beyond both ends is left out, as with any path through samples: with the source's numbers (rho near
 50/mm, 15 mm at 2.5 Hz) the error is 0.6 % of the peak force (rms) at 200 samples per second and 0.06 % at 1000. With vc
--> 0 the model is `bouc_wen`.
+-> 0 the model is `bouc_wen`, with the dashpot c0 = kw r/vc and a spring of which only the sum k1 + kw kappa is seen.
+
+A fit takes e at the start of a record to be within the stroke of all its records.
 
 Spencer, Dyke, Sain and Carlson (1997), Journal of Engineering Mechanics 123, 230.
 """
@@ -33,6 +35,9 @@ from dampyr.units import Quantity
 
 HOLDS = ("spring",)
 STATES = {"w": (-1.0, 1.0), "e": (-inf, inf)}
+# A record shows little more than the product of kappa and the elongation that it begins with. Without a limit a fit follows it
+# to an elongation of any size and no spring.
+WITHIN_STROKE = ("e",)
 
 
 @checked
@@ -43,7 +48,8 @@ class ModifiedBoucWen:
     kw: Annotated[float, Quantity("N", low=0, open_low=True, linear=True)]
     k1: Annotated[float, Quantity("N/m", linear=True)]
     vc: Annotated[float, Quantity("m/s", low=0, open_low=True)]
-    r: Annotated[float, Quantity("", low=0)]
+    # Where vc is small only r/vc is seen, which is c0/kw: a straight line between logarithms.
+    r: Annotated[float, Quantity("", low=0, logarithmic=True)]
     kappa: Annotated[float, Quantity("1/m", low=0)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
     sigma: Annotated[

@@ -28,6 +28,10 @@ from dampyr.models.part import Scale, checked
 from dampyr.models.parts._slip import slip
 from dampyr.units import Quantity
 
+NOT_FOR_BUILDINGS = (
+    "its shift was read off cycles of sine and has no energy balance, so it may push; "
+    "use dahl, bouc_wen or modified_bouc_wen"
+)
 STATES = {"w": (-1.0, 1.0)}  # held there
 
 

@@ -18,15 +18,16 @@ of its own in tables ``sets``.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from difflib import get_close_matches
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
-from dampyr.errors import InputError
+from dampyr.errors import InputError, MissingData
 from dampyr.models.damper import Damper
 from dampyr.models.published._about import About, read_sets
 
-__all__ = ["about", "available_sets", "damper"]
+__all__ = ["about", "available_sets", "card_or_published", "damper"]
 
 
 @lru_cache(maxsize=1)
@@ -55,3 +56,31 @@ def damper(name: str) -> Damper:
     A set with sigma < 1/2, which is not dissipative on every path, is made with a :class:`~dampyr.errors.DampyrWarning`.
     """
     return about(name).damper()
+
+
+MAX_FILES = 6  # of a folder that an error names
+
+
+def card_or_published(
+    name: str | Path, folder: Path | None = None, others: Mapping[str, Callable[[], Damper]] | None = None
+) -> Damper:
+    """The damper of a card, which a relative ``name`` has in ``folder``, or the published one of that name.
+
+    A file of this name comes first. ``others`` are published dampers besides the sets of this package, by their names.
+    :class:`~dampyr.errors.MissingData` where there is neither: it lists the names, and the cards that are there.
+    """
+    path = (folder or Path()) / name
+    if path.is_file():
+        return Damper.load(path)
+    published = dict(others or {}) | {own: partial(damper, own) for own in available_sets()}
+    if str(name) in published:
+        return published[str(name)]()
+    files = sorted(file.name for file in path.parent.glob("*.toml")) if path.parent.is_dir() else []
+    more = f" and {len(files) - MAX_FILES} more" if len(files) > MAX_FILES else ""
+    there = f"{', '.join(files[:MAX_FILES])}{more}" if files else "no .toml file"
+    close = get_close_matches(str(name), [*published, *files], n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    raise MissingData(
+        f"{path}: there is no such card, and no published damper of this name; {hint}in {path.parent} there is {there}, "
+        f"published are {', '.join(sorted(published))}; `dampyr identify ... --save CARD` writes a card"
+    )

@@ -2,13 +2,15 @@
 
 Layout (schema 2)::
 
-    /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try
+    /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try;
+                 measurement_session and specimen where they are known
     /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
                  voltage or current as a number when it is constant
     /raw         one dataset per raw reading with the attributes unit, gain, offset, calibrated_unit:
                  calibrated = gain*raw + offset; empty for a test that was read from another format.
                  With an attribute delay [s] above 0, the calibrated value is that of so much earlier.
     /label       peak_to_peak_m, frequency_hz, table, row (as attributes), where there is a label
+    /smoothed    window [s], alignment, channels (as attributes), where channels hold a moving average that is not undone
     /provenance  one attribute per entry
     /history     one string per step
     /rows        only while a test is recorded (`dampyr.records.recording`): how many samples are there; the
@@ -24,14 +26,15 @@ import contextlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
+from dampyr.records.moving_average import Alignment, MovingAverage
 from dampyr.records.new_file import new_file
-from dampyr.records.record import CHANNELS, Label, Record, as_role
+from dampyr.records.record import CHANNELS, GROUPS, Label, Record, as_role
 from dampyr.records.record_files import Request
 from dampyr.records.self_contained import check_contained
 from dampyr.units import to_si
@@ -69,6 +72,8 @@ class State:
 
 def read(path: Path, request: Request) -> Record:
     """The record in one of dampyr's files; an incomplete one says so in its provenance and history."""
+    own = "dampyr's own file says it itself"
+    request.refuse(path, dt=own, variable=own, header=own)
     with _open(path) as file:
         channels = {name: _channel(path, file, name, request) for name in CHANNELS if f"calibrated/{name}" in file}
         for name in ("time", "displacement", "force"):
@@ -85,8 +90,10 @@ def read(path: Path, request: Request) -> Record:
             name=str(file.attrs["name"]),
             role=as_role(str(file.attrs["role"])),
             label=_label(file),
+            smoothed=_smoothed(file),
             provenance=provenance,
             history=history,
+            **{name: str(file.attrs[name]) for name in GROUPS if name in file.attrs},  # type: ignore[arg-type]
         )
 
 
@@ -154,11 +161,16 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
             first, until = first + record.n, record.time[-1]
         _fill_raw(file, raw)
         file.attrs.update({"name": record.name, "role": record.role})
+        file.attrs.update({name: getattr(record, name) for name in GROUPS if getattr(record, name) is not None})
         file.attrs["test"] = record.provenance.get("test", record.name)
         file.attrs["try"] = int(record.provenance.get("try", "1"))
         if record.label is not None:
             fields = {k: v for k, v in vars(record.label).items() if v is not None}
             file.create_group("label").attrs.update(fields)
+        if record.smoothed is not None:
+            average = record.smoothed
+            about = {"window": average.window, "alignment": average.alignment, "channels": ",".join(average.channels)}
+            file.create_group("smoothed").attrs.update(about)
         file.create_group("provenance").attrs.update(dict(record.provenance))
         if record.history:
             file.create_dataset("history", data=list(record.history), dtype=h5py.string_dtype())
@@ -243,6 +255,15 @@ def _channel(path: Path, file: Any, name: str, request: Request) -> Any:
     values = data[: _rows(file)] if data.shape else data[()]
     converted = values if unit == CHANNELS[name] else to_si(values, unit, CHANNELS[name])
     return float(converted) if np.ndim(converted) == 0 else converted
+
+
+def _smoothed(file: Any) -> MovingAverage | None:
+    if "smoothed" not in file:
+        return None
+    fields = dict(file["smoothed"].attrs)
+    return MovingAverage(
+        float(fields["window"]), cast(Alignment, str(fields["alignment"])), tuple(str(fields["channels"]).split(","))
+    )
 
 
 def _label(file: Any) -> Label | None:

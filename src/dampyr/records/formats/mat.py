@@ -1,34 +1,105 @@
-"""MATLAB v5 files of the Labcontrol campaign.
+"""MATLAB files, version 5 and 7.3: those of the Labcontrol campaign, and any matrices by their variables' names.
 
-Variables: ``Ts`` (s), ``dist`` (table displacement, mm), ``forc`` (load-cell force, N) and ``x_F`` (n x 3:
+The campaign's variables: ``Ts`` (s), ``dist`` (table displacement, mm), ``forc`` (load-cell force, N) and ``x_F`` (n x 3:
 displacement mm, velocity mm/s, force N). Displacement and force are taken from ``dist`` and ``forc``, since
 some files have the offsets of ``x_F`` removed; the velocity is the second column of ``x_F``, as it was
 recorded. ``f`` is 1.5 in every file and is not the test's frequency, so it is not read.
+
+Of any other file ``columns`` gives each channel its variable, ``{"force": "F"}``; or, with ``variable``, its column of that
+one matrix by number, from 0, ``{"force": 2}``. Samples are rows; units are declared; ``dt`` where no column is the time.
+Version 5 is written.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from dampyr.atomic_write import whole_file
-from dampyr.errors import FileError
-from dampyr.records.record import Array, Record
+from dampyr.errors import FileError, InputError
+from dampyr.records.column_table import Table, record_of
+from dampyr.records.record import GROUPS, Array, Record
 from dampyr.records.record_files import Request
+from dampyr.records.self_contained import check_contained
 from dampyr.units import to_si
 
-TITLE = "MAT (version 5)"
+TITLE = "MATLAB"
 NEEDS_VELOCITY = True
 UNITS = {"displacement": "mm", "velocity": "mm/s", "force": "N"}
 VARIABLES = {"displacement": "dist", "force": "forc"}
 NEEDED = ("Ts", "dist", "forc", "x_F")
 
 
+@dataclass(frozen=True)
+class _Stored:
+    """What is needed of a file, by name; the names of all of its variables; and its version in words."""
+
+    variables: dict[str, Any]
+    names: tuple[str, ...]
+    version: str
+
+    @property
+    def there(self) -> str:
+        return ", ".join(self.names) or "none"
+
+    def groups(self) -> dict[str, str]:
+        """The session and the specimen, where the file has them as text."""
+        texts = {name: self.variables.get(name) for name in GROUPS}
+        return {name: text.strip() for name, text in texts.items() if isinstance(text, str) and text.strip()}
+
+
 def read(path: Path, request: Request) -> Record:
-    """The record in a MATLAB file of the campaign; the header is checked against the data."""
-    variables = _variables(path)
+    """The record in a MATLAB file: that of the campaign, whose header is checked against the data, or as declared."""
+    request.refuse(path, header="a MATLAB file has none")
+    named = {column for column in request.columns.values() if isinstance(column, str)} - {"", "-"}
+    stored = _stored(path, {*NEEDED, "Tout", *GROUPS, *named, *([request.variable] if request.variable else [])})
+    declared = any(column not in (None, "", "-") for column in request.columns.values())
+    if request.variable is not None or (declared and not set(NEEDED) <= set(stored.names)):
+        return record_of(path, _table(path, stored, request), request, stored.version)
+    request.refuse(path, dt="its Ts is the sampling interval")
+    return _of_the_campaign(path, stored, request)
+
+
+def _table(path: Path, stored: _Stored, request: Request) -> Table:
+    """One matrix, or one column for each variable that is declared."""
+    if request.variable is not None:
+        matrix = _real(path, stored, request.variable)
+        matrix = matrix.reshape(matrix.shape[0], -1) if matrix.ndim < 2 else matrix
+        if matrix.ndim != 2 or matrix.shape[0] < matrix.shape[1]:
+            raise FileError(
+                path,
+                f"the variable {request.variable} has the shape {matrix.shape}; its rows must be the samples, so "
+                "save its transpose",
+            )
+        return Table((), (), matrix, groups=stored.groups())
+    numbers = [f"{channel} = {column}" for channel, column in request.columns.items() if isinstance(column, int)]
+    if numbers:
+        raise FileError(
+            path,
+            f"columns by number ({numbers[0]}) are those of a matrix; declare which, --variable NAME or variable=NAME "
+            f"(there: {stored.there})",
+        )
+    names = [column for column in request.columns.values() if isinstance(column, str) and column not in ("", "-")]
+    vectors = {name: _real(path, stored, name) for name in dict.fromkeys(names)}
+    first, n = next(((name, vector.size) for name, vector in vectors.items()), ("", 0))
+    for name, vector in vectors.items():
+        if vector.size != max(vector.shape, default=0):
+            raise FileError(
+                path,
+                f"the variable {name} has the shape {vector.shape} and is no single column; declare it with variable, "
+                "and its columns by number",
+            )
+        if vector.size != n:
+            raise FileError(path, f"{name} has {vector.size} samples and {first} has {n}; export the test again")
+    values = np.column_stack([vector.ravel() for vector in vectors.values()]) if vectors else np.empty((0, 0))
+    return Table(tuple(vectors), ("",) * len(vectors), values, groups=stored.groups())
+
+
+def _of_the_campaign(path: Path, stored: _Stored, request: Request) -> Record:
+    variables = _campaign_variables(path, stored)
     dt = _interval(path, variables["Ts"])
     n = variables["dist"].size
     for name in ("forc", "x_F"):
@@ -46,18 +117,24 @@ def read(path: Path, request: Request) -> Record:
         **{name: to_si(raw[name], request.units.get(name, UNITS[name]), si) for name, si in _SI.items()},
         **request.input_channels(),
         name=path.stem,
-        provenance={"file": path.name, "format": "MATLAB v5", "velocity": "as recorded (x_F, column 2)"},
+        provenance={"file": path.name, "format": stored.version, "velocity": "as recorded (x_F, column 2)"},
         history=("read from dist, forc and x_F: displacement mm to m, velocity mm/s to m/s",),
+        **stored.groups(),  # type: ignore[arg-type]
     )
 
 
 def write(record: Record, path: Path) -> Path:
     """Write a record with the variables that :func:`read` takes, in mm and N; the input as ``voltage_V`` or ``current_A``.
 
-    Raises FileError for a record without a velocity or with uneven steps, which this format cannot hold.
+    Raises FileError for a record without a velocity, with uneven steps, or smoothed and not undone, which this format cannot
+    hold.
     """
     from scipy.io import savemat
 
+    if record.smoothed is not None:
+        raise FileError(
+            path, "the campaign's format cannot say that the record is smoothed; write .h5, or undo it first"
+        )
     if record.velocity is None:
         raise FileError(
             path, "the campaign's format needs a velocity; derive it with with_velocity, or write .h5 or .csv"
@@ -71,6 +148,7 @@ def write(record: Record, path: Path) -> Path:
     held |= {"x_F": np.column_stack([mm[name] for name in ("displacement", "velocity", "force")])}
     inputs = {"voltage_V": record.voltage, "current_A": record.current}
     held |= {name: value for name, value in inputs.items() if value is not None}
+    held |= {name: getattr(record, name) for name in GROUPS if getattr(record, name) is not None}
     with whole_file(path) as temporary:
         savemat(temporary, held, appendmat=False, oned_as="column")
     return path
@@ -79,23 +157,85 @@ def write(record: Record, path: Path) -> Path:
 _SI = {"displacement": "m", "force": "N", "velocity": "m/s"}
 
 
-def _variables(path: Path) -> dict[str, Array]:
+def _campaign_variables(path: Path, stored: _Stored) -> dict[str, Array]:
+    for name in NEEDED:
+        if name not in stored.names:
+            raise FileError(
+                path,
+                f"the variable {name} is missing (there: {stored.there}); export the test again, or declare the channels' "
+                "variables, --column force=NAME, or --variable and --column force=NUMBER",
+            )
+    return {name: _real(path, stored, name) for name in (*NEEDED, "Tout") if name in stored.names}
+
+
+def _real(path: Path, stored: _Stored, name: str) -> Array:
+    """A variable as real numbers."""
+    if name not in stored.names:
+        raise FileError(path, f"there is no variable {name!r}; choose from {stored.there}")
+    value = np.asarray(stored.variables[name])
+    if value.dtype.kind not in "fiub":
+        raise FileError(path, f"the variable {name} is not real numbers; export the test again")
+    return np.asarray(value, dtype=float)
+
+
+def _stored(path: Path, wanted: set[str]) -> _Stored:
+    import h5py
+
+    return _version_7_3(path, wanted) if h5py.is_hdf5(path) else _version_5(path)
+
+
+def _version_5(path: Path) -> _Stored:
     from scipy.io import loadmat
 
     try:
         variables: dict[str, Any] = loadmat(path, appendmat=False)
-    except NotImplementedError:
-        raise FileError(path, "is a MATLAB v7.3 file; save it again with save(..., '-v7')") from None
     except Exception as problem:  # scipy raises whatever the broken bytes lead it to
         reason = " ".join(str(problem).split()) or type(problem).__name__
         raise FileError(path, f"is no readable MATLAB v5 file ({reason}); fetch or export it again") from problem
-    for name in NEEDED:
-        if name not in variables:
-            there = ", ".join(sorted(k for k in variables if not k.startswith("__"))) or "none"
-            raise FileError(path, f"the variable {name} is missing (there: {there}); export the test again")
-        if not np.issubdtype(np.asarray(variables[name]).dtype, np.number) or np.iscomplexobj(variables[name]):
-            raise FileError(path, f"the variable {name} is not real numbers; export the test again")
-    return {k: np.asarray(v, dtype=float) for k, v in variables.items() if k in (*NEEDED, "Tout")}
+    variables = {name: _text(value) for name, value in variables.items() if not name.startswith("__")}
+    return _Stored(variables, tuple(sorted(variables)), "MATLAB v5")
+
+
+def _text(value: Any) -> Any:
+    """A row of characters as a text; anything else as it is."""
+    return (
+        str(value.ravel()[0])
+        if isinstance(value, np.ndarray) and value.dtype.kind == "U" and value.size == 1
+        else value
+    )
+
+
+def _version_7_3(path: Path, wanted: set[str]) -> _Stored:
+    """Version 7.3 is HDF5; MATLAB keeps a matrix there with its dimensions in the opposite order."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            check_contained(path, file)
+            names = tuple(sorted(name for name in file if not name.startswith("#")))
+            return _Stored({name: _dataset(file[name]) for name in names if name in wanted}, names, "MATLAB v7.3")
+    except InputError:
+        raise
+    except MemoryError as problem:
+        raise FileError(
+            path, f"tells of more data than the memory holds ({problem}); export the test again"
+        ) from problem
+    except (OSError, KeyError, RuntimeError, TypeError, AttributeError, ValueError) as problem:
+        reason = " ".join(str(problem).split())
+        raise FileError(path, f"is a truncated or broken MATLAB v7.3 file ({reason}); export it again") from problem
+
+
+def _dataset(data: Any) -> Any:
+    """The values of a variable of version 7.3; a row of characters as a text, and what is no matrix as None."""
+    import h5py
+
+    if not isinstance(data, h5py.Dataset):
+        return None
+    if data.attrs.get("MATLAB_class", b"") == b"char":
+        return "".join(map(chr, np.asarray(data[()]).ravel())) if data.dtype.kind == "u" else None
+    if data.dtype.kind not in "fiub" or data.attrs.get("MATLAB_empty", 0):
+        return None
+    return np.asarray(data[()]).T
 
 
 def _interval(path: Path, value: Array) -> float:

@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import tomli_w
@@ -17,6 +18,11 @@ from dampyr.models import Damper
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.faults import FaultSpec
 
+NEEDED = {
+    "pyserial": "serial",
+    "nidaqmx[grpc]": "nidaqmx",
+    "grpcio": "grpc",
+}  # by what people install: what is imported
 PATIENCE = 5.0  # s for a rig without a host to come to rest: the watchdog stops it within 0.2 s, then a second of rest
 
 
@@ -32,6 +38,11 @@ class Process:
         real_time: bool,
         black_box: str | Path | None,
     ) -> None:
+        if absent := [library for library, module in NEEDED.items() if find_spec(module) is None]:
+            raise RigFault(
+                f"the simulated rig needs {' and '.join(absent)} for its wires; install the extra: pip install 'dampyr[rig]', "
+                "or simulate it without them (--in-process, in_process=True)"
+            )
         with tempfile.TemporaryDirectory(prefix="dampyr-rig-") as folder:
             specimen.save(Path(folder) / "card.toml")
             settings = replace(rig, specimen=replace(rig.specimen, card="card.toml"))

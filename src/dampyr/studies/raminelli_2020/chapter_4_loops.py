@@ -125,7 +125,7 @@ def _loops(published: Published, title: str, test: Test) -> FigureBlock:
     rows = [row for row in published.table(test.row.table) if row.row == test.row.row]
     if rows:
         models["its printed row"] = prediction(row_damper(rows[0]), record)
-    scored = {name: compare(record, force) for name, force in models.items()}
+    scored = {name: compare(record, force, centre="midrange") for name, force in models.items()}
     offset = next(iter(scored.values())).offset
     velocity = None if record.velocity is None else record.velocity[here]
     drawn = {name: force[here] for name, force in models.items()}
@@ -139,7 +139,7 @@ def _loops(published: Published, title: str, test: Test) -> FigureBlock:
 def _history(published: Published, test: Test) -> FigureBlock:
     record, here = test.record, _span(test)
     force = prediction(published_damper(published), record)
-    scored = compare(record, force)
+    scored = compare(record, force, centre="midrange")
     figure = history_figure(
         record.time[here], record.force[here] - scored.offset, force[here], name="cubics (4.6)-(4.8)"
     )

@@ -36,8 +36,8 @@ DEFINITIONS = (
 def percent(damper: Damper, record: Record) -> Array:
     """The errors of one record under one damper by `DEFINITIONS`, (definitions,), %."""
     model = prediction(damper, record)
-    late = compare(record, model)
-    whole = compare(record, model, window=(float(record.time[0]), float(record.time[-1])))
+    late = compare(record, model, centre="midrange")
+    whole = compare(record, model, window=(float(record.time[0]), float(record.time[-1])), centre="midrange")
     here = late.window.slice
     ratios = (
         late.l1,
@@ -186,8 +186,10 @@ def joint_model(published: Published, campaign: Campaign) -> list[Block]:
     groups = {f"{published.voltage(t):g} V": campaign.table(t) for t in TABLES if campaign.table(t)}
     groups |= {"validation run": campaign.validation} if campaign.validation else {}
     single = {name: [l1 for test in tests if (l1 := _own(test)) is not None] for name, tests in groups.items()}
-    by_cubics = {name: [score(cubics, t.record).l1 for t in tests] for name, tests in groups.items()}
-    by_joint = {name: [score(joint.damper, t.record).l1 for t in tests] for name, tests in groups.items()}
+    by_cubics = {name: [score(cubics, t.record, centre="midrange").l1 for t in tests] for name, tests in groups.items()}
+    by_joint = {
+        name: [score(joint.damper, t.record, centre="midrange").l1 for t in tests] for name, tests in groups.items()
+    }
     rows: list[list[Cell]] = [
         [name, len(tests), *(_mean_percent(column[name]) for column in (single, by_cubics, by_joint))]
         for name, tests in groups.items()
@@ -217,4 +219,4 @@ def _mean_percent(values: Sequence[float]) -> float | None:
 
 def _own(test: Test) -> float | None:
     fit = test.least_squares
-    return None if fit is None or fit.damper is None else score(fit.damper, test.record).l1
+    return None if fit is None or fit.damper is None else score(fit.damper, test.record, centre="midrange").l1

@@ -130,7 +130,7 @@ export async function show(root, query) {
 function peaks(r) {
   const rows = r.cases.map((one) => [one.name, ...one.peak_displacement.map((v) => 1e3 * v), 1e3 * Math.max(...one.peak_drift), Math.max(...one.peak_acceleration), one.peak_base_shear,
     one.peak_force.length ? Math.max(...one.peak_force) : null, one.mean_input.length ? one.mean_input[0] : null, -100 * (1 - one.peak_displacement.at(-1) / r.cases[0].peak_displacement.at(-1)) || null]);
-  return table({ caption: "Peaks inside the step; displacements relative to the ground, accelerations absolute", rows,
+  return table({ caption: `Peaks inside the step; displacements relative to the ground, accelerations absolute; the response ${r.end ?? "ends with the record"}`, rows,
     columns: [{ name: "case" }, ...r.floors.map((name) => ({ name: `floor ${name}`, unit: "mm" })), { name: "largest drift", unit: "mm" }, { name: "largest acceleration", unit: "m/s²" }, { name: "base shear", unit: "N" },
       { name: "damper force", unit: "N" }, { name: "mean input", unit: r.unit }, { name: "top floor, change", unit: "%", digits: 3 }] });
 }
@@ -152,6 +152,7 @@ function asking(choices) {
   const pga = text("", { placeholder: "unscaled" });
   const seed = text("1");
   const unit = choice([["", "from the file"], ["g", "g"], ["m/s^2", "m/s²"], ["cm/s^2", "cm/s²"]]);
+  const after = text("0");
   const seeded = field("Seed", seed);
   const united = field("Unit of the file", unit);
   const shift = () => ((seeded.hidden = motion.value !== "kanai_tajimi"), (united.hidden = !motion.value.startsWith("file:")));
@@ -174,7 +175,7 @@ function asking(choices) {
   const limit = text("12");
   const element = h("div", {},
     h("fieldset", {}, h("legend", {}, "Building"), field("Which", building), own),
-    h("fieldset", {}, h("legend", {}, "Ground motion"), field("Which", motion), h("div", { class: "fields" }, field("Peak, g", pga), seeded, united)),
+    h("fieldset", {}, h("legend", {}, "Ground motion"), field("Which", motion), h("div", { class: "fields" }, field("Peak, g", pga), field("Rest after it, s", after), seeded, united)),
     h("fieldset", {}, h("legend", {}, "Damper"), field("Which", damper), range, h("div", { class: "fields" }, field("Storey", storey), field("Inputs", inputs, "one case each")),
       h("div", { class: "row", role: "group", "aria-label": "Control laws" }, laws.map(([, box]) => box)), beyond));
   const many = h("div", { class: "fields" }, field("Synthetic motions", count), field("Scales", scales), field("Limit of", quantity), field("Limit", limit));
@@ -186,6 +187,7 @@ function asking(choices) {
     return {
       building: building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: one("Damping", damping) / 100 } : {},
       motion: chosen,
+      after: one("Rest after it", after),
       damper: { name: damper.value, storey: one("Storey", storey), inputs: several("Inputs", inputs), laws: laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name), allow_extrapolation: beyond.firstChild.checked },
     };
   };

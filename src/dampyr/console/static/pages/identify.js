@@ -19,6 +19,8 @@ export async function show(root, query) {
   const model = choice(choices.models, { value: "dahl" });
   const ons = choices.add_ons.map((name) => [name, tick(name)]);
   const loss = choice(Object.entries(choices.losses));
+  const weighting = choice(Object.entries(choices.weightings));
+  const settling = h("input", { type: "text", inputmode: "decimal", value: "2" });
   const predict = choice([["", "no"], ...Object.entries(choices.splits)]);
   const bandwidth = h("input", { type: "text", inputmode: "decimal" });
   const progress = h("div");
@@ -29,7 +31,7 @@ export async function show(root, query) {
       records.element,
       h("fieldset", {}, h("legend", {}, "Model"), field("Hysteresis", model),
         h("div", { class: "row", role: "group", "aria-label": "Added to it" }, ons.map(([, box]) => box))),
-      h("details", {}, h("summary", {}, "Fit options"), h("div", { class: "fields" }, field("Loss", loss), field("Validate", predict, "on records left out"), field("Velocity bandwidth, Hz", bandwidth, "derived; empty takes the recorded"))),
+      h("details", {}, h("summary", {}, "Fit options"), h("div", { class: "fields" }, field("Loss", loss), field("Weights", weighting), field("Validate", predict, "on records left out"), field("Velocity bandwidth, Hz", bandwidth, "derived; empty takes the recorded"), field("Settling, s", settling, "from the start of the motion, not scored"))),
       h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried: minutes" })),
       past.element),
     h("div", {}, progress, sheet)));
@@ -40,7 +42,9 @@ export async function show(root, query) {
   const composed = () => [model.value, ...ons.filter(([, box]) => box.firstChild.checked).map(([name]) => name)].join(" + ");
 
   async function start(wanted) {
-    const request = { records: records.chosen(), model: wanted, loss: loss.value, predict: predict.value };
+    const request = { records: records.chosen(), model: wanted, loss: loss.value, weighting: weighting.value, predict: predict.value };
+    const left = settling.value.trim().replace(",", ".");
+    if (left) request.settling = Number(left);
     const width = bandwidth.value.trim().replace(",", ".");
     if (width) request.bandwidth = Number(width);
     if (!request.records.length) return say("Choose one record or more first.", "bad");
@@ -85,11 +89,11 @@ export async function show(root, query) {
           button(`Save as ${words}`, () => attempt(() => download(`identify/jobs/${id}/export?${asQuery({ to: kind })}`))))] : h("span", {}, "There is no damper to save."),
           h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
         r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((one) => h("li", {}, one)))) : null),
-      r.data.leaderboard ? board(r.data.leaderboard.entries) : "",
+      r.data.leaderboard ? board(r.data.leaderboard.entries, r.choice) : "",
       section("Measured and modelled", field("Record", which), plots),
-      section("Parameters", table({
-        caption: r.parameters.caption, columns: r.parameters.columns.map((words) => ({ name: words })), rows: r.parameters.rows })),
-      section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: "From 2 s after the motion starts, each record's own offset taken" })),
+      section("Parameters", r.parameters.map((one) => table({
+        caption: one.caption, columns: one.columns.map((words) => ({ name: words })), rows: one.rows }))),
+      section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: `From ${number(r.settling, 3)} s after the motion starts, each record's own offset taken` })),
       section("Residuals", r.findings.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`))),
     );
     draw(which.value);
@@ -122,12 +126,12 @@ export async function show(root, query) {
 
 const scaled = ({ x, y }, factor) => ({ x: x.map((value) => factor * value), y });
 
-function board(entries) {
+function board(entries, words) {
   const percent = (value) => (typeof value === "number" ? 100 * value : value);
-  return section("Which model predicts best", table({
+  return section("Which model predicts best", words.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`)), table({
     caption: "Every score is of a prediction: 3/4 of the error over records left out, 1/4 over inputs left out",
-    columns: [{ name: "model" }, { name: "error", unit: "%", digits: 3 }, { name: "L1", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
-      { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "BIC" }, { name: "fit", unit: "s", digits: 3 }],
-    rows: entries.map((e) => [e.model, percent(e.error), percent(e.l1), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.bic, e.seconds]),
+    columns: [{ name: "model" }, { name: "error", unit: "%", digits: 3 }, { name: "±", unit: "%", digits: 2 }, { name: "L1", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
+      { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "fit", unit: "s", digits: 3 }, { name: "building" }],
+    rows: entries.map((e) => [e.model, percent(e.error), percent(e.standard_error), percent(e.l1), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.seconds, e.not_for_buildings ? "no" : "yes"]),
   }));
 }

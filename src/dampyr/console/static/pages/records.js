@@ -186,6 +186,7 @@ export async function show(root, query) {
     const q = a.quality;
     const facts = [
       ["role", a.role], ["input", inputOf(a)?.show ?? "unknown"],
+      ...(a.measurement_session ? [["session", a.measurement_session]] : []), ...(a.specimen ? [["specimen", a.specimen]] : []),
       ["duration", `${number(a.duration_s)} s, ${q.samples} samples, every ${number(1e3 * q.dt)} ms`],
       ...(m ? [["whole cycles", `${m.cycles} from ${number(m.motion_start)} s on`], ["frequency", `${number(m.frequency_hz)} Hz`], ["peak to peak", `${number(1e3 * m.peak_to_peak_m)} mm`],
         ["peak speed", `${number(1e3 * m.peak_speed)} mm/s`], ["mean force", `${number(m.mean_force)} N`], ["energy per cycle", `${number(m.energy_per_cycle)} J`], ["drift", `${number(1e3 * m.drift_m_per_s, 3)} mm/s`],
@@ -230,15 +231,24 @@ function uploads(formats, taken) {
   const voltage = h("input", { type: "text", inputmode: "decimal" });
   const units = h("input", { type: "text", placeholder: "displacement=mm force=N" });
   const columns = h("input", { type: "text", placeholder: "force=Load cell; time=Clock" });
+  const dt = h("input", { type: "text", placeholder: "2 ms" });
+  const variable = h("input", { type: "text" });
+  const header = h("input", { type: "text", inputmode: "numeric" });
+  const sign = choice([["", "as it is"], ["-1", "turned"]]);
+  const session = h("input", { type: "text", placeholder: "2026-03-01" });
+  const specimen = h("input", { type: "text" });
   const go = h("button", { type: "submit", class: "main" }, "Upload");
   const form = h("form", {}, field("File", file, `${formats.map((one) => one.title).join(", ")}; at most 64 MiB`),
-    h("div", { class: "fields" }, field("Voltage at the coil, V", voltage, "where the file does not state it"), field("Units", units, "where the header does not state them"), field("Columns", columns, "where the names are not recognised")),
+    h("div", { class: "fields" }, field("Voltage at the coil, V", voltage, "where the file does not state it"), field("Units", units, "where the header does not state them"), field("Columns", columns, "where the names are not recognised; by number from 0"),
+      field("Sampling interval", dt, "of a file without a time"), field("Line of the names", header, "from 1; 0 for none"), field("Variable", variable, "the matrix of a MATLAB file"),
+      field("Sign of the force", sign), field("Session", session, "one day's records on one mounting"), field("Specimen", specimen, "which damper it is")),
     h("div", { class: "row" }, go));
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     if (!file.files.length) return say("Choose a file first.", "bad");
     go.disabled = true;
-    const said = asQuery({ voltage: voltage.value.trim().replace(",", "."), unit: units.value.split(/[\s;]+/).filter(Boolean), column: columns.value.split(";").map((one) => one.trim()).filter(Boolean) });
+    const said = asQuery({ voltage: voltage.value.trim().replace(",", "."), unit: units.value.split(/[\s;]+/).filter(Boolean), column: columns.value.split(";").map((one) => one.trim()).filter(Boolean),
+      dt: dt.value.trim(), header: header.value.trim(), variable: variable.value.trim(), force_sign: sign.value, measurement_session: session.value.trim(), specimen: specimen.value.trim() });
     const loaded = await attempt(() => upload(`records/uploads/${encodeURIComponent(file.files[0].name)}?${said}`, file.files[0]));
     go.disabled = false;
     if (loaded) {

@@ -1,0 +1,114 @@
+"""Moving averages are recognised in measured and simulated records, and none in those that had none."""
+
+import numpy as np
+import pytest
+from tests.stories.laboratory import MOTIONS, earthquake, sine
+
+from dampyr.records import Record, describe, measure, read_campaign, recognise_smoothing
+from dampyr.records.moving_average import averaged, reach_of
+
+CHANNELS = ("displacement", "velocity", "force")
+
+
+def smoothed(record, samples):
+    reach = reach_of(samples, False)
+    there = [c for c in CHANNELS if getattr(record, c) is not None]
+    return record.replace(note="smoothed", **{c: averaged(getattr(record, c), *reach) for c in there})
+
+
+@pytest.fixture(scope="module")
+def campaign(campaign_folder):
+    return read_campaign(campaign_folder, role=None)
+
+
+def test_no_false_alarm_on_the_campaign(campaign):
+    assert len(campaign) >= 39
+    alarms = {record.name: recognise_smoothing(record) for record in campaign}
+    assert sum(map(len, alarms.values())) == 0, alarms
+    assert not any("moving average" in note for record in campaign[::4] for note in describe(record)["notes"])
+
+
+def test_a_tenth_of_the_period_on_the_campaign_to_the_sample(campaign):
+    """Real noise and steps of 5 um and 0.19 N at 100 Hz, smoothed by a program with full precision."""
+    for record in campaign[::3]:
+        samples = round(0.1 / measure(record).frequency_hz / record.dt)
+        shown = recognise_smoothing(smoothed(record, samples))
+        assert {one.channel for one in shown} >= {"displacement", "force"}, record.name
+        assert {one.samples for one in shown} == {samples}, record.name
+        assert all(one.contrast > 8.0 and one.periods == pytest.approx(0.1, rel=0.1) for one in shown)
+
+
+def motions():
+    made = [(f"{frequency:g} Hz", *sine(amplitude, frequency), 0.1 / frequency) for amplitude, frequency in MOTIONS]
+    return [*made, ("earthquake", *earthquake(1), 0.3)]
+
+
+MADE = {name: (t, x, window) for name, t, x, window in motions()}
+
+
+def forces(t, x):
+    """Analytic ones: a dashpot, friction about zero velocity, a square wave, one with ramps."""
+    v = np.gradient(x, t)
+    return {
+        "dashpot": 300.0 * v,
+        "friction": 45.0 + 300.0 * v + 400.0 * np.tanh(v / 0.012),
+        "square": 100.0 * np.sign(v),
+        "ramps": 100.0 * np.clip(v / (0.3 * np.abs(v).max()), -1.0, 1.0),
+    }
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_no_false_alarm_on_analytic_motions_clean_rounded_or_noisy(name):
+    t, x, _ = MADE[name]
+    rng = np.random.default_rng(5)
+    alarms = 0
+    for force in forces(t, x).values():
+        clean = Record(t, x, force)
+        rounded = Record(t, np.round(x, 7), np.round(force, 1))
+        noisy = Record(t, x + 3e-6 * rng.standard_normal(t.size), force + 3.0 * rng.standard_normal(t.size))
+        barely = Record(t, x + 3e-8 * rng.standard_normal(t.size), force + 0.01 * rng.standard_normal(t.size))
+        alarms += sum(len(recognise_smoothing(record)) for record in (clean, rounded, noisy, barely))
+    assert alarms == 0
+
+
+@pytest.mark.parametrize("decimals", [(9, 4), (7, 1)], ids=["1 nm", "0.1 um"])
+@pytest.mark.parametrize("name", ["1 Hz", "2 Hz", "3.5 Hz", "5 Hz", "earthquake"])
+def test_the_window_of_noisy_motions_within_a_sample(name, decimals):
+    t, x, window = MADE[name]
+    rng = np.random.default_rng(6)
+    record = Record(
+        t, x + 3e-6 * rng.standard_normal(t.size), forces(t, x)["friction"] + 3.0 * rng.standard_normal(t.size)
+    )
+    samples = round(window / record.dt)
+    record = smoothed(record, samples)
+    record = record.replace(
+        note="", displacement=np.round(record.displacement, decimals[0]), force=np.round(record.force, decimals[1])
+    )
+    shown = {one.channel: one for one in recognise_smoothing(record)}
+    assert set(shown) == {"displacement", "force"}
+    assert all(abs(one.samples - samples) <= 0.02 * samples for one in shown.values())
+    assert all(one.sigmas > 6.0 for one in shown.values())
+    notes = [note for note in describe(record)["notes"] if "moving average" in note]
+    assert len(notes) == 1
+    assert notes[0].startswith("displacement and force smoothed? a moving average over")
+    assert "standard errors: declare it, --smoothed" in notes[0]
+
+
+def test_the_differences_lie_on_the_grid_of_the_converter():
+    """Without noise there is nothing to see zeros in, but counts of 5 um are counted over 50 samples."""
+    t, x, _ = MADE["1 Hz"]
+    counts = 5e-6 * np.round(x / 5e-6)
+    record = Record(t, averaged(counts, 25, 24), np.sin(t))
+    [one] = recognise_smoothing(record, steps={"displacement": 5e-6})
+    assert (one.channel, one.samples, one.on_grid) == ("displacement", 50, 5e-6)
+    assert recognise_smoothing(Record(t, counts, np.sin(t)), steps={"displacement": 5e-6}) == ()
+
+
+def test_uneven_sampling_and_what_is_declared_are_left_alone():
+    t, x, window = MADE["5 Hz"]
+    rng = np.random.default_rng(8)
+    record = smoothed(
+        Record(t, x + 3e-6 * rng.standard_normal(t.size), rng.standard_normal(t.size)), round(window / 0.002)
+    )
+    assert recognise_smoothing(record)
+    assert recognise_smoothing(record.replace(note="", time=t**1.05)) == ()
