@@ -14,7 +14,7 @@ from dampyr.identification.fit_data import piece, thinned, weighted
 from dampyr.identification.normal_equations import products
 from dampyr.identification.score import prediction, too_short
 from dampyr.models import Constant, Damper, WithTemperature
-from dampyr.records import Declaration, MovingAverage, Record, motion_start, with_smoothing
+from dampyr.records import Declaration, MovingAverage, Record, cut, motion_start, with_smoothing
 
 SAMPLES = 21  # of 200 a second: about a tenth of the period
 
@@ -149,7 +149,7 @@ def test_whole_windows_decide_whether_a_record_is_too_short() -> None:
     reason = too_short(record, 0.76 * whole)
     assert f"its motion less what its moving average of 0.205 s leaves out lasts {whole:.3g} s" in reason
     assert not too_short(record.replace(note="", smoothed=None), 0.76 * whole)
-    part = record.between(0, 45)
+    part = cut(record, 45 * record.dt)[0]
     assert "45 samples hold 5 with a whole window; give a longer record" in too_short(part)
 
 
