@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -11,6 +12,7 @@ from tests.identification.test_leaderboard import without_velocity
 from tests.identification.test_uncertainty import records
 
 from dampyr.cli import cli
+from dampyr.identification import IdentifyOptions
 from dampyr.records import write
 
 
@@ -98,3 +100,16 @@ def test_the_goodness_of_fit_is_listed_by_rising_input(capsys: pytest.CaptureFix
     rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.split()[-1:] == ["10"]]
     assert [row[0] for row in rows] == ["0.25", "1", "10", "–"]
     assert [row[1] for row in rows] == ["1", "2", "1", "1"]
+
+
+def test_its_defaults_are_those_of_python() -> None:
+    """They are written twice, since the command line imports the library only when it runs."""
+    options = IdentifyOptions()
+    command = cli.get_command(click.Context(cli), "identify")
+    assert command is not None
+    defaults = {p.name: p.default for p in command.params}
+    assert defaults["budget"] == options.budget
+    assert defaults["settling"] == options.settling
+    assert defaults["weighting"] == options.weighting
+    assert defaults["loss"] == options.loss
+    assert defaults["starts"] == options.starts

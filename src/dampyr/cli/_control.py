@@ -21,6 +21,11 @@ control_option = click.option(
 )
 
 
+temperature_option = click.option(
+    "--temperature", type=float, metavar="DEGC", help="Of the damper, for a card whose laws depend on it."
+)
+
+
 def inputs_for(
     damper: Damper, voltages: tuple[float, ...], currents: tuple[float, ...], controls: tuple[str, ...]
 ) -> tuple[float, ...]:
@@ -33,11 +38,24 @@ def inputs_for(
     return numbers
 
 
-def damper_of(card: Path | None) -> Damper:
-    """The damper of a card, a published one by its name, or that of Raminelli (2020) without either."""
+def damper_of(card: Path | None, temperature: float | None = None, allow_extrapolation: bool = False) -> Damper:
+    """The damper of a card, a published one by its name, or that of Raminelli (2020) without either.
+
+    At a temperature in degC where its laws depend on it: :class:`InputError` without one, and where none of them does.
+    """
     from dampyr import studies
 
-    return studies.load_damper(studies.THESIS if card is None else card)
+    damper = studies.load_damper(studies.THESIS if card is None else card)
+    if temperature is None:
+        if damper.temperatures is not None:
+            low, high = damper.temperatures
+            raise InputError(
+                f"this damper's parameters depend on its temperature; give --temperature from {low:.4g} to {high:.4g}, in °C"
+            )
+        return damper
+    if damper.temperatures is None:
+        raise InputError("no parameter of this damper depends on its temperature; leave out --temperature")
+    return damper.at_temperature(temperature, allow_extrapolation)
 
 
 def place_of(storey: int | None, between: tuple[str, str] | None) -> Any:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dampyr.cli._control import control_option, damper_of, inputs_for, place_of
+from dampyr.cli._control import control_option, damper_of, inputs_for, place_of, temperature_option
 from dampyr.cli._motion import acceleration, after_option
 from dampyr.errors import InputError
 
@@ -47,6 +47,7 @@ class EnsembleRequest:
     seed: int
     scales: tuple[str, ...]
     after: float
+    temperature: float | None
     accuracy: str
     precision: str
     allow_extrapolation: bool
@@ -55,7 +56,7 @@ class EnsembleRequest:
         """The building, the motions and the damper."""
         from dampyr import structures
 
-        damper = damper_of(self.card)
+        damper = damper_of(self.card, self.temperature, self.allow_extrapolation)
         inputs_for(damper, self.voltages, self.currents, self.controls)
         return structures.two_storey(), self._motions(), damper
 
@@ -113,6 +114,7 @@ def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--seed", type=int, default=1, help="Of motions, draws and bands.  [default: 1]"),
         click.option("--scale", "scales", multiple=True, metavar="LIST", help="Such as 0.5,1,2 or 0.1:3:0.1."),
         after_option,
+        temperature_option,
         click.option("--accuracy", type=click.Choice(["fast", "strict"]), default="fast", help="[default: fast]"),
         click.option("--precision", type=click.Choice(["64", "32"]), default="64", help="Bits.  [default: 64]"),
         click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range."),

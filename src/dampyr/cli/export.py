@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from dampyr.cli._control import damper_of, temperature_option
 from dampyr.cli._output import as_json_option, print_json
 
 
@@ -17,10 +18,18 @@ from dampyr.cli._output import as_json_option, print_json
 @click.option(
     "--without", multiple=True, metavar="PART", help="Leave out a part, such as lag where C filters the command."
 )
+@temperature_option
 @click.option("--allow-extrapolation", is_flag=True, help="Let it run outside the calibrated range of its input.")
 @as_json_option
 def command(
-    card: Path, kind: str, out: Path, name: str, without: tuple[str, ...], allow_extrapolation: bool, as_json: bool
+    card: Path,
+    kind: str,
+    out: Path,
+    name: str,
+    without: tuple[str, ...],
+    temperature: float | None,
+    allow_extrapolation: bool,
+    as_json: bool,
 ) -> None:
     """Write a damper for another tool.
 
@@ -28,9 +37,9 @@ def command(
     What is written refuses inputs outside the calibrated range (in C: the force is NAN) unless allowed here.
     """
     from dampyr.export import export
-    from dampyr.studies import load_damper
 
-    written = export(load_damper(card).without(*without), kind, out, name, allow_extrapolation)
+    damper = damper_of(card, temperature, allow_extrapolation).without(*without)
+    written = export(damper, kind, out, name, allow_extrapolation)
     if as_json:
         print_json({"written": written})
         return

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dampyr.cli._control import control_option, damper_of, inputs_for, place_of
+from dampyr.cli._control import control_option, damper_of, inputs_for, place_of, temperature_option
 from dampyr.cli._motion import Ground, after_option, motion_options
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 @click.option("--motion", type=click.Path(path_type=Path), help="A ground motion file; without it El Centro 1940.")
 @motion_options
 @after_option
+@temperature_option
 @click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay where it is the rig's.")
 @click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
 @report_options()
@@ -43,6 +44,7 @@ def command(
     motion: Path | None,
     ground: Ground,
     after: float,
+    temperature: float | None,
     without: tuple[str, ...],
     allow_extrapolation: bool,
     report: Path | None,
@@ -55,7 +57,7 @@ def command(
     """
     from dampyr import structures
 
-    damper = damper_of(card)
+    damper = damper_of(card, temperature, allow_extrapolation)
     options = structures.SimulateOptions(
         inputs=inputs_for(damper, voltages, currents, controls),
         laws=controls,
