@@ -70,7 +70,7 @@ prove: $(READY) compiler chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not by_hand"
 
 endure: $(READY) compiler chromium axe
-	$(BIN)/python -m pytest --endure -m "endure or by_hand"
+	$(BIN)/python -m pytest --endure -o faulthandler_timeout=0 -m "endure or by_hand"
 
 check: $(READY)
 	$(BIN)/ruff check .

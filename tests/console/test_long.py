@@ -13,6 +13,7 @@ pytest.importorskip("fastapi")
 
 from fastapi.testclient import TestClient
 from tests.endurance import Endurance
+from tests.rig_time import HANG
 
 from dampyr.console import app
 from dampyr.console.rigs import Opener
@@ -78,7 +79,9 @@ def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
             time.sleep(0.05)
         holder = bench.clients.holder
         bench.connect(holder)
+        connected = time.monotonic() + HANG
         while bench.state().phase != "idle":
+            assert time.monotonic() < connected, bench.state().note
             time.sleep(0.05)
         begun, work = time.monotonic(), time.process_time()
         bench.start(holder, "long", data / "long.toml", data / "runs" / "long")
@@ -91,6 +94,9 @@ def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
         run = bench.state().run
         for page in pages:
             page.over.set()
+        for page in pages:  # a page that closes while its client closes would wait for it, and it for the page
+            page.join(60.0)
+            assert not page.is_alive()
     assert run is not None
     assert run.outcome == "complete", run.reason
     [path] = (data / "runs" / "long").glob("*.h5")
