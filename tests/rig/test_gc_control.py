@@ -3,9 +3,10 @@
 import gc
 
 import pytest
+from tests.rig_time import SimulatedTime
 
 from dampyr.errors import RigFault
-from dampyr.rig import simulated
+from dampyr.rig import RigSettings
 from dampyr.rig.gc_control import disable_gc, freeze_objects
 
 
@@ -75,7 +76,7 @@ def test_a_rig_in_real_time_sets_aside_what_exists_when_it_is_connected_and_when
     def unplugged():
         raise RigFault("the wire is cut")
 
-    with simulated(real_time=True) as rig:
+    with SimulatedTime().connect(RigSettings()) as rig:
         connected = gc.get_freeze_count()
         assert connected > 0
         objects = [[k] for k in range(100_000)]

@@ -6,6 +6,7 @@ interlock. A simulated rig in lockstep has no clock but its reads, and is read w
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
 import time
@@ -18,9 +19,10 @@ from numpy.typing import NDArray
 
 from dampyr.errors import RigFault
 from dampyr.rig.calibration import Calibration
+from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import Fault, State, Status
 from dampyr.rig.instruments.ni_board import Board
-from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.instruments.uno import HERE, INDEX, Uno
 from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.read_latency import Lateness
@@ -30,6 +32,7 @@ from dampyr.rig.thermal_model import Warmth
 Array = NDArray[np.float64]
 AHEAD = 2  # blocks by which the command runs ahead of the reading: one is output while the next is computed
 AHEAD_OF_CLOCK = 5  # the same where the clock does not wait for a busy host: 0.2 s of reserve
+SETTLED = 0.3  # s in which a table that decelerates is at rest
 HELD = 10.0  # s of blocks that may wait to be stored: longer than a slow disk's pauses
 
 WORDS = {
@@ -73,7 +76,7 @@ class Acquisition:
         self.player: Player | None = None
         # Whether the board's counts mean what the Uno's mean; where not, the next block sees to it.
         self.aligned = False
-        self.next = 0
+        self._next = 0
         self.stopped: RigFault | None = None
         self.status: Status = uno.heartbeat()
         self._command = np.zeros(0)  # coil volts of samples not read yet
@@ -81,7 +84,7 @@ class Acquisition:
         self._timed = False
         self._late = Lateness(rig.board.rate)
         self._over = threading.Event()
-        self._blocks: queue.Queue[Samples | RigFault] = queue.Queue(max(4, round(HELD / rig.board.block)))
+        self.waiting: queue.Queue[Samples | RigFault] = queue.Queue(max(4, round(HELD / rig.board.block)))
         self._thread = threading.Thread(target=self._run, name="acquisition", daemon=True) if threaded else None
 
     def begin(self) -> None:
@@ -95,9 +98,19 @@ class Acquisition:
             self._thread.start()
 
     @property
+    def next(self) -> int:
+        """The next sample that will be read."""
+        return self._next
+
+    @property
     def queued(self) -> int:
         """The first sample whose command is not fixed yet."""
-        return self.next + len(self._command)
+        return self._next + len(self._command)
+
+    @property
+    def over(self) -> bool:
+        """Whether it was ended."""
+        return self._over.is_set()
 
     def blocks(self) -> Iterator[Samples]:
         """Blocks as they arrive, without end."""
@@ -107,7 +120,7 @@ class Acquisition:
             yield self._waited() if self._thread else self.cycle()
 
     def _waited(self) -> Samples:
-        block = self._blocks.get(timeout=30.0)
+        block = self.waiting.get(timeout=30.0)
         if isinstance(block, RigFault):
             raise block
         return block
@@ -115,7 +128,7 @@ class Acquisition:
     def _run(self) -> None:
         while not self._over.is_set():
             try:
-                self._blocks.put_nowait(self.cycle())
+                self.waiting.put_nowait(self.cycle())
             except queue.Full:
                 self.halt(RigFault(f"blocks waited for {HELD:g} s to be stored; is the disk too slow?", "interlock"))
             except RigFault as problem:
@@ -124,7 +137,7 @@ class Acquisition:
                 self.halt(RigFault(f"reading the rig failed: {type(problem).__name__}: {problem}", "interlock"))
             if self.stopped:
                 with suppress(queue.Full):
-                    self._blocks.put_nowait(self.stopped)
+                    self.waiting.put_nowait(self.stopped)
                 return
 
     def cycle(self, n: int | None = None) -> Samples:
@@ -132,7 +145,7 @@ class Acquisition:
         n = self.rig.block_samples if n is None else n
         try:
             volts, counts = self.board.read(n)
-            waiting = self._late.of(self.next + n, self.clock()) if self.threaded else 0.0
+            waiting = self._late.of(self._next + n, self.clock()) if self.threaded else 0.0
             with self.lock:
                 samples = self._samples(volts, counts, self.uno.heartbeat())
                 self._judge(samples, waiting)
@@ -144,11 +157,11 @@ class Acquisition:
         return samples
 
     def _samples(self, volts: Array, counts: NDArray[np.int64], status: Status) -> Samples:
-        n, first = len(counts), self.next
+        n, first = len(counts), self._next
         voltage, self._command = self._command[:n], self._command[n:]
         if len(voltage) < n:  # the timed command has ended: the coil is at 0 V
             voltage = np.concatenate([voltage, np.zeros(n - len(voltage))])
-        self.next, self.status = first + n, status
+        self._next, self.status = first + n, status
         if status.homed and not self.aligned:
             self._align(counts, status)
         self.aligned = status.homed
@@ -187,7 +200,7 @@ class Acquisition:
 
     def _feed(self) -> None:
         if self.player:
-            self.player.feed(self.next, self.status)
+            self.player.feed(self._next, self.status)
         if self._timed:
             n = self._ahead - len(self._command)
             volts = self.player.voltage(self.queued, n) if self.player else np.zeros(n)
@@ -206,6 +219,45 @@ class Acquisition:
                 "interlock",
             )
         return needed
+
+    def play(self, drive: Drive) -> Player:
+        """Play a drive from the first sample on whose command is not fixed yet."""
+        with self.lock:
+            self.player = Player(drive, self.rig, self.uno, self.queued)
+            return self.player
+
+    def end_drive(self) -> None:
+        """Nothing is played any more."""
+        with self.lock:
+            self.player = None
+
+    def use(self, calibration: Calibration) -> None:
+        """Use ``calibration`` from the next block on."""
+        with self.lock:
+            self.calibration = calibration
+
+    def realign(self) -> None:
+        """The board's counts are to be aligned with the Uno's by the next block."""
+        with self.lock:
+            self.aligned = False
+
+    def home(self, here: bool) -> None:
+        """Home the table where it stands, which is the middle, or begin to look for the index."""
+        with self.lock:
+            if here:
+                self.uno.disarm()
+                self.uno.home(HERE, 0)
+                self.uno.arm()
+            else:
+                self.uno.home(INDEX, round(self.rig.encoder.index / self.rig.encoder.count))
+            self.aligned = False  # the Uno may be homed anew between two blocks
+
+    def settle(self, seconds: float = SETTLED) -> None:
+        """Keep reading until the table is at rest, for ``seconds`` at most."""
+        n = max(1, self.rig.block_samples // 4)
+        for _ in range(math.ceil(seconds * self.rig.board.rate / n)):
+            if self.stopped or self.cycle(n).status.speed == 0:
+                return
 
     def halt(self, why: RigFault) -> RigFault:
         """Brake the table and take the coil to 0 V, now; every step is tried whatever fails. The first reason is kept."""

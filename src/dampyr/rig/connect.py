@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from dampyr.errors import InputError
-from dampyr.rig.instruments.ni_board import NiBoard
+from dampyr.rig.instruments.connection import open_instruments
 from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess, open_wire
+from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.loop_process import LoopProcess, remote_rig
 from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.faults import FaultSpec
@@ -29,12 +30,7 @@ def connect(settings: RigSettings | str | Path) -> Rig:
         raise InputError(
             "wires.serial is empty, so there is nothing to connect to; name the Uno's port, or simulate the rig"
         )
-    uno = Uno(open_wire(rig.wires.serial, rig.wires.baud))
-    try:
-        return Rig(rig, uno, NiBoard(rig), folder=folder)
-    except BaseException:
-        uno.close()
-        raise
+    return _in_real_time(rig, rig, folder)
 
 
 def simulated(
@@ -75,11 +71,11 @@ def simulated(
     process = Process(rig, specimen, seed, fault_specs, real_time, black_box)
     try:
         wired = replace(rig, wires=replace(rig.wires, serial=process.serial, grpc=process.grpc))
-        wire = open_wire(wired.wires.serial, wired.wires.baud)
-        uno = (
-            Uno(wire) if real_time else Uno(wire, wait=0.25, tries=20)
-        )  # in lockstep no time passes while a host waits
-        return Rig(rig, uno, NiBoard(wired), threaded=real_time, folder=folder, on_close=[process.close])
+        if real_time:
+            return _in_real_time(rig, wired, folder, [process.close])
+        # in lockstep no time passes while a host waits
+        answering, sampling = open_instruments(wired, wait=0.25, tries=20)
+        return Rig(rig, answering, sampling, threaded=False, folder=folder, on_close=[process.close])
     except BaseException:
         process.close()
         raise
@@ -99,6 +95,18 @@ def open_rig(
     if faults or in_process or real_time:
         raise InputError("faults, in_process and real_time are of a simulated rig, and wires.serial names a real one")
     return connect(rig if settings is None else settings)
+
+
+def _in_real_time(
+    rig: RigSettings, wired: RigSettings, folder: Path | None, on_close: Sequence[Callable[[], None]] = ()
+) -> Rig:
+    """A rig that is read, at the wires of ``wired``, by a process of its own."""
+    process = LoopProcess(wired)
+    try:
+        return remote_rig(process, rig, folder, on_close)
+    except BaseException:
+        process.close()
+        raise
 
 
 def _settings(given: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:

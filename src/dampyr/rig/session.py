@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError, RigFault
 from dampyr.representation import Representation, Summary
-from dampyr.rig.acquisition import Acquisition
+from dampyr.rig.acquisition import SETTLED, Acquisition
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.ni_board import Board
-from dampyr.rig.instruments.uno import HERE, INDEX, Uno
+from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
@@ -31,7 +31,6 @@ from dampyr.rig.thermal_model import Warmth
 Array = NDArray[np.float64]
 GENTLE = 0.010  # m/s, the mean speed on the way to the start of a test
 ARRIVED = 5e-4  # m: from there on a drive's first step is one that the table follows
-SETTLED = 0.3  # s in which a table that decelerates is at rest
 QUICK = 0.2  # s of work during which the board's buffer is enough
 HOMING = 120.0  # s that the search for the index may take
 
@@ -42,6 +41,7 @@ class Rig(Representation):
 
     ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
     ``clock``: the host's monotonic time [s], by which late readings are noticed.
+    ``acquisition`` makes the loop that reads it where that is not in this process.
     Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick.
     """
 
@@ -54,6 +54,7 @@ class Rig(Representation):
     folder: Path | None = None
     clocked_by_reads: bool = False
     clock: Callable[[], float] = time.monotonic
+    acquisition: Callable[[Rig], Acquisition] | None = None
     on_close: list[Callable[[], None]] = field(default_factory=list)
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     warmth: Warmth = field(init=False)
@@ -126,6 +127,15 @@ class Rig(Representation):
         self.close()
 
 
+def acquisition(rig: Rig) -> Acquisition:
+    """The loop that reads a rig in this process."""
+    assert rig.calibration is not None
+    guard = Interlock(rig.settings) if rig.interlocked else None
+    return Acquisition(
+        rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
+    )
+
+
 class Table(Representation):
     """An armed rig. Everything is in m, s, N and V; displacement from the middle of the stroke, extension positive.
 
@@ -133,12 +143,8 @@ class Table(Representation):
     """
 
     def __init__(self, rig: Rig) -> None:
-        assert rig.calibration is not None
         self.rig = rig
-        guard = Interlock(rig.settings) if rig.interlocked else None
-        self.loop = Acquisition(
-            rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
-        )
+        self.loop = rig.acquisition(rig) if rig.acquisition is not None else acquisition(rig)
         self.check: Callable[[], None] = no_check
 
     def _summary(self) -> Summary:
@@ -162,8 +168,8 @@ class Table(Representation):
         """Stop, coil to 0 V, rest, disarm; each is tried; failures are noted on ``problem`` or raised."""
         failed: list[Exception] = []
         loop, uno = self.loop, self.rig.uno
-        loop.player = None
-        for step in (self._stop, loop.cut, loop.end, self._settle, uno.disarm, self.rig.board.stop):
+        loop.end_drive()
+        for step in (self._stop, loop.cut, loop.end, loop.settle, uno.disarm, self.rig.board.stop):
             try:
                 with loop.lock if step in (self._stop, uno.disarm) else nullcontext():
                     step()
@@ -183,13 +189,6 @@ class Table(Representation):
             self.rig.uno.abort()
             raise
 
-    def _settle(self) -> None:
-        """Keep reading until the table is at rest."""
-        n = max(1, self.rig.settings.block_samples // 4)
-        for _ in range(math.ceil(SETTLED * self.rig.settings.board.rate / n)):
-            if self.loop.stopped or self.loop.cycle(n).status.speed == 0:
-                return
-
     @property
     def position(self) -> float:
         """The table's position as the Uno reports it [m]."""
@@ -207,15 +206,7 @@ class Table(Representation):
 
     def home(self, here: bool = False) -> None:
         """Find the middle of the stroke by the index mark; ``here``: the table is in it."""
-        index = round(self.rig.settings.encoder.index / self.rig.settings.encoder.count)
-        with self.loop.lock:
-            if here:
-                self.rig.uno.disarm()
-                self.rig.uno.home(HERE, 0)
-                self.rig.uno.arm()
-            else:
-                self.rig.uno.home(INDEX, index)
-            self.loop.aligned = False  # the Uno may be homed anew between two blocks
+        self.loop.home(here)
         for samples in self._for(HOMING):
             if samples.status.state is State.ARMED:
                 if samples.status.homed:
@@ -227,8 +218,7 @@ class Table(Representation):
     def _align(self) -> None:
         """Align the board's counts with the Uno's, at rest: in a block in which the table moves, they are read at
         different times."""
-        with self.loop.lock:
-            self.loop.aligned = False
+        self.loop.realign()
         self.rest(self.rig.settings.board.block)
 
     def zero_force(self, seconds: float = 1.0) -> float:
@@ -243,8 +233,8 @@ class Table(Representation):
 
     def calibrate(self, calibration: Calibration) -> None:
         """Use ``calibration`` from the next block on."""
-        with self.loop.lock:
-            self.loop.calibration = self.rig.calibration = calibration
+        self.rig.calibration = calibration
+        self.loop.use(calibration)
 
     def rest(self, seconds: float) -> None:
         """Keep reading for ``seconds``."""
@@ -302,14 +292,11 @@ class Table(Representation):
                 f"the drive begins at {drive.displacement[0] * 1e3:.2f} mm and the table stands at "
                 f"{self.position * 1e3:.2f} mm; call go() first"
             )
-        with self.loop.lock:
-            player = Player(drive, self.rig.settings, self.rig.uno, self.loop.queued)
-            self.loop.player = player
+        player = self.loop.play(drive)
         try:
             yield from self._played(player, drive)
         finally:
-            with self.loop.lock:
-                self.loop.player = None
+            self.loop.end_drive()
 
     def _played(self, player: Player, drive: Drive) -> Iterator[tuple[Samples, slice]]:
         for samples in self.loop.blocks():
@@ -330,8 +317,8 @@ class Table(Representation):
 
     def stop(self) -> None:
         """Decelerate to rest, and stay armed."""
+        self.loop.end_drive()
         with self.loop.lock:
-            self.loop.player = None
             self.rig.uno.stop()
         for samples in self._for(SETTLED):
             if samples.status.state is State.ARMED:
@@ -339,8 +326,8 @@ class Table(Representation):
 
     def soft_stop(self) -> None:
         """Decelerate and cut the coil, whatever fails; `disarm` follows."""
+        self.loop.end_drive()
         with self.loop.lock:
-            self.loop.player = None
             for step in (self.rig.uno.stop, self.loop.cut):
                 with suppress(RigFault):
                     step()

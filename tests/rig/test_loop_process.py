@@ -1,0 +1,309 @@
+"""A rig in real time is read by a process of its own: nothing that its host does, or suffers, stops it or leaves it alone."""
+
+import ctypes
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from multiprocessing import Pipe
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.rig_time import HANG, SimulatedTime
+
+from dampyr.errors import FileError, InputError, RigFault
+from dampyr.rig import Drive, Rig, RigSettings, connect, loop_process, simulated
+from dampyr.rig.firmware.protocol import State
+from dampyr.rig.loop_process import Link, LoopProcess, StandIn, described, rebuilt, remote_rig
+from dampyr.rig.loop_server import LoopServer
+
+ROOT = Path(__file__).resolve().parents[2]
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+
+
+def test_errors_pass_from_one_process_to_the_other() -> None:
+    fault = RigFault("the interlock stopped the rig: force 5000 N", "interlock")
+    fault.add_note("the board does not answer")
+    same = rebuilt(described(fault))
+    assert isinstance(same, RigFault)
+    assert (str(same), same.ring, same.__notes__) == (str(fault), "interlock", ["the board does not answer"])
+    assert isinstance(rebuilt(described(InputError("17 set points"))), InputError)
+    assert str(rebuilt(described(FileError("rig.toml", "is not there")))) == "rig.toml: is not there"
+    other = rebuilt(described(ZeroDivisionError("division by zero")))
+    assert isinstance(other, RigFault)
+    assert str(other) == "the process that reads the rig failed: ZeroDivisionError: division by zero"
+
+
+def test_what_cannot_be_opened_there_is_told_here() -> None:
+    settings = RigSettings()
+    absent = replace(settings, wires=replace(settings.wires, serial="/dev/no-such-port"))
+    with pytest.raises(RigFault, match=r"/dev/no-such-port: the serial port cannot be opened .*is the Uno plugged in"):
+        connect(absent)
+
+
+def test_a_process_that_ends_at_once_is_no_endless_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "executable", "/bin/false" if Path("/bin/false").exists() else "/usr/bin/false")
+    with pytest.raises(RigFault, match="the process that is to read the rig did not start"):
+        LoopProcess(RigSettings())
+
+
+class Served:
+    """A rig read by a server in a thread, which stands for the other process; its time is simulated."""
+
+    def __init__(self, *faults: str) -> None:
+        self.time = SimulatedTime(*faults)
+        self.inner = self.time.connect(RigSettings())
+        (questions, self._questions), (blocks, self._blocks) = Pipe(), Pipe()
+        server = LoopServer(questions, blocks, lambda _: (self.inner.uno, self.inner.board), self.time)
+        self.thread = threading.Thread(target=server.serve, daemon=True)
+        self.thread.start()
+        self.link = Link(self._questions, self._blocks)
+        self.link.ask("open", RigSettings())
+        self.rig = remote_rig(self.link, RigSettings())
+
+
+@pytest.fixture
+def served() -> Iterator[Served]:
+    made = Served()
+    with made.time.passing():
+        yield made
+        made.rig.close()
+        made.thread.join(10.0)
+        assert not made.thread.is_alive()
+    made.inner.close()
+
+
+def test_a_table_moves_and_is_recorded_as_in_one_process(served: Served) -> None:
+    rig, here = served.rig, SimulatedTime()
+    drives = []
+    with here.connect(RigSettings()) as local, here.passing():
+        for each in (local, rig):
+            with each.armed() as table:
+                table.home(here=True)
+                table.go(0.004)
+                played = list(table.play(stroke(table.position)))
+            samples = np.concatenate([samples.displacement[selection] for samples, selection in played])
+            firsts = [block.first for block, _ in played]
+            assert np.all(np.diff(firsts) == played[0][0].n)
+            drives.append(samples)
+    assert drives[0].size == drives[1].size == 1991
+    np.testing.assert_allclose(drives[1], drives[0], atol=2e-5)
+
+
+def test_it_is_armed_again_and_again_wherever_it_stands(served: Served) -> None:
+    for place in (0.012, -0.009, 0.003):
+        with served.rig.armed() as table:
+            if not table.homed:
+                table.home(here=True)
+            table.go(place)
+            assert table.position == pytest.approx(place, abs=1e-4)
+        assert served.rig.uno.heartbeat().state is State.IDLE
+
+
+def test_calibration_and_temperature_are_those_of_both_ends(served: Served) -> None:
+    rig = served.rig
+    rig.warmth.temperature = 40.0
+    with rig.armed() as table:
+        volts = table.zero_force(0.5)
+        assert rig.calibration is not None
+        assert rig.calibration.zero == volts
+        table.rest(0.2)
+        assert table.loop.calibration.zero == volts
+        assert 39.0 < table.temperature < 40.0
+        assert rig.warmth.temperature == table.temperature
+
+
+def test_an_abort_of_any_thread_ends_what_is_waited_for(served: Served) -> None:
+    with pytest.raises(RigFault, match="aborted: by a friend") as ended:
+        aborted_in_motion(served.rig)
+    assert ended.value.ring == "operator"
+    assert served.rig.uno.heartbeat().state is State.FAULT
+
+
+def aborted_in_motion(rig: Rig) -> None:
+    with rig.armed() as table:
+        table.home(here=True)
+        table.check = lambda: table.abort("by a friend") if table.loop.status.speed else None
+        table.go(0.02)
+
+
+def test_the_interlock_there_stops_it_and_says_so_here() -> None:
+    made = Served("broken-cell@1.5s")
+    with made.time.passing():
+        with pytest.raises(RigFault, match="the interlock stopped the rig: load cell signal") as ended:
+            hold(made.rig, 5.0)
+        assert ended.value.ring == "interlock"
+        made.rig.close()
+    made.inner.close()
+
+
+def hold(rig: Rig, seconds: float) -> None:
+    with rig.armed() as table:
+        table.rest(seconds)
+
+
+def test_blocks_that_nobody_takes_stop_the_rig_at_last(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(loop_process, "HELD", 0.4)
+
+    def wait_for_nothing() -> None:
+        with served.rig.armed() as table:
+            wait_for(lambda: table.loop.stopped is not None)
+            table.rest(0.1)
+
+    with pytest.raises(RigFault, match=r"blocks waited for 0\.4 s to be stored; is the disk too slow"):
+        wait_for_nothing()
+
+
+def test_a_host_that_is_gone_leaves_a_rig_at_rest() -> None:
+    made = Served()
+    uno = made.inner.uno
+    with made.time.passing():
+        armed = made.rig.armed()
+        table = armed.__enter__()
+        table.home(here=True)
+        table.loop.play(stroke(table.position, 20.0))
+        wait_for(lambda: table.loop.status.speed != 0)
+        made.link.on_block = lambda _: None
+        for each in (made._questions, made._blocks):
+            with socket.socket(fileno=os.dup(each.fileno())) as end:
+                end.shutdown(socket.SHUT_RDWR)
+        made.thread.join(10.0)
+        assert not made.thread.is_alive()
+    status = uno.heartbeat()
+    assert (status.state, status.faults, status.speed, status.duty) == (State.IDLE, 0, 0, 0)
+    assert made.inner.board._board.simulator.truth.voltage[-1] == 0.0
+    with pytest.raises(RigFault, match="the process that reads the rig has ended"):
+        armed.__exit__(None, None, None)
+    made.rig.close()
+    made.inner.close()
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    until = time.monotonic() + HANG
+    while not condition():
+        assert time.monotonic() < until, "it did not come"
+        time.sleep(0.005)
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z" if Path("/proc").is_dir() else True
+
+
+def process_of(rig: Rig) -> LoopProcess:
+    assert isinstance(rig.uno, StandIn)
+    process = rig.uno._process
+    assert isinstance(process, LoopProcess)
+    return process
+
+
+@pytest.fixture
+def rig() -> Iterator[Rig]:
+    with simulated(real_time=True) as opened:
+        yield opened
+
+
+def stroke(start: float, seconds: float = 2.0) -> Drive:
+    t = np.arange(0.0, seconds, 0.01)
+    return Drive(0.01, start + 0.002 * (1.0 - np.cos(2.0 * np.pi * t)), np.full(t.size, 1.0))
+
+
+@POSIX
+@pytest.mark.by_hand  # the wall clock's time
+def test_a_host_that_is_held_up_loses_no_sample_and_stops_no_rig(rig: Rig) -> None:
+    """Nothing else of the host runs for 0.7 s, as while a file is made on a slow disk: the watchdog allows 0.15 s."""
+    interpreter = ctypes.PyDLL(None)
+    seen: list[int] = []
+    rig.watchers.append(lambda samples: seen.append(samples.first))
+    with rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        blocks = []
+        for k, (samples, selection) in enumerate(table.play(stroke(table.position))):
+            blocks.append((samples, selection))
+            if k in (10, 35):
+                interpreter.usleep(700_000)
+        firsts = np.array([samples.first for samples, _ in blocks])
+        assert np.all(np.diff(firsts) == blocks[0][0].n)
+        assert sum(selection.stop - selection.start for _, selection in blocks) == 1991
+        x = np.concatenate([samples.displacement[selection] for samples, selection in blocks])
+        assert np.ptp(x) == pytest.approx(0.004, rel=0.1)
+        assert table.loop.stopped is None
+    assert rig.uno.heartbeat().state is State.IDLE
+    assert set(firsts) <= set(seen)
+
+
+def stroke_until_killed(rig: Rig) -> None:
+    with rig.armed() as table:
+        table.home(here=True)
+        threading.Timer(0.5, lambda: os.kill(process_of(rig).pid, signal.SIGKILL)).start()
+        for _ in table.play(stroke(table.position, 20.0)):
+            pass
+
+
+@POSIX
+@pytest.mark.by_hand
+def test_a_rig_whose_reader_is_killed_says_so_and_is_stopped_by_the_uno(tmp_path: Path) -> None:
+    box = tmp_path / "events"
+    rig = simulated(real_time=True, black_box=box)
+    with pytest.raises(RigFault, match="the process that reads the rig has ended; the Uno stops the table"):
+        stroke_until_killed(rig)
+    with pytest.raises(RigFault, match="has ended"):
+        rig.uno.heartbeat()
+    rig.close()
+    events = [json.loads(line)["event"] for line in box.read_text().splitlines()]
+    assert events.index("coil dead") > 0
+    assert "at rest" in events
+
+
+HOST = """
+import sys, numpy as np
+from dampyr.rig import Drive, simulated
+t = np.arange(0.0, 20.0, 0.01)
+rig = simulated(real_time=True, black_box=sys.argv[1])
+with rig, rig.armed() as table:
+    table.home(here=True)
+    print(rig.uno._process.pid, flush=True)
+    for _ in table.play(Drive(0.01, table.position + 0.002 * (1.0 - np.cos(2.0 * np.pi * t)), np.full(t.size, 1.0))):
+        pass
+"""
+
+
+@POSIX
+@pytest.mark.by_hand
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_a_host_that_is_killed_or_interrupted_leaves_no_reader_and_a_rig_at_rest(how: int, tmp_path: Path) -> None:
+    box = tmp_path / "events"
+    host = subprocess.Popen(
+        [sys.executable, "-c", HOST, str(box)],
+        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert host.stdout is not None
+    reader = int(host.stdout.readline())
+    time.sleep(0.5)
+    before = len(box.read_text().splitlines())
+    host.send_signal(how)
+    host.communicate(timeout=20.0)
+    for _ in range(200):
+        if not alive(reader):
+            break
+        time.sleep(0.05)
+    assert not alive(reader)
+    events = [json.loads(line) for line in box.read_text().splitlines()[before:]]
+    times = {each["event"]: each["time"] for each in reversed(events)}
+    assert times["coil dead"] - events[0]["time"] < 0.3
+    assert times["at rest"] - events[0]["time"] < 0.3
+    assert "firmware fault HEARTBEAT" not in times  # it was stopped in order, not by its watchdog
