@@ -119,7 +119,9 @@ def test_intervals_of_few_records_with_gains_of_their_own(
     campaigns = endurance.count(600)
     shares, widths = share_held(counts, campaigns, lengths=lengths)
     assert len(shares) == 12
-    by_name = {name: np.mean([s for label, s in shares.items() if label.startswith(name)]) for name in LIKE_THE_RIG}
+    by_name = {
+        name: round(np.mean([s for label, s in shares.items() if label.startswith(name)]), 9) for name in LIKE_THE_RIG
+    }
     held = ", ".join(f"{name} {100 * share:.1f} %, ± {100 * widths[name]:.1f} %" for name, share in by_name.items())
     endurance.report(
         f"95 % intervals, {counts[0]} records a voltage of {lengths} s", 0, f"{campaigns} campaigns: {held}"
