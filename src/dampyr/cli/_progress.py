@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-QUIET = 8.0  # s between two lines about one stage in a log
+QUIET = 5.0  # s between two lines about one stage in a log; with 4 s between two reports, less than ten
 
 
 @contextmanager

@@ -63,7 +63,7 @@ FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is
 FINALISTS = 5  # each costs a fit and two cross-validations of all records
 PARTS = 5  # of the records, left out in turn
 BUDGET = 240.0  # s: with what compiles and the last fits, five minutes
-SCREENING_SHARE = 0.5  # of the budget, after which no round of add-ons begins
+SCREENING_SHARE = 0.6  # of the budget, after which no further add-on is tried
 TRIAL_SHARE = 1 / 60  # of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway
 FINAL_SHARE = 1 / 8  # the same for a fit to all records
 LEAST_TIME = 5.0  # s that a fit to all records has however late it is
@@ -319,7 +319,7 @@ def leaderboard(
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
     allowed, left_out = _allowed(add_ons, listed)
     bases = list(models) if models else [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
-    end = begun + SCREENING_SHARE * limit
+    end = time.time() + SCREENING_SHARE * limit - (time.perf_counter() - begun)
     screened, unfinished = screen_all(
         bases, small, allowed, seed, in_trials, executor, lambda done: report("screening models", done), end
     )

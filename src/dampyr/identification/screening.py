@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_
 BETWEEN = 0.25  # the weight of inputs left out: see `dampyr.identification.leaderboard`
 CONTENDING = 1.15  # times the lowest error: a model beyond it gets no further add-on
 WORTH = 0.02  # of the error: what an add-on must lower it by to stay
+NOT_BEGUN = "not tried: the time was used up"
 STEPS = 15  # of each fit: enough to rank the models, not to converge
 PROBE = "hyperbolic_tangent + spring + compliance"  # friction and elasticity, quick to fit
 PER_INPUT = 4  # records of each input: from the smallest to the largest speed, two between
@@ -109,23 +111,30 @@ def screen_all(
 ) -> tuple[list[Screened], list[str]]:
     """Every model bare and with each add-on; then, round by round, those in contention with one more.
 
-    No round begins after ``deadline``, a value of ``time.perf_counter``, s; the models that one would have gone on with are
-    returned too.
+    Every bare model is tried. No other trial begins after ``deadline``, a value of ``time.time`` in s; the models that would
+    have been gone on with, or have trials that were not begun, are returned too.
     """
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
     ends = {base: base for base in bases}
     going, rounds = list(bases), max(len(add_ons), 1)
     for k in range(rounds):
-        if not going or (k and time.perf_counter() > deadline):
+        if not going or (k and time.time() > deadline):
             break
         plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
-        tasks = [partial(trial, model, small, seed, options) for models in plan.values() for model in models]
-        results = iter(parallel.run_all(tasks, executor, lambda done, k=k: progress((k + done) / rounds)))  # type: ignore[misc]
-        for base, models in plan.items():
-            trials[base] += [next(results) for _ in models]
+        # Each add-on with all models before the next one, so that a lack of time is the same for all.
+        models = [model for column in zip_longest(*plan.values()) for model in column if model is not None]
+        tasks = [partial(trial, m, small, seed, options, math.inf if m in plan else deadline) for m in models]
+        results = parallel.run_all(tasks, executor, lambda done, k=k: progress((k + done) / rounds))  # type: ignore[misc]
+        by_model = dict(zip(models, results, strict=True))
+        for base, tried in plan.items():
+            trials[base] += [by_model[model] for model in tried]
         going = _still_going(going, trials, ends) if k + 1 < rounds else []
     progress(1.0)
-    return [Screened(base, tuple(trials[base])) for base in bases], [ends[base] for base in going]
+    unfinished = [base for base in bases if any(one.reason == NOT_BEGUN for one in trials[base])]
+    return [Screened(base, tuple(trials[base])) for base in bases], [
+        *unfinished,
+        *(ends[base] for base in going if base not in unfinished),
+    ]
 
 
 def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
@@ -161,8 +170,13 @@ def held_in(model: str) -> dict[str, float]:
     return {name: value for held in pairs for name, value in held.items()}
 
 
-def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -> Trial:
-    """The validation error of one model on the screening set; what cannot be fitted says why."""
+def trial(model: str, small: list[Record], seed: int, options: dict[str, Any], deadline: float = math.inf) -> Trial:
+    """The validation error of one model on the screening set; what cannot be fitted says why.
+
+    Not begun after ``deadline``, a value of ``time.time`` in s, which the processes of an executor share.
+    """
+    if time.time() > deadline:
+        return Trial(model, float("inf"), 0.0, NOT_BEGUN)
     begun = time.perf_counter()
     try:
         with warnings.catch_warnings():
