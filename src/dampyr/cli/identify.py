@@ -102,7 +102,7 @@ def command(
 
     PATHS are record files or campaign folders (of which the records for fitting are taken). All records are fitted
     together, each parameter following the voltage, unless --each is given. Without --model every model of the catalogue is
-    tried, bare and with spring, delay, lag and compliance, and the one that best predicts records and voltages that it was
+    tried, bare and with compliance, spring, delay and lag, and the one that best predicts records and voltages that it was
     not fitted on is taken: minutes, not seconds. --predict says how well a model predicts: five random parts of the records,
     one input left out at a time, five parts in the order of frequency or stroke, one kind of motion left out, or the last
     part of every record.

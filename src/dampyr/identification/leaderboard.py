@@ -58,12 +58,12 @@ from dampyr.representation import Representation, Summary, Table, counted, data_
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ADD_ONS = ("spring", "delay", "lag", "compliance")
+ADD_ONS = ("compliance", "spring", "delay", "lag")  # tried in this order: what matters most comes before time is short
 FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is chosen by hand
 FINALISTS = 5  # each costs a fit and two cross-validations of all records
 PARTS = 5  # of the records, left out in turn
 BUDGET = 240.0  # s: with what compiles and the last fits, five minutes
-SCREENING_SHARE = 0.6  # of the budget, after which no further add-on is tried
+SCREENING_SHARE = 0.85  # of the budget, after which no further add-on is tried
 TRIAL_SHARE = 1 / 60  # of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway
 FINAL_SHARE = 1 / 8  # the same for a fit to all records
 LEAST_TIME = 5.0  # s that a fit to all records has however late it is
