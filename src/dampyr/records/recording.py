@@ -16,7 +16,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -139,11 +139,12 @@ class Recording:
         complete: bool = True,
         refine: Refine | None = None,
         margin: int = 0,
+        marks: tuple[str, ...] = (),
     ) -> Path:
         """Close the file and write it anew with what became known, whole or not at all, a piece of it at a time.
 
         ``refine`` gives the channels that the finished file holds, from those that were recorded; it looks at ``margin``
-        samples before and after each.
+        samples before and after each; ``marks`` are the faults that were seen in the test.
         """
         entries = dict(self.header.provenance) | dict(provenance)
         entries |= {"test": self.header.test, "try": str(self.header.attempt)} | (
@@ -152,7 +153,13 @@ class Recording:
         header = self.header
         about: dict[str, Any] = {"name": header.name, "label": header.label, "role": header.role, **header.constants}
         about |= {"provenance": entries, "history": history, **header.groups}
-        raw = {name: _raw(self._data[f"raw/{name}"], channel) for name, channel in header.raw.items()}
+        if marks:
+            about["marks"] = marks
+        # a channel that nothing refined is read when the raw reading is
+        raw = {
+            name: _raw(self._data[f"raw/{name}"], channel if refine else replace(channel, delay=0.0))
+            for name, channel in header.raw.items()
+        }
         try:
             with self._translate_errors("cannot be finished"), whole_file(self.path) as temporary:
                 self._copy.close()
