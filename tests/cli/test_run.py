@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from dampyr import records
 from dampyr.campaigns import read_journal
 from dampyr.cli import cli
+from dampyr.records.formats import h5
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 BAD = '[[step]]\nkind = "sine"\namplitude = "20 mm"\nfrequency = ["0.1 Hz", "2 Hz", "3 Hz"]\n'
@@ -204,3 +205,33 @@ def test_what_a_killed_host_left_of_a_copy_goes_away(lab: Path) -> None:
     (out / f".{SECOND}.h5.abcd1234.part").write_bytes(b"half")
     assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
     assert not list(out.glob(".*"))
+
+
+def test_a_file_with_few_samples_is_listed_as_such(lab: Path) -> None:
+    path = lab / "out" / f"{SECOND}.h5"
+    with h5py.File(path, "r+") as file:
+        for name in ("time", "displacement", "force"):
+            values = file[f"calibrated/{name}"][:5]
+            del file[f"calibrated/{name}"]
+            file[f"calibrated/{name}"] = values
+        del file.attrs["sha256"]
+    for paths in ((path,), (path, lab / "out" / f"{FIRST}.h5")):
+        done = CliRunner().invoke(cli, ["records", *map(str, paths)])
+        assert done.exit_code == 0, done.output
+        assert f"{SECOND}.h5: holds 5 samples of a test that did not come to its end (the Uno stopped" in done.stdout
+        assert (FIRST in done.stdout) == (len(paths) == 2)
+    done = CliRunner().invoke(cli, ["records", "--json", str(path)])
+    assert len(json.loads(done.stdout)["too_short"]) == 1
+
+
+def test_a_test_is_recorded_again_by_its_name(lab: Path) -> None:
+    out = lab / "out"
+    assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
+    (out / f"{FIRST}.h5").unlink()
+    done = run(lab / "short.toml", "--in-process", "--out", out)
+    assert done.exit_code == 0
+    assert f"{FIRST} (gone); run the same command with --again {FIRST} to record them again" in done.stderr
+    done = run(lab / "short.toml", "--in-process", "--out", out, "--again", FIRST)
+    assert done.exit_code == 0
+    assert h5.state(out / f"{FIRST}.try2.h5").complete
+    assert "again" not in run(lab / "short.toml", "--in-process", "--out", out).stderr

@@ -45,10 +45,14 @@ def take(
     attempt: int,
     groups: Mapping[str, str],
     seen: Callable[[Samples], None],
+    about: Mapping[str, str] | None = None,
 ) -> Path:
-    """Play a test and record it. The file says how it ended; what ended it early is raised again."""
+    """Play a test and record it. The file says how it ended; what ended it early is raised again.
+
+    ``about`` is added to what the record says of its origin.
+    """
     table.go(float(planned.drive.displacement[0]))
-    record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups)
+    record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups, about)
     recording = Recording(path, capacity(planned.drive, table.rig), record_header)
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
     with ended(recording, table, started):
@@ -158,6 +162,7 @@ def header(
     campaign: Campaign,
     attempt: int,
     groups: Mapping[str, str],
+    about: Mapping[str, str] | None = None,
 ) -> Header:
     """The header of the file, complete before the test begins."""
     drive = planned.drive
@@ -187,7 +192,7 @@ def header(
         {"voltage": float(voltage[0])} if constant else {},
         role=getattr(planned.step, "role", "fit"),
         label=label(planned.step),
-        provenance=provenance(rig, calibration, planned, campaign),
+        provenance=provenance(rig, calibration, planned, campaign) | dict(about or {}),
         derived=("velocity",),
         **groups,
     )

@@ -73,7 +73,16 @@ class BrokenFile(FileError):
 
 
 class FewSamples(FileError):
-    """A file of a test that ended before it had enough samples for a record."""
+    """A file of a test that ended before it had enough ``samples`` for a record."""
+
+    def __init__(self, path: Path, samples: int, why: str) -> None:
+        count = f"{samples} sample{'s' * (samples != 1)}"
+        super().__init__(
+            path,
+            f"holds {count} of a test that did not come to its end{f' ({why})' * bool(why)}, and a record needs {MIN_SAMPLES}; "
+            "leave the file out",
+        )
+        self.samples = samples
 
 
 @dataclass(frozen=True)
@@ -184,12 +193,7 @@ def _check_enough(path: Path, file: Any, provenance: Mapping[str, str]) -> None:
     time = file.get("calibrated/time")
     rows = _rows(file) if "rows" in file else (len(time) if time is not None and time.shape else MIN_SAMPLES)
     if not _is_complete(file) and rows is not None and rows < MIN_SAMPLES:
-        why = provenance.get("reason", "")
-        raise FewSamples(
-            path,
-            f"holds {rows} sample{'s' * (rows != 1)} of a test that did not come to its end{f' ({why})' * bool(why)}, and "
-            f"a record needs {MIN_SAMPLES}; leave the file out",
-        )
+        raise FewSamples(path, rows, provenance.get("reason", ""))
 
 
 def _texts(file: Any, name: str, stored: Stored) -> tuple[str, ...]:
