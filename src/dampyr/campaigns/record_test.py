@@ -47,13 +47,18 @@ def take(
     seen: Callable[[Samples], None],
     about: Mapping[str, str] | None = None,
 ) -> Path:
-    """Play a test and record it. The file says how it ended; what ended it early is raised again.
+    """Play a test and record it, in a file whose room is reserved before anything moves. The file says how the test ended; what
+    ended it early is raised again.
 
     ``about`` is added to what the record says of its origin.
     """
-    table.go(float(planned.drive.displacement[0]))
     record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups, about)
     recording = Recording(path, capacity(planned.drive, table.rig), record_header)
+    try:
+        table.go(float(planned.drive.displacement[0]))
+    except BaseException:
+        recording.discard()
+        raise
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
     with ended(recording, table, started):
         for samples, selection in table.play(planned.drive):

@@ -132,6 +132,12 @@ class Recording:
             with self._translate_errors("cannot be written"), self._file as file:
                 os.fsync(file.fileno())
 
+    def discard(self) -> None:
+        """Remove the file of a test that never began: without a sample it is no try."""
+        self.close()
+        if not self.rows:
+            self.path.unlink(missing_ok=True)
+
     def finish(
         self,
         provenance: Mapping[str, str],
@@ -191,10 +197,23 @@ class Recording:
 
 
 def check_disk_space(folder: Path, what: str, header: Header, capacity: int) -> None:
-    """Raise :class:`~dampyr.errors.FileError` where the disk has not the room for a recording and the copy that finishes it."""
-    needed = sum(header.file_sizes(capacity))
-    if needed > shutil.disk_usage(folder).free:
-        raise FileError(folder, f"{what} cannot be recorded: {_refusal(errno.ENOSPC, needed, folder)}")
+    """Reserve the room for a recording and the copy that finishes it, and give it back.
+
+    Raises :class:`~dampyr.errors.FileError` where the disk, a quota or the limit of a file's length does not allow it.
+    """
+    sizes = header.file_sizes(capacity)
+    try:
+        if sum(sizes) > shutil.disk_usage(folder).free:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        with ExitStack() as files:
+            for size in sizes:
+                reserve(files.enter_context(tempfile.TemporaryFile(dir=folder)).fileno(), size)
+    except OSError as problem:
+        if problem.errno in REFUSALS:
+            why = _refusal(problem.errno, sum(sizes), folder)
+        else:
+            why = problem.strerror or str(problem)
+        raise FileError(folder, f"{what} cannot be recorded: {why}") from problem
 
 
 def _refusal(number: int, needed: int, folder: Path) -> str:
