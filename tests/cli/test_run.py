@@ -1,17 +1,23 @@
 """dampyr run: the dry run, and a folder whose journal was lost."""
 
 import hashlib
+import io
 import json
 import sqlite3
+import subprocess
+import sys
+import warnings
 from pathlib import Path
 
 import h5py
 import pytest
 from click.testing import CliRunner
 
-from dampyr import records
+from dampyr import campaigns, records
 from dampyr.campaigns import read_journal
-from dampyr.cli import cli
+from dampyr.cli import _frame, cli
+from dampyr.cli._running import shown
+from dampyr.errors import DampyrWarning
 from dampyr.records.formats import h5
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -235,3 +241,56 @@ def test_a_test_is_recorded_again_by_its_name(lab: Path) -> None:
     assert done.exit_code == 0
     assert h5.state(out / f"{FIRST}.try2.h5").complete
     assert "again" not in run(lab / "short.toml", "--in-process", "--out", out).stderr
+
+
+class Broken(io.TextIOBase):
+    """A stream whose reader has left."""
+
+    def __init__(self, problem: Exception, after: int, terminal: bool) -> None:
+        super().__init__()
+        self.problem, self.left, self.terminal = problem, after, terminal
+
+    def write(self, text: str) -> int:
+        self.left -= 1
+        if self.left < 0:
+            raise self.problem
+        return len(text)
+
+    def isatty(self) -> bool:
+        return self.terminal
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+@pytest.mark.parametrize("after", [0, 1])
+@pytest.mark.parametrize(
+    "problem", [BrokenPipeError(32, "Broken pipe"), OSError(28, "No space left"), ValueError("closed")]
+)
+def test_progress_that_cannot_be_shown_ends_nothing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, problem: Exception, after: int, terminal: bool
+) -> None:
+    (tmp_path / "short.toml").write_text(SHORT)
+    stream = Broken(problem, after, terminal)
+    monkeypatch.setattr(sys, "stderr", stream)
+    with shown(campaigns.planned(tmp_path / "short.toml")) as show:
+        for name in ("a", "b", "c", "d", "e"):
+            show(campaigns.Progress(0, 5, name, "testing"))
+    assert stream.left < 0
+
+
+def test_a_warning_that_cannot_be_shown_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", Broken(BrokenPipeError(32, "Broken pipe"), 0, False))
+    with _frame._warnings_in_one_line():
+        warnings.warn("the journal was lost", DampyrWarning, stacklevel=1)
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("end", ["2>&1 | head -1", "2>/dev/full", "<&- >&- 2>&-"])
+def test_a_campaign_goes_on_whatever_becomes_of_its_streams(tmp_path: Path, end: str) -> None:
+    (tmp_path / "short.toml").write_text(SHORT)
+    command = f"({sys.executable} -m dampyr run short.toml --in-process --out out; echo $? > code) {end}"
+    done = subprocess.run(["sh", "-c", command], cwd=tmp_path, check=False, capture_output=True, text=True)
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "code").read_text().strip() == "0"
+    assert [test.state for test in read_journal(tmp_path / "out")[0]] == ["complete"] * 2
+    for path in (tmp_path / "out").glob("*.h5"):
+        assert records.read(path).n > 1000

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, drop_unwritten, print_json, print_table
 from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError
 
@@ -90,10 +90,13 @@ def _perform(
         with open_rig(rig, **how) as opened, stopped_by_signals(), shown(plan) as show, keys(control):
             perform(plan, opened, out, show, control, again)
     except BaseException:
-        with suppress(DampyrError):  # that of the campaign is told
+        with suppress(DampyrError, OSError):  # what ended the campaign is told, and not that it cannot be listed
             _tell_outcome(plan, out, as_json)
         raise
-    _tell_outcome(plan, out, as_json)
+    try:
+        _tell_outcome(plan, out, as_json)
+    except BrokenPipeError:  # whoever read has seen enough, and the campaign is complete
+        drop_unwritten()
 
 
 def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
