@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -79,6 +79,8 @@ class Journal(Representation):
 
     def __init__(self, folder: str | Path) -> None:
         self.path, self._opened = Path(folder) / NAME, False
+        self.said_with_events: Callable[[], Mapping[str, str]] = dict
+        """What is said about the campaign with each event, in the same write to the disk."""
         try:
             self._base = sqlite3.connect(self.path, isolation_level=None)
             self._base.execute("PRAGMA synchronous = FULL")
@@ -222,6 +224,8 @@ class Journal(Representation):
             "INSERT INTO events (time, test, attempt, what, detail) VALUES (?, ?, ?, ?, ?)",
             (now, test, attempt, what, detail),
         )
+        said = self.said_with_events().items()
+        self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", said)
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
 from dampyr.campaigns.campaign import Campaign, read
@@ -30,10 +32,13 @@ from dampyr.campaigns.recorded_tests import (
 from dampyr.campaigns.run_control import Control, Progress
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.records.formats import h5
+from dampyr.rig.damper_temperature import SavedTemperature
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Rig, Table
 
 Watcher = Callable[[Progress], None]
+SAVE_EVERY = 2.0  # s between two times that the damper's temperature is saved: at 300 W it rises by 1.3 K
+TEMPERATURE, TEMPERATURE_TIME = "temperature_degC", "temperature_time"
 
 
 def perform(
@@ -89,6 +94,7 @@ def perform(
             _tell_missing(journal, folder)
             run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or Control())
             if run.left():
+                run.begin_warm()
                 run.about = _tell_settings(journal, rig)
                 run.perform()
     return folder
@@ -228,11 +234,42 @@ class _Run:
     """The session and the specimen of every test of this run."""
     about: Mapping[str, str] = field(default_factory=dict)
     """What its records say besides."""
+    _saved: float = field(default_factory=time.monotonic)
+    """When the damper's temperature was saved last, s of a monotonic clock."""
+    _saving: threading.Thread | None = None
 
     def left(self) -> list[PlannedTest]:
         """The incomplete tests, in their order."""
         done = {entry.name for entry in self.journal.tests() if entry.state == "complete"}
         return [test for test in self.plan.tests if test.name not in done]
+
+    def begin_warm(self) -> None:
+        """Begin with the damper as warm as the journal's last host left it; :class:`InputError` where it has to cool first."""
+        rig, limit = self.rig, self.rig.settings.limits.temperature
+        self.journal.said_with_events = self._temperature
+        if rig.damper_persists:
+            with suppress(ValueError):  # none is saved, or by somebody else
+                saved = SavedTemperature.parse(self.journal.said(TEMPERATURE), self.journal.said(TEMPERATURE_TIME))
+                rig.warmth.temperature = max(rig.warmth.temperature, saved.cooled(rig.settings))
+        if rig.warmth.temperature >= limit and not rig.settings.wires.temperature:
+            raise InputError(
+                f"the damper is at {rig.warmth.temperature:.0f} degC as estimated, and limits.temperature = {limit:g} degC; "
+                "let it cool, and run the campaign again: it goes on"
+            )
+
+    def _temperature(self) -> dict[str, str]:
+        """The damper's temperature with its time, for the journal."""
+        if not self.rig.damper_persists:
+            return {}
+        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+        return {TEMPERATURE: f"{self.rig.warmth.temperature:.3f}", TEMPERATURE_TIME: now}
+
+    def _save_temperature(self) -> None:
+        """Save it beside the rig's settings too, now and then; a disk that hesitates holds nothing up."""
+        if time.monotonic() - self._saved >= SAVE_EVERY and not (self._saving and self._saving.is_alive()):
+            self._saved = time.monotonic()
+            self._saving = threading.Thread(target=self.rig.save_temperature, name="temperature", daemon=True)
+            self._saving.start()
 
     def perform(self) -> None:
         left = self.left()
@@ -307,6 +344,7 @@ class _Run:
     def _show(
         self, table: Table, test: PlannedTest, watch: Watch, samples: Samples, remaining: int, gone: float
     ) -> None:
+        self._save_temperature()
         self.progress(
             Progress(
                 len(self.plan.tests) - remaining,

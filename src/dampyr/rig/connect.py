@@ -71,7 +71,7 @@ def simulated(
             raise InputError("a rig in this process has no clock and no black box of its own; leave in_process out")
         simulator = Simulator(rig, seed, fault_specs, specimen)
         uno, board = Uno(InProcess(simulator.serial)), InProcessBoard(simulator)
-        return Rig(rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True)
+        return Rig(rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True, damper_persists=False)
     process = Process(rig, specimen, seed, fault_specs, real_time, black_box)
     try:
         wired = replace(rig, wires=replace(rig.wires, serial=process.serial, grpc=process.grpc))
@@ -79,7 +79,15 @@ def simulated(
         uno = (
             Uno(wire) if real_time else Uno(wire, wait=0.25, tries=20)
         )  # in lockstep no time passes while a host waits
-        return Rig(rig, uno, NiBoard(wired), threaded=real_time, folder=folder, on_close=[process.close])
+        return Rig(
+            rig,
+            uno,
+            NiBoard(wired),
+            threaded=real_time,
+            folder=folder,
+            on_close=[process.close],
+            damper_persists=False,
+        )
     except BaseException:
         process.close()
         raise
