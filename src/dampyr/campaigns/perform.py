@@ -331,7 +331,7 @@ class _Run:
                 self._show(table, test, watch, samples, remaining, gone)
 
             path = file_of(self.folder, test.name, attempt)
-            take(table, test, self.plan.campaign, path, attempt, self.groups, seen, self.about)
+            marks = take(table, test, self.plan.campaign, path, attempt, self.groups, seen, self.about)
         except BaseException as problem:
             outcome = reason(problem)
             with _noted(problem):
@@ -339,7 +339,7 @@ class _Run:
                     test.name, "failed" if outcome["exit_status"] == "failed" else "stopped", outcome["reason"]
                 )
             raise
-        self.journal.end(test.name, "complete")
+        self.journal.end(test.name, "complete", "; ".join(marks))
 
     def _show(
         self, table: Table, test: PlannedTest, watch: Watch, samples: Samples, remaining: int, gone: float

@@ -120,6 +120,11 @@ class Recording:
         self.rows += n
         return self.rows
 
+    def read(self, name: str) -> Array:
+        """All acknowledged samples of a dataset, such as ``calibrated/force``, (rows,)."""
+        with self._translate_errors("cannot be read"):
+            return self._data[name][:]
+
     def _sync(self) -> None:
         if time.monotonic() - self._synced >= SYNC_EVERY:
             os.fsync(self._file.fileno())
