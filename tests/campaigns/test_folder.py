@@ -11,6 +11,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -100,6 +101,16 @@ def test_a_complete_file_that_cannot_be_read_is_told_and_recorded_again_when_ask
     perform(lab / "short.toml", rig(), out)  # nothing is missed any more
 
 
+def test_a_file_with_a_damaged_dataset_is_recorded_again_when_asked(lab: Path) -> None:
+    with h5py.File(lab / "out" / f"{FIRST}.h5", "r+") as file:
+        file["calibrated/force"][100] += 1.0
+    with pytest.raises(FileError, match=r"/calibrated/force is not what was written.*dampyr run has --again for it"):
+        records.read_campaign(lab / "out")
+    perform(lab / "short.toml", rig(), lab / "out", again=[FIRST])
+    assert len(records.read_campaign(lab / "out", incomplete=True)) == 2
+    assert (lab / "out" / f"{FIRST}.h5.broken").is_file()
+
+
 def test_a_whole_file_is_recorded_again_beside_itself(lab: Path) -> None:
     before = contents(lab / "out")
     perform(lab / "short.toml", rig(), lab / "out", again=[SECOND])
@@ -146,8 +157,6 @@ def test_parts_of_copies_go_away_whatever_the_journal_says(lab: Path) -> None:
 
 def shortened(path: Path, rows: int) -> None:
     """As a host leaves it that is killed after so many samples."""
-    import h5py
-
     with h5py.File(path, "r+") as file:
         file.attrs["complete"] = np.uint8(0)
         file["rows"] = np.uint64(rows)

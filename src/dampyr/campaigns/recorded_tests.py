@@ -10,8 +10,9 @@ from dampyr.campaigns.campaign import Test
 from dampyr.campaigns.differences import step_differences
 from dampyr.campaigns.journal import Entry, TestState
 from dampyr.campaigns.plan import Plan
-from dampyr.errors import FileError
+from dampyr.errors import FileError, InputError
 from dampyr.records.formats import h5
+from dampyr.records.record_files import Request
 
 INTERRUPTED = "interrupted: the host was killed or lost its power"
 BROKEN = ".broken"  # behind the name of a file that nobody can read, so that no reader takes it for a record
@@ -70,8 +71,19 @@ def set_aside(path: Path) -> Path:
 
 
 def broken_tries(folder: Path, name: str) -> list[Path]:
-    """The files of a test that cannot be read, whole or not at all."""
-    return [path for path in sorted(folder.glob("*.h5")) if _try_of(path, name) and is_broken(path)]
+    """The files of a test that cannot be read, or hold something else than was written."""
+    return [path for path in sorted(folder.glob("*.h5")) if _try_of(path, name) and _is_damaged(path)]
+
+
+def _is_damaged(path: Path) -> bool:
+    """Whether a file cannot be read as a record, though it has samples enough."""
+    try:
+        h5.read(path, Request())
+    except h5.FewSamples:
+        return False
+    except InputError:
+        return True
+    return False
 
 
 def is_broken(path: Path) -> bool:

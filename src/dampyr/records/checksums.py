@@ -20,7 +20,10 @@ NAME = "sha256"
 ATTRIBUTES = "attributes"
 ROOT = ("format", "schema", "complete", "name", "role", "test", "try", "measurement_session", "specimen")
 GROUPS = ("label", "smoothed", "provenance")
-REPAIR = f"record or copy the test again, or delete the attribute {NAME} of / where the file was changed on purpose"
+REPAIR = (
+    "record or copy the test again (dampyr run has --again for it), or delete the attribute "
+    f"{NAME} of / where the file was changed on purpose"
+)
 
 Attributes = Mapping[str, Mapping[str, Any]]
 

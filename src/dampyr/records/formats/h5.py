@@ -328,7 +328,8 @@ def _open(path: Path) -> Any:
     except (OSError, KeyError, RuntimeError, TypeError, AttributeError, ValueError, SystemError) as problem:
         reason = " ".join(str(problem).split())
         raise BrokenFile(
-            path, f"is a truncated or broken HDF5 file ({reason}); record or copy the test again"
+            path,
+            f"is a truncated or broken HDF5 file ({reason}); record or copy the test again (dampyr run has --again for it)",
         ) from problem
 
 
