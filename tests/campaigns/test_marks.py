@@ -59,7 +59,7 @@ def test_a_good_test_has_no_mark() -> None:
 
 
 @pytest.mark.parametrize("volts", [5.0, 1.0, 0.0])
-@pytest.mark.parametrize("lasts", [0.1, 0.4, 3.0, 12.0])
+@pytest.mark.parametrize("lasts", [0.05, 0.4, 3.0, 12.0])
 def test_a_force_that_stands_while_the_table_moves_spoils_its_test(volts: float, lasts: float) -> None:
     measured = sine()
     stands = (measured.time >= (0.0 if lasts == 12.0 else 3.1)) & (measured.time < 3.1 + lasts)
@@ -68,6 +68,13 @@ def test_a_force_that_stands_while_the_table_moves_spoils_its_test(volts: float,
     assert mark.spoils
     assert f"the force stands at {SCALE * volts:.4g} N for" in mark.text
     assert "look at the load cell's wire and amplifier" in mark.text
+
+
+def test_a_force_that_leaps_to_where_it_stands_spoils_a_rest_too() -> None:
+    measured = sine()
+    stands = (measured.time >= 0.3) & (measured.time < 0.6)
+    (mark,) = flat_force(with_volts(measured, np.where(stands, 1.0, measured.volts)))
+    assert "the force stands at 613 N for 0.299 s, from 0.3 s over 0 mm" in mark.text
 
 
 def test_a_force_may_stand_where_the_table_does_and_where_it_slides() -> None:

@@ -19,9 +19,10 @@ from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.rig.interlock import RAIL
 from dampyr.rig.settings import RigSettings
 
-WINDOW = 0.05  # s in which a reading is looked at: 50 samples at 1 kHz, which noise never leaves within two steps
+WINDOW = 0.02  # s in which a reading is looked at: 20 samples at 1 kHz, which the noise of a live cell leaves
+ABRUPT = 0.05  # s about a reversal or a change of the voltage, within which the force may leap
 FLAT = 2.0  # steps of the converter that a reading may stray and still stand: the noise of a live cell is several
-TRAVEL = 2.0e-4  # m of the table in a stretch, below which a force may well stand
+AT_REST = 5.0e-5  # m: ten counts of the encoder; the force of a table at rest does not leap
 REVERSED = 5.0e-4  # m on either side of a reversal, over which the force of any damper changes
 LEAP = 20.0  # steps of the converter, and times the usual change between samples: no damper's force leaps so far
 ZERO_AT_REST = 10.0  # N, and
@@ -63,7 +64,7 @@ def marks_of(measured: Measured) -> list[Mark]:
 
 
 def flat_force(measured: Measured) -> Iterator[Mark]:
-    """A force that stands while the table moves: the cell's wire is broken, its amplifier dead, or its input floats."""
+    """A force that stands while the table moves, or leaps to where it stands: the cell's wire or its amplifier is broken."""
     x = measured.displacement
     stretches = [each for each in _standing(measured.volts, measured.rig) if _should_change(measured, each)]
     if not stretches:
@@ -72,8 +73,9 @@ def flat_force(measured: Measured) -> Iterator[Mark]:
     path = float(np.abs(np.diff(x[first])).sum())
     seconds = sum(float(measured.time[each.stop - 1] - measured.time[each.start]) for each in stretches)
     yield Mark(
-        f"the force stands at {float(np.median(measured.force[first])):.4g} N for {seconds:.3g} s while the table moves, first "
-        f"over {1e3 * path:.3g} mm from {float(measured.time[first.start]):.4g} s: look at the load cell's wire and amplifier",
+        f"the force stands at {float(np.median(measured.force[first])):.4g} N for {seconds:.3g} s, from "
+        f"{float(measured.time[first.start]):.4g} s over {1e3 * path:.3g} mm of the table's path: look at the load cell's wire "
+        "and amplifier",
         spoils=True,
     )
 
@@ -110,8 +112,6 @@ def _extended(volts: Array, at: int, middle: float, way: int, step: float) -> in
 def _should_change(measured: Measured, stretch: slice) -> bool:
     """Whether the force of a damper changes in a stretch, or leaps at an end of it as no damper's force does."""
     x, volts = measured.displacement, measured.volts
-    if float(np.abs(np.diff(x[stretch])).sum()) < TRAVEL:
-        return False
     if _reverses(x[stretch]):
         return True
     leap = LEAP * max(_step(measured.rig), float(np.median(np.abs(np.diff(volts)))))
@@ -122,12 +122,15 @@ def _should_change(measured: Measured, stretch: slice) -> bool:
 
 def _may_leap(measured: Measured, at: int) -> bool:
     """Whether the table turns around or the voltage changes about a sample, so that the force may change at once."""
-    n = max(2, round(WINDOW * measured.rig.board.rate))
+    n = max(2, round(ABRUPT * measured.rig.board.rate))
     near = slice(max(0, at - n), at + n)
     if np.ndim(measured.voltage) and float(np.ptp(np.asarray(measured.voltage)[near])):
         return True
     x = measured.displacement[near]
-    return float(np.ptp(x)) > 1.1 * abs(float(x[-1] - x[0]))  # a straight path is as long as it is wide
+    path = float(np.ptp(x))
+    return path > AT_REST and path > 1.1 * abs(
+        float(x[-1] - x[0])
+    )  # a path without a reversal ends where it is farthest
 
 
 def _reverses(x: Array) -> bool:
