@@ -58,9 +58,13 @@ def test_a_disk_that_takes_no_entry_is_told(tmp_path: Path) -> None:
     journal = Journal(tmp_path)
     journal.plan("d1", ["a"], {"name": "first"})
     journal._base.execute("PRAGMA query_only = ON")
-    with pytest.raises(FileError, match=r"cannot be written \(.*\); see to the disk, and run the campaign again"):
+    with pytest.raises(FileError, match=r"read-only \(.*\); make both writable, and run the campaign again"):
         journal.begin("a")
     journal._base.execute("PRAGMA query_only = OFF")
+    journal._base.execute("PRAGMA max_page_count = 1")
+    with pytest.raises(FileError, match=r"cannot be written \(.*full.*\); see to the disk, and run the campaign again"):
+        journal.note("a", "b" * 200_000)
+    journal._base.execute("PRAGMA max_page_count = 100000")
     assert journal.begin("a") == 1
 
 

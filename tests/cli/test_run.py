@@ -1,17 +1,24 @@
 """dampyr run: the dry run, and a folder whose journal was lost."""
 
 import hashlib
+import io
 import json
 import sqlite3
+import subprocess
+import sys
+import warnings
 from pathlib import Path
 
 import h5py
 import pytest
 from click.testing import CliRunner
 
-from dampyr import records
+from dampyr import campaigns, records
 from dampyr.campaigns import read_journal
-from dampyr.cli import cli
+from dampyr.cli import _frame, cli
+from dampyr.cli._running import shown
+from dampyr.errors import DampyrWarning
+from dampyr.records.formats import h5
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 BAD = '[[step]]\nkind = "sine"\namplitude = "20 mm"\nfrequency = ["0.1 Hz", "2 Hz", "3 Hz"]\n'
@@ -204,3 +211,86 @@ def test_what_a_killed_host_left_of_a_copy_goes_away(lab: Path) -> None:
     (out / f".{SECOND}.h5.abcd1234.part").write_bytes(b"half")
     assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
     assert not list(out.glob(".*"))
+
+
+def test_a_file_with_few_samples_is_listed_as_such(lab: Path) -> None:
+    path = lab / "out" / f"{SECOND}.h5"
+    with h5py.File(path, "r+") as file:
+        for name in ("time", "displacement", "force"):
+            values = file[f"calibrated/{name}"][:5]
+            del file[f"calibrated/{name}"]
+            file[f"calibrated/{name}"] = values
+        del file.attrs["sha256"]
+    for paths in ((path,), (path, lab / "out" / f"{FIRST}.h5")):
+        done = CliRunner().invoke(cli, ["records", *map(str, paths)])
+        assert done.exit_code == 0, done.output
+        assert f"{SECOND}.h5: holds 5 samples of a test that did not come to its end (the Uno stopped" in done.stdout
+        assert (FIRST in done.stdout) == (len(paths) == 2)
+    done = CliRunner().invoke(cli, ["records", "--json", str(path)])
+    assert len(json.loads(done.stdout)["too_short"]) == 1
+
+
+def test_a_test_is_recorded_again_by_its_name(lab: Path) -> None:
+    out = lab / "out"
+    assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
+    (out / f"{FIRST}.h5").unlink()
+    done = run(lab / "short.toml", "--in-process", "--out", out)
+    assert done.exit_code == 0
+    assert f"{FIRST} (gone); run the same command with --again {FIRST} to record them again" in done.stderr
+    done = run(lab / "short.toml", "--in-process", "--out", out, "--again", FIRST)
+    assert done.exit_code == 0
+    assert h5.state(out / f"{FIRST}.try2.h5").complete
+    assert "again" not in run(lab / "short.toml", "--in-process", "--out", out).stderr
+
+
+class Broken(io.TextIOBase):
+    """A stream whose reader has left."""
+
+    def __init__(self, problem: Exception, after: int, terminal: bool) -> None:
+        super().__init__()
+        self.problem, self.left, self.terminal = problem, after, terminal
+
+    def write(self, text: str) -> int:
+        self.left -= 1
+        if self.left < 0:
+            raise self.problem
+        return len(text)
+
+    def isatty(self) -> bool:
+        return self.terminal
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+@pytest.mark.parametrize("after", [0, 1])
+@pytest.mark.parametrize(
+    "problem", [BrokenPipeError(32, "Broken pipe"), OSError(28, "No space left"), ValueError("closed")]
+)
+def test_progress_that_cannot_be_shown_ends_nothing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, problem: Exception, after: int, terminal: bool
+) -> None:
+    (tmp_path / "short.toml").write_text(SHORT)
+    stream = Broken(problem, after, terminal)
+    monkeypatch.setattr(sys, "stderr", stream)
+    with shown(campaigns.planned(tmp_path / "short.toml")) as show:
+        for name in ("a", "b", "c", "d", "e"):
+            show(campaigns.Progress(0, 5, name, "testing"))
+    assert stream.left < 0
+
+
+def test_a_warning_that_cannot_be_shown_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", Broken(BrokenPipeError(32, "Broken pipe"), 0, False))
+    with _frame._warnings_in_one_line():
+        warnings.warn("the journal was lost", DampyrWarning, stacklevel=1)
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("end", ["2>&1 | head -1", "2>/dev/full", "<&- >&- 2>&-"])
+def test_a_campaign_goes_on_whatever_becomes_of_its_streams(tmp_path: Path, end: str) -> None:
+    (tmp_path / "short.toml").write_text(SHORT)
+    command = f"({sys.executable} -m dampyr run short.toml --in-process --out out; echo $? > code) {end}"
+    done = subprocess.run(["sh", "-c", command], cwd=tmp_path, check=False, capture_output=True, text=True)
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "code").read_text().strip() == "0"
+    assert [test.state for test in read_journal(tmp_path / "out")[0]] == ["complete"] * 2
+    for path in (tmp_path / "out").glob("*.h5"):
+        assert records.read(path).n > 1000

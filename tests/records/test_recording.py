@@ -35,9 +35,9 @@ def block(first: int, n: int = 40) -> dict[str, np.ndarray]:
     at = np.arange(first, first + n)
     return {
         "calibrated/time": at / 1000.0,
-        "calibrated/displacement": 0.01 * np.sin(at),
+        "calibrated/displacement": 5e-6 * at,
         "calibrated/force": 100.0 * np.cos(at),
-        "raw/force": np.cos(at) / 6.13,
+        "raw/force": (100.0 * np.cos(at) + 1.5) / 613.0,
         "raw/position": at,
     }
 
@@ -85,7 +85,8 @@ def test_a_long_record_is_finished_piece_by_piece_like_a_short_one(
         if name == "pieces":
             monkeypatch.setattr("dampyr.records.recording.PIECE", 256)
             monkeypatch.setattr("dampyr.records.formats.h5.PIECE", 100)
-        recording = Recording(tmp_path / f"{name}.h5", 3000, HEADER)
+        delayed = {"position": replace(HEADER.raw["position"], delay=settings.force_delay)}
+        recording = Recording(tmp_path / f"{name}.h5", 3000, replace(HEADER, raw=dict(HEADER.raw) | delayed))
         for k in range(50):
             recording.append(block(40 * k))
         recording.finish({"exit_status": "complete"}, ("derived",), refine=refine, margin=margin(settings))

@@ -116,6 +116,7 @@ def planted(path: Path, plant: Plant) -> Path:
         if "raw/cell" in file:
             del file["raw/cell"]
         plant(file, secret)
+        del file.attrs["sha256"]
     return path
 
 
@@ -165,6 +166,7 @@ def test_what_stays_in_the_file_is_read(folder: Path) -> None:
         file.attrs["an object"] = file["elsewhere"].ref
         file["provenance"].attrs["an object"] = file["elsewhere"].ref
         file["provenance"].attrs["a region"] = file["elsewhere"].regionref[2:5]
+        del file.attrs["sha256"]
     record = read(path)
     np.testing.assert_array_equal(record.force, np.cos(np.arange(N) / 100.0))
     assert "object" in record.provenance["an object"].lower()

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from itertools import groupby
 from pathlib import Path
@@ -86,6 +86,11 @@ class Test(Representation):
         return words(self.kind, self.step)
 
     @property
+    def contents(self) -> dict[str, str]:
+        """A hash of what is in each file that the step names, by its field."""
+        return dict(getattr(self.step, "contents", {}))
+
+    @property
     def where(self) -> str:
         """How a message begins: ``step 3, sine 20 mm at 2 Hz, 0 V``."""
         return f"step {self.step_number}, {self.words}"
@@ -127,15 +132,23 @@ class Campaign(Representation):
 
     @property
     def digest(self) -> str:
-        """A hash of what is run, in its order."""
-        contents = [(test.name, test.kind, repr(test.step)) for test in self.tests]
-        return hashlib.sha256(repr(contents).encode()).hexdigest()[:16]
+        """A hash of what is run, in its order; of a file that a step names what is in it counts, and not where it lies."""
+        return _digest((test.name, test.kind, repr(replace(test.step, **test.contents))) for test in self.tests)
+
+    @property
+    def path_digest(self) -> str:
+        """The digest of before 2026-11-23: of a file that a step names its absolute path."""
+        return _digest((test.name, test.kind, repr(test.step)) for test in self.tests)
 
     @property
     def preliminary(self) -> QuasiStatic | None:
         """The slow stroke before the first test, or None."""
         amplitude = self.header.check_amplitude
         return QuasiStatic(amplitude, speed=0.005, cycles=1, rest_before=1.0) if amplitude else None
+
+
+def _digest(contents: Iterable[tuple[str, str, str]]) -> str:
+    return hashlib.sha256(repr(list(contents)).encode()).hexdigest()[:16]
 
 
 def read(path: str | Path, seed: int | None = None) -> Campaign:

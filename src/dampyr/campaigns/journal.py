@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -22,6 +22,7 @@ from dampyr.representation import Representation, Summary, Table, data_frame
 NAME = "journal.sqlite"
 SCHEMA = 1  # of the tables below; raised when they change
 TestState = Literal["planned", "running", "complete", "stopped", "failed"]
+UNWRITABLE = (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_PERM, sqlite3.SQLITE_AUTH)
 
 TABLES = """
 CREATE TABLE IF NOT EXISTS campaign (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -48,6 +49,7 @@ COLUMNS = (
     "what",
     "detail",
 )
+GOES_ON = "run the campaign again: it goes on"
 REPAIR = "move it away, and the same command makes it anew from the records; or choose another folder"
 
 
@@ -76,19 +78,20 @@ class Journal(Representation):
     """The journal of a folder; made where there is none."""
 
     def __init__(self, folder: str | Path) -> None:
-        self.path = Path(folder) / NAME
+        self.path, self._opened = Path(folder) / NAME, False
+        self.said_with_events: Callable[[], Mapping[str, str]] = dict
+        """What is said about the campaign with each event, in the same write to the disk."""
         try:
             self._base = sqlite3.connect(self.path, isolation_level=None)
             self._base.execute("PRAGMA synchronous = FULL")
             self._base.executescript(TABLES)
             self._check_schema()
             self._base.execute(f"SELECT {', '.join(COLUMNS)} FROM tests, events").close()
-        except (
-            sqlite3.OperationalError
-        ) as problem:  # a full disk, a lock, a folder that is read-only, another program's tables
-            raise FileError(self.path, f"cannot be used ({problem}); see to the disk, or {REPAIR}") from problem
+        except FileError:
+            raise
         except (sqlite3.Error, ValueError) as problem:
-            raise FileError(self.path, f"is no journal of a campaign, or is broken ({problem}); {REPAIR}") from problem
+            raise FileError(self.path, self._reason(problem)) from problem
+        self._opened = True
 
     def to_dataframe(self) -> Any:
         """The tests in their order as a ``pandas.DataFrame``: state, attempt and reason."""
@@ -114,10 +117,30 @@ class Journal(Representation):
         if not version:
             self.say({"schema": str(SCHEMA)})
 
+    def _reason(self, problem: Exception) -> str:
+        """Why the journal cannot be used, and the repair."""
+        code = getattr(problem, "sqlite_errorcode", 0) & 0xFF
+        if self._opened and not self.path.is_file():
+            return f"is not there any more: its folder was moved or deleted; move it back, or give its new place, and {GOES_ON}"
+        if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+            return f"is locked by another program, which may be looking at it; close that program, and {GOES_ON}"
+        if code in UNWRITABLE:
+            return f"cannot be written, as if it or its folder were read-only ({problem}); make both writable, and {GOES_ON}"
+        if code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
+            return f"cannot be written ({problem}); see to the disk, and {GOES_ON}"
+        return f"is no journal of a campaign, or is broken ({problem}); {REPAIR}"
+
+    def _rows(self, query: str, values: tuple[object, ...] = ()) -> list[Any]:
+        """What the journal answers; :class:`FileError` where it cannot be read."""
+        try:
+            return self._base.execute(query, values).fetchall()
+        except sqlite3.Error as problem:
+            raise FileError(self.path, self._reason(problem)) from problem
+
     def said(self, key: str) -> str:
         """What was said about the campaign; empty where nothing was."""
-        row = self._base.execute("SELECT value FROM campaign WHERE key = ?", (key,)).fetchone()
-        return str(row[0]) if row else ""
+        rows = self._rows("SELECT value FROM campaign WHERE key = ?", (key,))
+        return str(rows[0][0]) if rows else ""
 
     def say(self, metadata: dict[str, str]) -> None:
         """Say something about the campaign."""
@@ -129,12 +152,13 @@ class Journal(Representation):
         """Whether it holds no plan: it is new, or was lost."""
         return not self.said("digest") or not self.tests()
 
-    def check(self, digest: str) -> None:
-        """Raise :class:`InputError` where the folder belongs to another plan."""
+    def check(self, digest: str, difference: str = "") -> None:
+        """Raise :class:`InputError` where the folder belongs to another plan; ``difference`` says what differs."""
         saved = self.said("digest")
         if saved and saved != digest:
+            what = f": {difference}" if difference else ""
             raise InputError(
-                f"{self.path.parent} holds the campaign {self.said('name')!r}, and this one differs; give another --out"
+                f"{self.path.parent} holds the campaign {self.said('name')!r}, and this one differs{what}; give another --out"
             )
 
     def plan(self, digest: str, names: Iterable[str], metadata: dict[str, str], recorded: Iterable[Entry] = ()) -> None:
@@ -149,9 +173,17 @@ class Journal(Representation):
                 metadata = metadata | {"digest": digest}
                 self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", metadata.items())
 
+    def repeat(self, name: str) -> None:
+        """A test is to be recorded again, whatever became of it."""
+        with self._transaction():
+            self._base.execute(
+                "UPDATE tests SET state = 'planned', reason = 'to be recorded again' WHERE name = ?", (name,)
+            )
+            self._event(name, 0, "again", "asked for by its name")
+
     def tests(self) -> list[Entry]:
         """All tests in their order."""
-        rows = self._base.execute("SELECT name, state, attempt, reason FROM tests ORDER BY place")
+        rows = self._rows("SELECT name, state, attempt, reason FROM tests ORDER BY place")
         return [Entry(*row) for row in rows]
 
     def begin(self, name: str, last: int = 0) -> int:
@@ -179,7 +211,7 @@ class Journal(Representation):
 
     def events(self) -> list[Event]:
         """Everything that happened, oldest first."""
-        rows = self._base.execute("SELECT time, test, attempt, what, detail FROM events ORDER BY id")
+        rows = self._rows("SELECT time, test, attempt, what, detail FROM events ORDER BY id")
         return [Event(*row) for row in rows]
 
     def close(self) -> None:
@@ -192,6 +224,8 @@ class Journal(Representation):
             "INSERT INTO events (time, test, attempt, what, detail) VALUES (?, ?, ?, ?, ?)",
             (now, test, attempt, what, detail),
         )
+        said = self.said_with_events().items()
+        self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", said)
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -206,9 +240,7 @@ class Journal(Representation):
                     self._base.execute("ROLLBACK")
                 raise
         except sqlite3.Error as problem:
-            raise FileError(
-                self.path, f"cannot be written ({problem}); see to the disk, and run the campaign again: it goes on"
-            ) from problem
+            raise FileError(self.path, self._reason(problem)) from problem
 
 
 def read_journal(folder: str | Path) -> tuple[list[Entry], list[Event]]:

@@ -2,28 +2,43 @@
 
 from __future__ import annotations
 
+import threading
+import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
 from dampyr.campaigns.campaign import Campaign, read
+from dampyr.campaigns.differences import campaign_differences, contents_of, settings_differences
+from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.journal import Journal
 from dampyr.campaigns.monitor import Watch, time_left
 from dampyr.campaigns.plan import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
 from dampyr.campaigns.record_test import as_json, check_disk, file_of, groups_of, reason, take
-from dampyr.campaigns.recorded_tests import INTERRUPTED, last_try, recorded
+from dampyr.campaigns.recorded_tests import (
+    INTERRUPTED,
+    broken_tries,
+    is_broken,
+    last_try,
+    recorded,
+    remove_parts,
+    set_aside,
+)
 from dampyr.campaigns.run_control import Control, Progress
-from dampyr.errors import DampyrWarning, FileError
-from dampyr.records.formats.h5 import state
+from dampyr.errors import DampyrWarning, FileError, InputError
+from dampyr.records.formats import h5
+from dampyr.rig.damper_temperature import SavedTemperature
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Rig, Table
 
 Watcher = Callable[[Progress], None]
+SAVE_EVERY = 2.0  # s between two times that the damper's temperature is saved: at 300 W it rises by 1.3 K
+TEMPERATURE, TEMPERATURE_TIME = "temperature_degC", "temperature_time"
 
 
 def perform(
@@ -32,6 +47,7 @@ def perform(
     folder: str | Path,
     progress: Watcher | None = None,
     control: Control | None = None,
+    again: Sequence[str] = (),
 ) -> Path:
     """Run a campaign on a connected rig; its folder holds a file per test and the journal.
 
@@ -41,11 +57,18 @@ def perform(
         A plan, a campaign, or the path of its TOML file. Refused as a whole where the rig cannot do all of it.
     folder
         Where the records go. Tests that are complete there are not run again; one that was interrupted is run anew,
-        beside what it left. Where its journal is missing or empty the files say which tests are complete.
+        beside what it left. Where its journal is missing or empty the files say which tests are complete. While a campaign
+        runs, its folder is locked.
     progress
         Called with a :class:`Progress` for every block of samples.
     control
         The buttons: pause, resume, stop, abort.
+    again
+        Names of tests that are recorded again, each as a further try, although they are complete. A file of them that is
+        broken is renamed, so that it is not read as a record.
+
+    Warns of complete tests whose file is gone or broken, and of settings of the rig that differ from those that the campaign
+    was begun with; the journal and each further record say how.
 
     Raises :class:`~dampyr.errors.InputError` before anything moves, :class:`~dampyr.errors.RigFault` where a safety layer
     has acted, :class:`Stopped` where it was asked for, :class:`~dampyr.errors.FileError` where the disk is full. In every
@@ -53,14 +76,33 @@ def perform(
     """
     campaign_plan = _planned(campaign, rig)
     campaign_plan.require()
+    names = [test.name for test in campaign_plan.tests]
+    for name in again:
+        if name not in names:
+            raise InputError(f"again = {name!r} is no test of this campaign; its tests are {_some(names)}")
     folder = _made(Path(folder))
-    with closing(Journal(folder)) as journal:
-        _enter(campaign_plan, rig, journal, folder)
-        _reconcile(journal, folder)
-        run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or Control())
-        if run.left():
-            run.perform()
+    with folder_lock(folder):
+        remove_parts(folder, names)
+        moved = [set_aside(path) for name in again for path in broken_tries(folder, name)]
+        with closing(Journal(folder)) as journal:
+            _enter(campaign_plan, rig, journal, folder)
+            _reconcile(journal, folder)
+            for path in moved:
+                journal.note("set aside", f"{path.name}: it cannot be read")
+            for name in again:
+                journal.repeat(name)
+            _tell_missing(journal, folder)
+            run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or Control())
+            if run.left():
+                run.begin_warm()
+                run.about = _tell_settings(journal, rig)
+                run.perform()
     return folder
+
+
+def _some(names: Sequence[str]) -> str:
+    """A few names, and how many more there are."""
+    return ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
 
 
 def _planned(campaign: Plan | Campaign | str | Path, rig: Rig) -> Plan:
@@ -80,12 +122,21 @@ def _made(folder: Path) -> Path:
 
 def _enter(campaign_plan: Plan, rig: Rig, journal: Journal, folder: Path) -> None:
     """Enter the plan; where the journal holds none, with what the files in the folder say of its tests."""
-    names, digest = [test.name for test in campaign_plan.tests], campaign_plan.campaign.digest
-    journal.check(digest)
+    campaign = campaign_plan.campaign
+    names, digest = [test.name for test in campaign_plan.tests], campaign.digest
     if not journal.is_empty:
+        saved = journal.said("digest")
+        if (
+            saved == campaign.path_digest != digest
+        ):  # of before 2026-11-23, when what is in a motion's file did not count
+            journal.say({"digest": digest, "contents": contents_of(campaign)})
+        elif saved != digest:
+            entered = [entry.name for entry in journal.tests()]
+            journal.check(digest, campaign_differences(journal.said("contents"), entered, campaign))
         return
+    journal.check(digest)
     entries = recorded(folder, campaign_plan)
-    journal.plan(digest, names, _metadata(campaign_plan, rig), entries)
+    journal.plan(digest, names, _metadata(campaign_plan, rig, folder), entries)
     if entries:
         complete = sum(entry.state == "complete" for entry in entries)
         words = f"from the files of {len(entries)} of its {len(names)} tests: "
@@ -94,14 +145,53 @@ def _enter(campaign_plan: Plan, rig: Rig, journal: Journal, folder: Path) -> Non
         warnings.warn(f"{journal.path} was missing or empty and is made anew {words}", DampyrWarning, stacklevel=3)
 
 
-def _metadata(campaign_plan: Plan, rig: Rig) -> dict[str, str]:
+def _tell_missing(journal: Journal, folder: Path) -> None:
+    """Warn of complete tests whose file is gone or broken."""
+    missing = []
+    for entry in journal.tests():
+        if entry.state == "complete":
+            path = file_of(folder, entry.name, entry.attempt)
+            if not path.is_file() or is_broken(path):
+                missing.append((entry.name, "broken" if path.is_file() else "gone"))
+    if missing:
+        files = ", ".join(f"{name} ({what})" for name, what in missing[:3])
+        more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
+        command = " ".join(f"--again {name}" for name, _ in missing)
+        warnings.warn(
+            f"{folder}: files of complete tests cannot be read: {files}{more}; run the same command with {command} to record "
+            "them again",
+            DampyrWarning,
+            stacklevel=3,
+        )
+
+
+def _tell_settings(journal: Journal, rig: Rig) -> dict[str, str]:
+    """Warn of settings that are not those that the campaign was begun with; what its further records say of it."""
+    begun = journal.said("rig")
+    difference = settings_differences(begun, rig.settings) if begun else ""
+    if not difference:
+        return {}
+    journal.note("settings changed", difference)
+    warnings.warn(
+        f"the rig's settings differ from those that the campaign was begun with: {difference}; the records say so",
+        DampyrWarning,
+        stacklevel=3,
+    )
+    return {"rig_changes": difference}
+
+
+def _metadata(campaign_plan: Plan, rig: Rig, folder: Path) -> dict[str, str]:
+    """What the journal says of a campaign; where records are there already, the rig is that of the first of them."""
     head = campaign_plan.campaign.header
+    files = (h5.provenance(path) for path in folder.glob("[!.]*.h5"))
+    first = min(files, key=lambda each: each.get("started", "9"), default={})
     return {
         "name": head.name,
         "operator": head.operator,
         "note": head.note,
         "source": campaign_plan.campaign.source,
-        "rig": as_json(rig.settings),
+        "contents": contents_of(campaign_plan.campaign),
+        "rig": first.get("rig") or as_json(rig.settings),
     }
 
 
@@ -111,12 +201,14 @@ def _reconcile(journal: Journal, folder: Path) -> None:
         if entry.state != "running":
             continue
         path = file_of(folder, entry.name, entry.attempt)
-        if path.is_file() and state(path).complete:
+        if path.is_file() and is_broken(path):
+            journal.end(
+                entry.name, "failed", f"{INTERRUPTED}, and its file cannot be read: it is {set_aside(path).name} now"
+            )
+        elif path.is_file() and h5.state(path).complete:
             journal.end(entry.name, "complete", "found complete after an interruption")
         else:
             journal.end(entry.name, "failed", INTERRUPTED)
-        for left in folder.glob(f".{path.name}.*.part"):  # of a host that was killed while it finished the file
-            left.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -140,11 +232,44 @@ class _Run:
     control: Control
     groups: Mapping[str, str] = field(default_factory=dict)
     """The session and the specimen of every test of this run."""
+    about: Mapping[str, str] = field(default_factory=dict)
+    """What its records say besides."""
+    _saved: float = field(default_factory=time.monotonic)
+    """When the damper's temperature was saved last, s of a monotonic clock."""
+    _saving: threading.Thread | None = None
 
     def left(self) -> list[PlannedTest]:
         """The incomplete tests, in their order."""
         done = {entry.name for entry in self.journal.tests() if entry.state == "complete"}
         return [test for test in self.plan.tests if test.name not in done]
+
+    def begin_warm(self) -> None:
+        """Begin with the damper as warm as the journal's last host left it; :class:`InputError` where it has to cool first."""
+        rig, limit = self.rig, self.rig.settings.limits.temperature
+        self.journal.said_with_events = self._temperature
+        if rig.damper_persists:
+            with suppress(ValueError):  # none is saved, or by somebody else
+                saved = SavedTemperature.parse(self.journal.said(TEMPERATURE), self.journal.said(TEMPERATURE_TIME))
+                rig.warmth.temperature = max(rig.warmth.temperature, saved.cooled(rig.settings))
+        if rig.warmth.temperature >= limit and not rig.settings.wires.temperature:
+            raise InputError(
+                f"the damper is at {rig.warmth.temperature:.0f} degC as estimated, and limits.temperature = {limit:g} degC; "
+                "let it cool, and run the campaign again: it goes on"
+            )
+
+    def _temperature(self) -> dict[str, str]:
+        """The damper's temperature with its time, for the journal."""
+        if not self.rig.damper_persists:
+            return {}
+        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+        return {TEMPERATURE: f"{self.rig.warmth.temperature:.3f}", TEMPERATURE_TIME: now}
+
+    def _save_temperature(self) -> None:
+        """Save it beside the rig's settings too, now and then; a disk that hesitates holds nothing up."""
+        if time.monotonic() - self._saved >= SAVE_EVERY and not (self._saving and self._saving.is_alive()):
+            self._saved = time.monotonic()
+            self._saving = threading.Thread(target=self.rig.save_temperature, name="temperature", daemon=True)
+            self._saving.start()
 
     def perform(self) -> None:
         left = self.left()
@@ -206,7 +331,7 @@ class _Run:
                 self._show(table, test, watch, samples, remaining, gone)
 
             path = file_of(self.folder, test.name, attempt)
-            take(table, test, self.plan.campaign, path, attempt, self.groups, seen)
+            marks = take(table, test, self.plan.campaign, path, attempt, self.groups, seen, self.about)
         except BaseException as problem:
             outcome = reason(problem)
             with _noted(problem):
@@ -214,11 +339,12 @@ class _Run:
                     test.name, "failed" if outcome["exit_status"] == "failed" else "stopped", outcome["reason"]
                 )
             raise
-        self.journal.end(test.name, "complete")
+        self.journal.end(test.name, "complete", "; ".join(marks))
 
     def _show(
         self, table: Table, test: PlannedTest, watch: Watch, samples: Samples, remaining: int, gone: float
     ) -> None:
+        self._save_temperature()
         self.progress(
             Progress(
                 len(self.plan.tests) - remaining,

@@ -17,6 +17,7 @@ import numpy as np
 
 import dampyr
 from dampyr.campaigns.campaign import Campaign
+from dampyr.campaigns.marks import Mark, Measured, marks_of
 from dampyr.campaigns.plan import PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
@@ -45,23 +46,34 @@ def take(
     attempt: int,
     groups: Mapping[str, str],
     seen: Callable[[Samples], None],
-) -> Path:
-    """Play a test and record it. The file says how it ended; what ended it early is raised again."""
-    table.go(float(planned.drive.displacement[0]))
-    record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups)
+    about: Mapping[str, str] | None = None,
+) -> tuple[str, ...]:
+    """Play a test and record it, in a file whose room is reserved before anything moves. The file says how the test ended; what
+    ended it early is raised again.
+
+    ``about`` is added to what the record says of its origin. The marks of the test are given back; one that spoils it is raised
+    as a :class:`~dampyr.errors.RigFault`.
+    """
+    record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups, about)
     recording = Recording(path, capacity(planned.drive, table.rig), record_header)
+    try:
+        table.go(float(planned.drive.displacement[0]))
+    except BaseException:
+        recording.discard()
+        raise
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
-    with ended(recording, table, started):
+    marks: list[Mark] = []
+    with ended(recording, table, started, marks):
         for samples, selection in table.play(planned.drive):
             if selection.stop > selection.start:
                 recording.append(values(samples, selection, recording.header))
             seen(samples)
-    return path
+    return tuple(mark.text for mark in marks)
 
 
 @contextmanager
-def ended(recording: Recording, table: Table, started: dict[str, str]) -> Iterator[None]:
-    """Finish the file, after the table was brought to rest if something ended the test early."""
+def ended(recording: Recording, table: Table, started: dict[str, str], marks: list[Mark]) -> Iterator[None]:
+    """Finish the file, after the table was brought to rest if something ended the test early; ``marks`` takes those of it."""
     try:
         yield
     except BaseException as problem:
@@ -73,10 +85,39 @@ def ended(recording: Recording, table: Table, started: dict[str, str]) -> Iterat
             recording.close() if isinstance(problem, FileError) else recording.finish(outcome, complete=False)
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
-    rig = table.rig.settings
-    outcome |= {"exit_status": "complete", "reason": ""}
-    table.meanwhile(
-        lambda: recording.finish(outcome, history(rig), refine=lambda values: refined(values, rig), margin=margin(rig))
+    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome)))
+    if any(mark.spoils for mark in marks):
+        raise _spoiled(marks)
+
+
+def _finish(recording: Recording, rig: RigSettings, outcome: dict[str, str]) -> list[Mark]:
+    """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks."""
+    marks = marks_of(measured(recording, rig))
+    texts = tuple(mark.text for mark in marks)
+    if any(mark.spoils for mark in marks):
+        recording.finish(outcome | reason(_spoiled(marks)), complete=False, marks=texts)
+    else:
+        outcome = outcome | {"exit_status": "complete", "reason": ""}
+        recording.finish(
+            outcome, history(rig), refine=lambda values: refined(values, rig), margin=margin(rig), marks=texts
+        )
+    return marks
+
+
+def _spoiled(marks: list[Mark]) -> RigFault:
+    return RigFault(f"the test is spoiled: {'; '.join(mark.text for mark in marks if mark.spoils)}", "check")
+
+
+def measured(recording: Recording, rig: RigSettings) -> Measured:
+    """What was measured, as `dampyr.campaigns.marks` looks at it."""
+    voltage = recording.header.constants.get("voltage")
+    return Measured(
+        recording.read("calibrated/time"),
+        recording.read("calibrated/displacement"),
+        recording.read("calibrated/force"),
+        recording.read("raw/force"),
+        recording.read("calibrated/voltage") if voltage is None else voltage,
+        rig,
     )
 
 
@@ -158,6 +199,7 @@ def header(
     campaign: Campaign,
     attempt: int,
     groups: Mapping[str, str],
+    about: Mapping[str, str] | None = None,
 ) -> Header:
     """The header of the file, complete before the test begins."""
     drive = planned.drive
@@ -187,7 +229,7 @@ def header(
         {"voltage": float(voltage[0])} if constant else {},
         role=getattr(planned.step, "role", "fit"),
         label=label(planned.step),
-        provenance=provenance(rig, calibration, planned, campaign),
+        provenance=provenance(rig, calibration, planned, campaign) | dict(about or {}),
         derived=("velocity",),
         **groups,
     )

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
+from dampyr.campaigns.campaign import Test
+from dampyr.campaigns.differences import step_differences
 from dampyr.campaigns.journal import Entry, TestState
-from dampyr.campaigns.plan import Plan, PlannedTest
-from dampyr.campaigns.record_test import as_json
-from dampyr.errors import FileError
+from dampyr.campaigns.plan import Plan
+from dampyr.errors import FileError, InputError
 from dampyr.records.formats import h5
+from dampyr.records.record_files import Request
 
 INTERRUPTED = "interrupted: the host was killed or lost its power"
+BROKEN = ".broken"  # behind the name of a file that nobody can read, so that no reader takes it for a record
 REPAIR = "give another --out, or move the files that are there to another folder"
 
 
@@ -20,14 +24,16 @@ def recorded(folder: Path, campaign_plan: Plan) -> list[Entry]:
 
     Raises :class:`~dampyr.errors.FileError` where a file is of another campaign or cannot be read.
     """
-    planned = {test.name: test for test in campaign_plan.tests}
+    planned = {test.name: test for test in campaign_plan.campaign.tests}
     tries: dict[str, list[tuple[h5.State, dict[str, str]]]] = {}
     for path in sorted(filter(Path.is_file, folder.glob("[!.]*.h5"))):
         try:
             state, provenance = h5.state(path), h5.provenance(path)
         except FileError as problem:
+            again = [f"record it again with --again {name}, or " for name in planned if _try_of(path, name)]
             raise FileError(
-                folder, f"has no journal of its tests, and a file cannot be read: {problem}; {REPAIR}"
+                folder,
+                f"has no journal of its tests, and a file cannot be read: {problem}; {''.join(again)}{REPAIR}",
             ) from None
         why = _difference(campaign_plan, planned.get(state.test), provenance)
         if why:
@@ -40,16 +46,62 @@ def recorded(folder: Path, campaign_plan: Plan) -> list[Entry]:
     return [_entry(name, tries[name]) for name in planned if name in tries]
 
 
-def _difference(campaign_plan: Plan, test: PlannedTest | None, provenance: dict[str, str]) -> str:
+def _difference(campaign_plan: Plan, test: Test | None, provenance: dict[str, str]) -> str:
     """Why a file is not of this plan; empty where it is. Files of before 2026-11-22 tell their own step only."""
-    digest = provenance.get("campaign_digest", "")
-    if digest:
-        return "" if digest == campaign_plan.campaign.digest else "what it runs differs"
+    campaign, digest = campaign_plan.campaign, provenance.get("campaign_digest", "")
+    if digest in (campaign.digest, campaign.path_digest):
+        return ""
     if test is None:
         return "it has no such test"
-    if provenance.get("kind") != test.kind or provenance.get("step") != as_json(test.step):
+    if provenance.get("kind") != test.kind or "step" not in provenance:
         return "its step differs, or is not told"
-    return ""
+    step = step_differences(provenance["step"], test)
+    if digest and not step:
+        return "other tests of it, their order, or what is in its files differ"
+    return f"its step differs: {step}" if step else ""
+
+
+def set_aside(path: Path) -> Path:
+    """Give a broken file a name under which nobody takes it for a record; nothing of it is lost."""
+    number, aside = 1, path.with_name(path.name + BROKEN)
+    while aside.exists():
+        number, aside = number + 1, path.with_name(f"{path.name}{BROKEN}{number + 1}")
+    path.rename(aside)
+    return aside
+
+
+def broken_tries(folder: Path, name: str) -> list[Path]:
+    """The files of a test that cannot be read, or hold something else than was written."""
+    return [path for path in sorted(folder.glob("*.h5")) if _try_of(path, name) and _is_damaged(path)]
+
+
+def _is_damaged(path: Path) -> bool:
+    """Whether a file cannot be read as a record, though it has samples enough."""
+    try:
+        h5.read(path, Request())
+    except h5.FewSamples:
+        return False
+    except InputError:
+        return True
+    return False
+
+
+def is_broken(path: Path) -> bool:
+    """Whether a file is there and is truncated or no record."""
+    try:
+        h5.state(path)
+    except h5.BrokenFile:
+        return True
+    return False
+
+
+def remove_parts(folder: Path, names: Iterable[str]) -> None:
+    """Remove what hosts that were killed while they finished a file of these tests have left of the new one."""
+    tests = set(names)
+    for path in folder.glob(".*.h5.*.part"):
+        name = re.fullmatch(r"\.(.+?)(?:\.try\d+)?\.h5\.\w+\.part", path.name)
+        if name and name[1] in tests:
+            path.unlink(missing_ok=True)
 
 
 def _entry(name: str, tries: list[tuple[h5.State, dict[str, str]]]) -> Entry:
@@ -62,10 +114,11 @@ def _entry(name: str, tries: list[tuple[h5.State, dict[str, str]]]) -> Entry:
 
 
 def last_try(folder: Path, name: str) -> int:
-    """The highest try of a test that has a file; 0 where none has."""
-    numbers = [
-        re.fullmatch(r"(?:\.try(\d+))?\.h5", path.name[len(name) :])
-        for path in folder.glob("*.h5")
-        if path.name.startswith(name)
-    ]
-    return max((int(number[1] or 1) for number in numbers if number), default=0)
+    """The highest try of a test that has a file, broken ones included; 0 where none has."""
+    return max((_try_of(path, name) for path in folder.glob("*.h5*")), default=0)
+
+
+def _try_of(path: Path, name: str) -> int:
+    """Which try of the test ``name`` a file is, by its own name; 0 where it is none."""
+    number = re.fullmatch(rf"(?:\.try(\d+))?\.h5(?:{re.escape(BROKEN)}\d*)?", path.name.removeprefix(name))
+    return int(number[1] or 1) if path.name.startswith(name) and number else 0

@@ -35,7 +35,8 @@ class Step(Protocol):
     """One file of ``steps/``: a frozen dataclass called as its file, whose fields a campaign fills.
 
     ``lowers`` : the fields that a refusal may propose to lower. ``named`` : the fields in a test's name and words.
-    ``fixed`` : whether the test keeps its place where the order is random.
+    ``fixed`` : whether the test keeps its place where the order is random. One that names files has ``contents``, a hash of
+    what is in each by its field.
     """
 
     lowers: ClassVar[tuple[str, ...]]

@@ -6,14 +6,16 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator, MutableMapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 import click
 
 import dampyr
 from dampyr import registry
+from dampyr.cli._output import drop_unwritten
 from dampyr.errors import DampyrError, DampyrWarning
 
 REGISTRY = "dampyr.cli"
@@ -63,7 +65,22 @@ def cli(ctx: click.Context) -> None:
 
 def main() -> NoReturn:
     """The ``dampyr`` command."""
+    open_streams()
     cli.main()
+
+
+def open_streams() -> None:
+    """Open those of stdin, stdout and stderr that the shell has closed (``<&-``), on the null device.
+
+    Else the next file that is opened, such as a record, would be the one that stray output is written to.
+    """
+    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # the system gives the lowest number that is free
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open(mode, encoding="utf-8"))  # noqa: SIM115
 
 
 def _guarded(run: Callable[[], Any]) -> int:
@@ -79,10 +96,11 @@ def _guarded(run: Callable[[], Any]) -> int:
         return _say(_usage(problem))
     except DampyrError as problem:
         return _say("; ".join([str(problem), *getattr(problem, "__notes__", [])]))
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader left: nothing to flush to
+    except BrokenPipeError:  # the reader left
+        drop_unwritten()
         return 1
     except OSError as problem:
+        drop_unwritten()
         return _say(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem))
     except (click.Abort, KeyboardInterrupt):
         _say("interrupted")
@@ -96,7 +114,9 @@ def _usage(problem: click.ClickException) -> str:
 
 
 def _say(message: str) -> int:
-    click.echo(f"dampyr: {' '.join(message.split())}", err=True)
+    """One line on stderr, where it can be written; whether it can is no matter of the work under way."""
+    with suppress(OSError, ValueError):
+        click.echo(f"dampyr: {' '.join(message.split())}", err=True)
     return WRONG
 
 

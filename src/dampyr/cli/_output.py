@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import click
@@ -65,6 +67,15 @@ def _print(*parts: Any) -> None:
     page = io.StringIO()
     Console(file=page, width=WIDTH_OF_A_FILE).print(*parts, sep="\n", highlight=False)
     click.echo("\n".join(line.rstrip() for line in page.getvalue().rstrip().splitlines()))
+
+
+def drop_unwritten() -> None:
+    """Let go of output that cannot be written, so that Python does not try again when it ends."""
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError):
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _is_number(cell: Any) -> bool:

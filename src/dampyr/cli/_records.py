@@ -89,24 +89,32 @@ def gather(
     reading: Reading,
     reference_inputs: Sequence[float] = (),
     warn: bool = True,
+    short: list[str] | None = None,
 ) -> list[Record]:
     """The records in files and folders, measured inputs that are constant but for noise as constants.
 
     ``role`` chooses among those of a folder, None takes all; measured inputs close to ``reference_inputs`` count as these.
     A line on stderr lists what was joined, and with ``warn`` another one the records that create energy.
+    ``short``, where it is given, takes the sentence of each file that has too few samples for a record, and none is an error.
     """
     from dampyr import records
+    from dampyr.records.formats.h5 import FewSamples
 
     measured: list[Record] = []
     for path in paths:
         if path.is_dir():
             measured += records.read_campaign(path, role=role, **reading.said)  # type: ignore[arg-type]
         else:
-            measured.append(records.read(path, **reading.said))
-    if not measured:
+            try:
+                measured.append(records.read(path, **reading.said))
+            except FewSamples as problem:
+                if short is None:
+                    raise
+                short.append(str(problem))
+    if not measured and not short:
         where, which = ", ".join(map(str, paths)), f" whose role is {role}" if role else ""
         raise InputError(f"no records{which} in {where}; name files, or a folder with records")
-    if reading.cut is not None:
+    if reading.cut is not None and measured:
         measured = [piece for record in measured for piece in records.cut(record, reading.cut)]
         name, count = Counter(record.name for record in measured).most_common(1)[0]
         if count > 1:

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from typing import Any
 
 from dampyr.campaigns import Control, Plan, Progress
@@ -18,13 +18,38 @@ Show = Callable[[Progress], None]
 
 @contextmanager
 def shown(plan: Plan) -> Iterator[Show]:
-    """A function that shows progress: bars where somebody looks, a line per test where nobody does."""
-    if not sys.stderr.isatty():
-        yield _lines()
-        return
+    """A function that shows progress: bars where somebody looks, a line per test where nobody does.
+
+    Where stderr cannot be written any more, as when its reader has left, nothing is shown from then on: that ends no test.
+    """
+    with _bars(plan) if sys.stderr.isatty() else nullcontext(_lines()) as show:
+        yield _while_written(show)
+
+
+def _while_written(show: Show) -> Show:
+    failed = False
+
+    def show_if_possible(progress: Progress) -> None:
+        nonlocal failed
+        if not failed:
+            try:
+                show(progress)
+            except (OSError, ValueError):  # ValueError: the stream was closed
+                failed = True
+
+    return show_if_possible
+
+
+@contextmanager
+def _bars(plan: Plan) -> Iterator[Show]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
     from rich.progress import Progress as Bars
+
+    class Quiet(Console):
+        def on_broken_pipe(self) -> None:
+            """Show nothing more; rich would end the process."""
+            self.quiet = True
 
     columns = (
         TextColumn("{task.description}"),
@@ -32,21 +57,29 @@ def shown(plan: Plan) -> Iterator[Show]:
         MofNCompleteColumn(),
         TextColumn("{task.fields[message]}"),
     )
-    with Bars(*columns, console=Console(stderr=True), refresh_per_second=10) as bars:
-        whole = bars.add_task(plan.campaign.header.name, total=len(plan.tests), message="")
-        test = bars.add_task("", total=100, message="")
-        last = 0.0
+    # refreshed by the calls: in a thread of its own an error would go nowhere
+    bars = Bars(*columns, console=Quiet(stderr=True), auto_refresh=False)
+    whole = bars.add_task(plan.campaign.header.name, total=len(plan.tests), message="")
+    test = bars.add_task("", total=100, message="")
+    last = 0.0
 
-        def show(progress: Progress) -> None:
-            nonlocal last
-            if progress.samples is not None and time.monotonic() - last < LOOKS:
-                return
-            last = time.monotonic()
-            bars.update(whole, completed=progress.done, message=f"{_clock(progress.time_left)} of rig time left")
-            name = f"{progress.phase} {progress.name}".strip()
-            bars.update(test, description=name, completed=round(100 * progress.fraction), message=_live(progress))
+    def show(progress: Progress) -> None:
+        nonlocal last
+        if progress.samples is not None and time.monotonic() - last < LOOKS:
+            return
+        last = time.monotonic()
+        bars.update(whole, completed=progress.done, message=f"{_clock(progress.time_left)} of rig time left")
+        name = f"{progress.phase} {progress.name}".strip()
+        bars.update(test, description=name, completed=round(100 * progress.fraction), message=_live(progress))
+        bars.refresh()
 
+    with suppress(OSError, ValueError):
+        bars.start()
+    try:
         yield show
+    finally:
+        with suppress(OSError, ValueError):
+            bars.stop()
 
 
 def _live(progress: Progress) -> str:

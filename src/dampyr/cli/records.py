@@ -39,15 +39,16 @@ def command(
     from dampyr.records.record import GROUPS
 
     places = paths or (records.locate("labcontrol"),)
-    record_list = gather(places, role, reading, warn=False)
+    short: list[str] = []
+    record_list = gather(places, role, reading, warn=False, short=short)
     absent = [row for path in places if path.is_dir() for row in _without_file(path)]
     descriptions = [records.describe(record) for record in record_list]
     if as_json:
-        print_json({"records": descriptions, "rows_without_file": absent})
-    elif len(descriptions) == 1 and not absent:
+        print_json({"records": descriptions, "rows_without_file": absent, "too_short": short})
+    elif len(descriptions) == 1 and not absent and not short:
         _print_one(descriptions[0])
     else:
-        notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent]
+        notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent] + short
         groups = {name: word for name, word in GROUPS.items() if any(each[name] for each in descriptions)}
         rows = [[*_row(each), *(each[name] for name in groups), "; ".join(each["notes"])] for each in descriptions]
         names, units = [*COLUMNS, *groups.values(), "to look at"], [*UNITS, *("" for _ in groups), ""]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, drop_unwritten, print_json, print_table
 from dampyr.cli._report import report_options
-from dampyr.errors import InputError
+from dampyr.errors import DampyrError, InputError
 
 if TYPE_CHECKING:
     from dampyr.campaigns import Plan
@@ -25,6 +26,9 @@ FEW = 50  # rows of a table that are all printed; of more, only those that are n
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="DIR", help="Where the records go; goes on where it stopped."
 )
+@click.option(
+    "--again", multiple=True, metavar="TEST", help="Record a test of that name again, although it is complete."
+)
 @click.option("--dry-run", is_flag=True, help="Print the plan and what the rig cannot do; move nothing.")
 @click.option("--seed", type=click.IntRange(0), help="Of the random order, instead of the campaign's.")
 @report_options("Write a page of the plan.")
@@ -38,6 +42,7 @@ def command(
     campaign: Path,
     rig: Path | None,
     out: Path | None,
+    again: tuple[str, ...],
     dry_run: bool,
     seed: int | None,
     report: Path | None,
@@ -69,26 +74,40 @@ def command(
             raise InputError(
                 "--out is missing; give the folder where the records go, or --dry-run to see the plan only"
             )
-        _perform(plan, rig, out, as_json, {"faults": faults, "in_process": in_process, "real_time": real_time})
+        _perform(plan, rig, out, again, as_json, {"faults": faults, "in_process": in_process, "real_time": real_time})
     return None
 
 
-def _perform(plan: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[str, Any]) -> None:
-    from dampyr.campaigns import Control, perform, read_journal
+def _perform(
+    plan: Plan, rig: Path | None, out: Path, again: tuple[str, ...], as_json: bool, how: dict[str, Any]
+) -> None:
+    from dampyr.campaigns import Control, perform
     from dampyr.cli._running import keys, shown, stopped_by_signals
     from dampyr.rig.connect import open_rig
 
     control = Control()
     try:
         with open_rig(rig, **how) as opened, stopped_by_signals(), shown(plan) as show, keys(control):
-            perform(plan, opened, out, show, control)
-    finally:
-        if (out / "journal.sqlite").is_file():
-            tests, events = read_journal(out)
-            if as_json:
-                print_json({"folder": str(out), "tests": tests, "events": events})
-            elif tests:
-                _summary(plan, out, tests)
+            perform(plan, opened, out, show, control, again)
+    except BaseException:
+        with suppress(DampyrError, OSError):  # what ended the campaign is told, and not that it cannot be listed
+            _tell_outcome(plan, out, as_json)
+        raise
+    try:
+        _tell_outcome(plan, out, as_json)
+    except BrokenPipeError:  # whoever read has seen enough, and the campaign is complete
+        drop_unwritten()
+
+
+def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
+    from dampyr.campaigns import read_journal
+
+    if (out / "journal.sqlite").is_file():
+        tests, events = read_journal(out)
+        if as_json:
+            print_json({"folder": str(out), "tests": tests, "events": events})
+        elif tests:
+            _summary(plan, out, tests)
 
 
 def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:

@@ -5,6 +5,7 @@ The command line and the console both call `identify`; a choice that they offer 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
@@ -12,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
-from dampyr.errors import InputError
+from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.fit_data import WEIGHTINGS
 from dampyr.identification.leaderboard import BUDGET, Leaderboard, leaderboard
@@ -206,6 +207,7 @@ def identify(
     options = options or IdentifyOptions()
     tell = progress or (lambda stage, done: None)
     nominal = nominal_inputs(records)
+    warn_of_marks(nominal)
     fitted = [record for record in nominal if record.role != "validation"]
     others = [record for record in nominal if record.role == "validation"]
     check_records(fitted, others, options)
@@ -223,6 +225,7 @@ def identify_each(records: Sequence[Record], options: IdentifyOptions, progress:
         raise InputError("fits of single records need a model: without it every model is tried; name one, such as dahl")
     tell = progress or (lambda stage, done: None)
     nominal = nominal_inputs(records)
+    warn_of_marks(nominal)
     _check_bandwidth(nominal, options)
     fits = []
     for k, record in enumerate(nominal):
@@ -230,6 +233,19 @@ def identify_each(records: Sequence[Record], options: IdentifyOptions, progress:
         fits.append(fit(options.model, record, **_held(options, options.model)))
     tell("identifying", 1.0)
     return fits
+
+
+def marks_in_words(records: Sequence[Record]) -> list[str]:
+    """The faults that the recorder saw, with the name of the record of each."""
+    return [f"{record.name}: {mark}" for record in records for mark in record.marks]
+
+
+def warn_of_marks(records: Sequence[Record]) -> None:
+    """Warn, in one line, of records with faults that the recorder saw."""
+    marks = marks_in_words(records)
+    if marks:
+        more = f"; and {len(marks) - 3} more" if len(marks) > 3 else ""
+        warnings.warn(f"the recorder saw faults: {'; '.join(marks[:3])}{more}", DampyrWarning, stacklevel=3)
 
 
 def check_records(fitted: Sequence[Record], others: Sequence[Record], options: IdentifyOptions) -> None:

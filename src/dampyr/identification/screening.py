@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
-from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -122,12 +121,13 @@ def screen_all(
             break
         plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
         # Each add-on with all models before the next one, so that a lack of time is the same for all.
-        models = [model for column in zip_longest(*plan.values()) for model in column if model is not None]
+        tried = range(max(map(len, plan.values())))
+        models = [model for n in tried for each in plan.values() for model in each[n : n + 1]]
         tasks = [partial(trial, m, small, seed, options, math.inf if m in plan else deadline) for m in models]
         results = parallel.run_all(tasks, executor, lambda done, k=k: progress((k + done) / rounds))  # type: ignore[misc]
         by_model = dict(zip(models, results, strict=True))
-        for base, tried in plan.items():
-            trials[base] += [by_model[model] for model in tried]
+        for base, each in plan.items():
+            trials[base] += [by_model[model] for model in each]
         going = _still_going(going, trials, ends) if k + 1 < rounds else []
     progress(1.0)
     unfinished = [base for base in bases if any(one.reason == NOT_BEGUN for one in trials[base])]

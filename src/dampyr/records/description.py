@@ -26,7 +26,8 @@ def describe(record: Record) -> dict[str, Any]:
 
     ``measured`` is None where the motion does not repeat itself: then ``overview`` stands for it. ``input_range`` is the least
     and the largest input, None where it is not known. ``smoothing`` holds the moving averages that channels show and that are
-    not declared, ``smoothed`` the one that is declared and not undone, ``noise`` what the displacement's noise does.
+    not declared, ``smoothed`` the one that is declared and not undone, ``noise`` what the displacement's noise does,
+    ``marks`` the faults that the recorder saw.
     """
     seen = overview(record)
     measured = measure(record) if seen.repeats else None
@@ -51,7 +52,9 @@ def describe(record: Record) -> dict[str, Any]:
         "smoothing": smoothing,
         "smoothed": record.smoothed,
         "noise": noise,
+        "marks": record.marks,
         "notes": [
+            *record.marks,
             *(note.removeprefix(f"{record.name}: ") for note in notes),
             *sampled.notes,
             *_smoothing_notes(record, smoothing),

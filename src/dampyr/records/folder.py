@@ -24,11 +24,19 @@ def read_folder(folder: Path, incomplete: bool = False, **said: Any) -> list[Rec
 
     Every file with a suffix that is read is a record, but hidden files, those that ``reading.toml`` ignores, and texts without
     a line of numbers, such as a README; these are named in a warning. Of dampyr's own files the latest complete try of each
-    test is taken, or with ``incomplete`` every one.
+    test is taken, or with ``incomplete`` every one but those that ended before they had 8 samples, with a warning.
     """
     files = record_files(folder)
     selected = files if incomplete else _latest(files)
-    records = [_read(path, said) for path in selected]
+    records, few = [], []
+    for path in selected:
+        try:
+            records.append(_read(path, said))
+        except h5.FewSamples as problem:
+            few.append(f"{path.name} ({problem.samples})")
+    if few:
+        names = ", ".join(few)
+        warnings.warn(f"{folder}: left out, too few samples for a record: {names}", DampyrWarning, stacklevel=3)
     if not incomplete:
         _check_names(folder, records)
     warn_of_integrated(records)

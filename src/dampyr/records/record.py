@@ -130,6 +130,8 @@ class Record(Representation):
         Which damper was tested, such as its serial number, or None.
     smoothed
         The moving average that some of its channels still hold (:mod:`dampyr.records.smoothing`), or None.
+    marks
+        Faults that the recorder saw in the test, a sentence each, such as a force that stands still while the table moves.
 
     Raises
     ------
@@ -152,12 +154,16 @@ class Record(Representation):
     measurement_session: str | None = None
     specimen: str | None = None
     smoothed: MovingAverage | None = None
+    marks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for channel in CHANNELS:
             object.__setattr__(self, channel, _frozen(channel, getattr(self, channel)))
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
-        object.__setattr__(self, "history", tuple(self.history))
+        for name in ("history", "marks"):
+            if isinstance(getattr(self, name), str):
+                raise InputError(f"{name} = {getattr(self, name)!r} is one text; give a tuple of texts")
+            object.__setattr__(self, name, tuple(map(str, getattr(self, name))))
         for name in GROUPS:
             object.__setattr__(self, name, as_group(name, getattr(self, name)))
         _check_shapes(self)
@@ -232,6 +238,7 @@ class Record(Representation):
         rows += [(GROUPS[name], getattr(self, name)) for name in GROUPS if getattr(self, name) is not None]
         if self.smoothed is not None:
             rows.append(("smoothed", f"{', '.join(self.smoothed.channels)}, over {self.smoothed.window:.4g} s"))
+        rows += [("mark", mark) for mark in self.marks]
         return f"Record {self.name!r}", rows
 
     def replace(self, *, note: str, **changes: Any) -> Record:

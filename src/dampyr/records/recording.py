@@ -16,7 +16,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -120,6 +120,11 @@ class Recording:
         self.rows += n
         return self.rows
 
+    def read(self, name: str) -> Array:
+        """All acknowledged samples of a dataset, such as ``calibrated/force``, (rows,)."""
+        with self._translate_errors("cannot be read"):
+            return self._data[name][:]
+
     def _sync(self) -> None:
         if time.monotonic() - self._synced >= SYNC_EVERY:
             os.fsync(self._file.fileno())
@@ -132,6 +137,12 @@ class Recording:
             with self._translate_errors("cannot be written"), self._file as file:
                 os.fsync(file.fileno())
 
+    def discard(self) -> None:
+        """Remove the file of a test that never began: without a sample it is no try."""
+        self.close()
+        if not self.rows:
+            self.path.unlink(missing_ok=True)
+
     def finish(
         self,
         provenance: Mapping[str, str],
@@ -139,11 +150,12 @@ class Recording:
         complete: bool = True,
         refine: Refine | None = None,
         margin: int = 0,
+        marks: tuple[str, ...] = (),
     ) -> Path:
         """Close the file and write it anew with what became known, whole or not at all, a piece of it at a time.
 
         ``refine`` gives the channels that the finished file holds, from those that were recorded; it looks at ``margin``
-        samples before and after each.
+        samples before and after each; ``marks`` are the faults that were seen in the test.
         """
         entries = dict(self.header.provenance) | dict(provenance)
         entries |= {"test": self.header.test, "try": str(self.header.attempt)} | (
@@ -152,7 +164,13 @@ class Recording:
         header = self.header
         about: dict[str, Any] = {"name": header.name, "label": header.label, "role": header.role, **header.constants}
         about |= {"provenance": entries, "history": history, **header.groups}
-        raw = {name: _raw(self._data[f"raw/{name}"], channel) for name, channel in header.raw.items()}
+        if marks:
+            about["marks"] = marks
+        # a channel that nothing refined is read when the raw reading is
+        raw = {
+            name: _raw(self._data[f"raw/{name}"], channel if refine else replace(channel, delay=0.0))
+            for name, channel in header.raw.items()
+        }
         try:
             with self._translate_errors("cannot be finished"), whole_file(self.path) as temporary:
                 self._copy.close()
@@ -184,10 +202,23 @@ class Recording:
 
 
 def check_disk_space(folder: Path, what: str, header: Header, capacity: int) -> None:
-    """Raise :class:`~dampyr.errors.FileError` where the disk has not the room for a recording and the copy that finishes it."""
-    needed = sum(header.file_sizes(capacity))
-    if needed > shutil.disk_usage(folder).free:
-        raise FileError(folder, f"{what} cannot be recorded: {_refusal(errno.ENOSPC, needed, folder)}")
+    """Reserve the room for a recording and the copy that finishes it, and give it back.
+
+    Raises :class:`~dampyr.errors.FileError` where the disk, a quota or the limit of a file's length does not allow it.
+    """
+    sizes = header.file_sizes(capacity)
+    try:
+        if sum(sizes) > shutil.disk_usage(folder).free:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        with ExitStack() as files:
+            for size in sizes:
+                reserve(files.enter_context(tempfile.TemporaryFile(dir=folder)).fileno(), size)
+    except OSError as problem:
+        if problem.errno in REFUSALS:
+            why = _refusal(problem.errno, sum(sizes), folder)
+        else:
+            why = problem.strerror or str(problem)
+        raise FileError(folder, f"{what} cannot be recorded: {why}") from problem
 
 
 def _refusal(number: int, needed: int, folder: Path) -> str:

@@ -67,15 +67,16 @@ def simulated(
             raise InputError("a rig in this process has no clock and no black box of its own; leave in_process out")
         simulator = Simulator(rig, seed, fault_specs, specimen)
         uno, board = Uno(InProcess(simulator.serial)), InProcessBoard(simulator)
-        return Rig(rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True)
+        return Rig(rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True, damper_persists=False)
     process = Process(rig, specimen, seed, fault_specs, real_time, black_box)
     try:
         wired = replace(rig, wires=replace(rig.wires, serial=process.serial, grpc=process.grpc))
         if real_time:
-            return _in_real_time(rig, wired, folder, [process.close])
+            return _in_real_time(rig, wired, folder, [process.close], damper_persists=False)
         # in lockstep no time passes while a host waits
         answering, sampling = open_instruments(wired, wait=0.25, tries=20)
-        return Rig(rig, answering, sampling, threaded=False, folder=folder, on_close=[process.close])
+        closing = [process.close]
+        return Rig(rig, answering, sampling, threaded=False, folder=folder, on_close=closing, damper_persists=False)
     except BaseException:
         process.close()
         raise
@@ -98,12 +99,16 @@ def open_rig(
 
 
 def _in_real_time(
-    rig: RigSettings, wired: RigSettings, folder: Path | None, on_close: Sequence[Callable[[], None]] = ()
+    rig: RigSettings,
+    wired: RigSettings,
+    folder: Path | None,
+    on_close: Sequence[Callable[[], None]] = (),
+    damper_persists: bool = True,
 ) -> Rig:
     """A rig that is read, at the wires of ``wired``, by a process of its own."""
     process = LoopProcess(wired)
     try:
-        return remote_rig(process, rig, folder, on_close)
+        return remote_rig(process, rig, folder, on_close, damper_persists)
     except BaseException:
         process.close()
         raise

@@ -328,7 +328,11 @@ class RemoteLoop(Acquisition):
 
 
 def remote_rig(
-    link: Link, settings: RigSettings, folder: Path | None = None, on_close: Sequence[Callable[[], None]] = ()
+    link: Link,
+    settings: RigSettings,
+    folder: Path | None = None,
+    on_close: Sequence[Callable[[], None]] = (),
+    damper_persists: bool = True,
 ) -> Rig:
     """The rig whose instruments are open at the other end of ``link``; closing it closes the link."""
 
@@ -340,4 +344,13 @@ def remote_rig(
 
     uno, board = StandIn(link, "uno"), StandIn(link, "board")
     closing = [link.close, *on_close]
-    return Rig(settings, cast(Uno, uno), board, threaded=False, folder=folder, acquisition=loop, on_close=closing)
+    return Rig(
+        settings,
+        cast(Uno, uno),
+        board,
+        threaded=False,
+        folder=folder,
+        acquisition=loop,
+        on_close=closing,
+        damper_persists=damper_persists,
+    )

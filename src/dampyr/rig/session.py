@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext, suppress
@@ -14,10 +15,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError, RigFault
+from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.representation import Representation, Summary
 from dampyr.rig.acquisition import SETTLED, Acquisition
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
+from dampyr.rig.damper_temperature import load_temperature, save_temperature
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.gc_control import disable_gc, freeze_objects
@@ -42,6 +44,7 @@ class Rig(Representation):
     ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
     ``clock``: the host's monotonic time [s], by which late readings are noticed.
     ``acquisition`` makes the loop that reads it where that is not in this process.
+    ``damper_persists``: the damper is as warm as the last host left it; that of a simulated rig is a new one.
     Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick.
     """
 
@@ -57,12 +60,15 @@ class Rig(Representation):
     acquisition: Callable[[Rig], Acquisition] | None = None
     on_close: list[Callable[[], None]] = field(default_factory=list)
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
+    damper_persists: bool = True
     warmth: Warmth = field(init=False)
 
     def __post_init__(self) -> None:
         saved = load_calibration(self.folder) if self.folder else None
         self.calibration = self.calibration or saved or calibration_of(self.settings)
         self.warmth = Warmth(self.settings, self.settings.specimen.room)
+        if self.damper_persists and self.folder and (warm := load_temperature(self.folder)):
+            self.warmth.temperature = warm.cooled(self.settings)
         if self.threaded:
             self.on_close.append(disable_gc())
 
@@ -100,6 +106,16 @@ class Rig(Representation):
             raise
         else:
             table.disarm(None)
+        finally:
+            self.save_temperature()
+
+    def save_temperature(self) -> None:
+        """Save the damper's temperature for the next host, beside the ``rig.toml``; a failure is a warning."""
+        if self.damper_persists and self.folder:
+            try:
+                save_temperature(self.folder, self.warmth.temperature)
+            except FileError as problem:
+                warnings.warn(f"the damper's temperature was not saved: {problem}", DampyrWarning, stacklevel=2)
 
     def listen(self, seconds: float = 1.0) -> tuple[Array, NDArray[np.int64]]:
         """What the board reads while nothing is armed: volts (channels, n) and counts (n,); the command is 0 V."""

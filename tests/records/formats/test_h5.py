@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from dampyr.errors import FileError
+from dampyr.errors import FileError, InputError
 from dampyr.records import Label, Record, read, write
 from dampyr.records.formats import h5
 
@@ -79,8 +79,10 @@ def test_a_truncated_file(tmp_path, full):
 
 
 def changed(path, change):
+    """As by somebody who means it: without the checksums."""
     with h5py.File(path, "r+") as file:
         change(file)
+        del file.attrs["sha256"]
     return path
 
 
@@ -139,7 +141,7 @@ def test_an_incomplete_file_says_so_and_stays_so(tmp_path, full):
 def test_writing_is_all_or_nothing(tmp_path, full, monkeypatch):
     path = write(full, tmp_path / "r.h5")
     before = path.read_bytes()
-    monkeypatch.setattr(h5, "_fill_raw", lambda file, raw: 1 / 0)
+    monkeypatch.setattr(h5, "_fill_raw", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         write(full.replace(note="next", force=2 * full.force), path)
     assert path.read_bytes() == before
@@ -157,6 +159,7 @@ def test_numbers_that_are_not_real_are_refused(tmp_path, full):
         del file["calibrated/force"]
         file["calibrated/force"] = full.force + 1j
         file["calibrated/force"].attrs["unit"] = "N"
+        del file.attrs["sha256"]
     with pytest.raises(FileError, match="/calibrated/force holds complex128, not real numbers"):
         read(path)
 
@@ -168,3 +171,145 @@ def test_more_data_than_the_memory_holds_are_told(tmp_path, full):
         file.create_dataset("calibrated/force", (10**15,), "f8", chunks=(10**6,)).attrs["unit"] = "N"
     with pytest.raises(FileError, match="tells of more data than the memory holds"):
         read(path)
+
+
+@pytest.fixture
+def recorded(tmp_path, make_sine):
+    """A record with raw readings, the position read later than the force, as a rig writes it."""
+    record = make_sine(duration=4.0, rest=0.5, voltage=0.5, history=("read",))
+    counts = np.round(record.displacement / 5e-6)
+    x = np.interp(record.time - 2e-4, record.time, 5e-6 * counts)
+    record = record.replace(note="moved", displacement=x, marks=("the force stood still",))
+    raw = {
+        "force": h5.Raw((record.force + 3.0) / 613.0, "V", 613.0, -3.0, "N"),
+        "position": h5.Raw(counts.astype("i8"), "count", 5e-6, 0.0, "m", 2e-4),
+    }
+    return record, write(record, tmp_path / "recorded.h5", raw=raw)
+
+
+def test_marks_are_part_of_a_record(recorded):
+    record, path = recorded
+    assert same(record, read(path))
+    assert read(path).marks == ("the force stood still",)
+    assert "the force stood still" in repr(record)
+    with pytest.raises(InputError, match="marks = 'one' is one text; give a tuple of texts"):
+        record.replace(note="x", marks="one")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["calibrated/time", "calibrated/displacement", "calibrated/force", "calibrated/voltage", "history", "marks"],
+)
+def test_a_dataset_that_was_damaged_is_named(recorded, name):
+    path = recorded[1]
+    with h5py.File(path, "r+") as file:
+        data = file[name]
+        if data.dtype.kind == "O":
+            data[0] = "other"
+        elif data.shape:
+            data[7] = np.nextafter(data[7], 1.0)
+        else:
+            data[()] = np.nextafter(data[()], 9.0)
+    with pytest.raises(
+        FileError, match=rf"/{name} is not what was written, its SHA-256 differs; record or copy the test"
+    ):
+        read(path)
+
+
+def test_a_raw_reading_that_was_damaged_is_named(recorded):
+    with h5py.File(recorded[1], "r+") as file:
+        file["raw/position"][7] += 1
+    with pytest.raises(FileError, match="/raw/position is not what was written"):
+        h5.read_raw(recorded[1])
+    with pytest.raises(
+        FileError, match=r"/calibrated/displacement is not gain\*raw \+ offset of /raw/position: they are"
+    ):
+        read(recorded[1])
+
+
+def test_an_attribute_that_was_damaged_is_told(recorded):
+    for name, value in (("complete", np.uint8(3)), ("role", "validation")):
+        with h5py.File(recorded[1], "r+") as file:
+            before, file.attrs[name] = file.attrs[name], value
+        with pytest.raises(FileError, match="its attributes are not what was written"):
+            read(recorded[1])
+        with h5py.File(recorded[1], "r+") as file:
+            file.attrs[name] = before
+    read(recorded[1])
+
+
+def test_no_bit_of_a_file_changes_its_data_in_silence(recorded):
+    record, path = recorded
+    whole, draw = path.read_bytes(), np.random.default_rng(20261123)
+    refused = 0
+    for bit in draw.integers(0, 8 * len(whole), 120):
+        flipped = bytearray(whole)
+        flipped[bit // 8] ^= 1 << (bit % 8)
+        path.write_bytes(flipped)
+        try:
+            assert same(record, read(path)), bit
+        except FileError:
+            refused += 1
+    assert refused > 50
+
+
+def test_channels_are_held_against_their_raw_readings_without_checksums_too(recorded):
+    record, path = recorded
+
+    def at_three(file):
+        file["calibrated/force"][300] += 12.5
+
+    with pytest.raises(
+        FileError, match=rf"/raw/force: they are 12.5 N apart at {record.time[300]:.4g} s; record or copy"
+    ):
+        read(changed(path, at_three))
+
+
+def test_an_interrupted_test_says_what_differs_from_its_raw_reading(recorded):
+    def interrupted(file):
+        file["calibrated/force"][300] += 12.5
+        file.attrs["complete"] = np.uint8(0)
+
+    assert "/raw/force: they are 12.5 N apart" in read(changed(recorded[1], interrupted)).marks[-1]
+
+
+def test_an_interrupted_file_of_before_says_a_delay_that_it_does_not_have(recorded):
+    record, path = recorded
+
+    def undelayed(file):
+        file["calibrated/displacement"][:] = 5e-6 * file["raw/position"][:]
+        file.attrs["complete"] = np.uint8(0)
+
+    assert read(changed(path, undelayed)).marks == record.marks
+
+
+def test_raw_readings_of_another_record_are_refused(tmp_path, make_sine):
+    record = make_sine()
+    with pytest.raises(
+        InputError, match=r"not gain\*raw \+ offset of /raw/force.*; give the readings and the calibration"
+    ):
+        write(record, tmp_path / "r.h5", raw={"force": h5.Raw(record.force, "V", 2.0, 0.0, "N")})
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_test_that_ended_before_it_was_a_record_is_told_as_such(recorded):
+    def shortened(file):
+        for name in ("time", "displacement", "force"):
+            values = file[f"calibrated/{name}"][:3]
+            del file[f"calibrated/{name}"]
+            file[f"calibrated/{name}"] = values
+        file.attrs["complete"] = np.uint8(0)
+        file["provenance"].attrs["reason"] = "interrupted"
+
+    with pytest.raises(h5.FewSamples, match=r"holds 3 samples of a test that did not come to its end \(interrupted\)"):
+        read(changed(recorded[1], shortened))
+
+
+def test_a_file_that_may_not_be_read_is_not_called_broken(recorded, monkeypatch):
+    def refused(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("pathlib.Path.open", refused)
+    with pytest.raises(FileError, match=r"cannot be read \(Permission denied\); check the file") as caught:
+        h5.state(recorded[1])
+    assert not isinstance(caught.value, h5.BrokenFile)

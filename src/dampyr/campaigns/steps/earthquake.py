@@ -10,6 +10,7 @@ between two floors also does not feel the ground but the storey's drift.
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -19,6 +20,7 @@ import numpy as np
 
 from dampyr.campaigns.paths import Piece, around, driven
 from dampyr.campaigns.step import Peaks, Period, Rest, Volts, check_ranges
+from dampyr.errors import FileError, MissingData
 from dampyr.ground_motions import GroundMotion, corrected, el_centro, filtered, pgd, pgv, read
 from dampyr.rig import Drive, RigSettings
 from dampyr.units import Quantity
@@ -54,21 +56,37 @@ class Earthquake:
         """The same step with its file looked for in ``folder``."""
         return self if self.motion == BUILT_IN else replace(self, motion=str(folder / self.motion))
 
+    @property
+    def contents(self) -> dict[str, str]:
+        """A hash of what is in the motion's file: where the file lies does not change a campaign, what is in it does."""
+        if self.motion == BUILT_IN:
+            return {}
+        try:
+            return {"motion": hashlib.sha256(Path(self.motion).read_bytes()).hexdigest()}
+        except FileNotFoundError:
+            raise MissingData(f"{self.motion}: there is no such file; check motion in the campaign") from None
+        except OSError as problem:
+            raise FileError(self.motion, f"cannot be read ({problem.strerror}); check the file") from problem
+
+    @property
+    def ground(self) -> GroundMotion:
+        """The motion as it is replayed, of what is in its file now."""
+        return prepared(self.motion, self.highpass, self.contents.get("motion", ""))
+
     def drive(self, rig: RigSettings) -> Drive:
         """The set points of table and coil: between the motion's samples its displacement is a cubic, taken exactly."""
-        ground = prepared(self.motion, self.highpass)
+        ground = self.ground
         piece = Piece(ground.duration, lambda t: self.scale * displacement(ground, t))
         return driven(around([piece], 0.0, self.rest_before), self.period, self.voltage)
 
     def peaks(self, rig: RigSettings) -> Peaks:
         """Those of the ground motion, inside its steps too, times the scale."""
-        ground = prepared(self.motion, self.highpass)
-        return Peaks(self.scale * pgd(ground), self.scale * pgv(ground))
+        return Peaks(self.scale * pgd(self.ground), self.scale * pgv(self.ground))
 
 
 @lru_cache(maxsize=8)
-def prepared(motion: str, highpass: float) -> GroundMotion:
-    """The ground motion, filtered, and at rest at its end where it began."""
+def prepared(motion: str, highpass: float, contents: str = "") -> GroundMotion:
+    """The ground motion, filtered, and at rest at its end where it began; ``contents`` tells files of one name apart."""
     raw = el_centro() if motion == BUILT_IN else read(motion)
     return corrected(filtered(raw, low=highpass, keep_pads=False))
 

@@ -18,6 +18,7 @@ from dampyr.console.jobs import CARD, CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
 from dampyr.identification import Fit, Identified, findings, identify, prediction, score, warnings_of
+from dampyr.identification.identify import marks_in_words
 from dampyr.identification.leaderboard import choice_in_words
 from dampyr.records import Record
 from dampyr.report import write_fit_page
@@ -52,7 +53,12 @@ def _summarise(result: Identified) -> dict[str, Any]:
         "card": fit.damper is not None,
         "converged": fit.converged,
         "reason": fit.reason,
-        "warnings_of_fit": [*warnings_of(fit.residuals), *fit.notes, *result.beyond.values()],
+        "warnings_of_fit": [
+            *marks_in_words((*fit.records, *result.validation_records)),
+            *warnings_of(fit.residuals),
+            *fit.notes,
+            *result.beyond.values(),
+        ],
         "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
         "parameters": [

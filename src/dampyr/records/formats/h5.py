@@ -2,8 +2,8 @@
 
 Layout (schema 2)::
 
-    /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try;
-                 measurement_session and specimen where they are known
+    /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try, sha256 (of every dataset,
+                 `dampyr.records.checksums`); measurement_session and specimen where they are known
     /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
                  voltage or current as a number when it is constant
     /raw         one dataset per raw reading with the attributes unit, gain, offset, calibrated_unit:
@@ -13,11 +13,12 @@ Layout (schema 2)::
     /smoothed    window [s], alignment, channels (as attributes), where channels hold a moving average that is not undone
     /provenance  one attribute per entry
     /history     one string per step
+    /marks       one sentence per fault that the recorder saw in the test, where there is one (`dampyr.campaigns.marks`)
     /rows        only while a test is recorded (`dampyr.records.recording`): how many samples are there; the
                  datasets are longer, and what lies beyond is nothing
 
 In MATLAB: ``h5read("test.h5", "/calibrated/force")`` and ``h5readatt("test.h5", "/calibrated/force",
-"unit")``. ``complete`` is set last, so a file whose writer was killed says so.
+"unit")``. A file whose writer was killed says so: its ``complete`` is 0.
 """
 
 from __future__ import annotations
@@ -32,9 +33,10 @@ import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
+from dampyr.records.checksums import REPAIR, Attributes, Checksums, Stored, attributes_of
 from dampyr.records.moving_average import Alignment, MovingAverage
 from dampyr.records.new_file import new_file
-from dampyr.records.record import CHANNELS, GROUPS, Label, Record, as_role
+from dampyr.records.record import CHANNELS, GROUPS, MIN_SAMPLES, Label, Record, as_role
 from dampyr.records.record_files import Request
 from dampyr.records.self_contained import check_contained
 from dampyr.units import to_si
@@ -44,6 +46,11 @@ FORMAT = "dampyr record"
 SCHEMA = 2  # the one that is written
 SUPPORTED_SCHEMAS = (1, 2)  # schema 1 had no /rows
 PIECE = 2**16  # samples of a long record that are in memory at a time
+RAW_OF = {"position": "displacement"}
+"""The channel that a raw reading is calibrated to, where it has another name."""
+RAW_ERROR = (
+    1e-6  # of the largest value, or of the gain: rounding is 1e-10 of it, and one count or one bit of a converter 1
+)
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,23 @@ class Raw:
     delay: float = 0.0
 
 
+class BrokenFile(FileError):
+    """A file that is truncated or no HDF5 at all: nothing in it can be read."""
+
+
+class FewSamples(FileError):
+    """A file of a test that ended before it had enough ``samples`` for a record."""
+
+    def __init__(self, path: Path, samples: int, why: str) -> None:
+        count = f"{samples} sample{'s' * (samples != 1)}"
+        super().__init__(
+            path,
+            f"holds {count} of a test that did not come to its end{f' ({why})' * bool(why)}, and a record needs {MIN_SAMPLES}; "
+            "leave the file out",
+        )
+        self.samples = samples
+
+
 @dataclass(frozen=True)
 class State:
     """What a folder needs to know of a file: is it complete, of which test is it which try."""
@@ -71,46 +95,111 @@ class State:
 
 
 def read(path: Path, request: Request) -> Record:
-    """The record in one of dampyr's files; an incomplete one says so in its provenance and history."""
+    """The record in one of dampyr's files; an incomplete one says so in its provenance and history.
+
+    Raises :class:`~dampyr.errors.FileError` where a dataset is not what was written, by its checksum or by the raw reading
+    beside it, and its kind :class:`FewSamples` where the test ended too early for a record.
+    """
     own = "dampyr's own file says it itself"
     request.refuse(path, dt=own, variable=own, header=own)
     with _open(path) as file:
-        channels = {name: _channel(path, file, name, request) for name in CHANNELS if f"calibrated/{name}" in file}
+        attributes = attributes_of(file)
+        root = attributes["/"]
+        stored, provenance = Stored(path, attributes), _texts_of(attributes.get("provenance", {}))
+        _check_enough(path, file, provenance)
+        channels = {
+            name: _channel(path, file, name, request, stored, attributes)
+            for name in CHANNELS
+            if f"calibrated/{name}" in attributes
+        }
         for name in ("time", "displacement", "force"):
             if name not in channels:
                 raise FileError(path, f"/calibrated/{name} is missing; record the test again")
+        texts = {name: _texts(file, name, stored) for name in ("history", "marks")}
+        marks, history = texts["marks"], texts["history"]
+        raw = _raw(file, attributes)
+        difference = _difference_from_raw(channels, raw)
+        if difference and _is_complete(file):
+            raise FileError(path, f"{difference}; {REPAIR}")
+        # Until 2026-11-23 a test that ended early said a delay that its displacement does not have.
+        if difference and (difference := _difference_from_raw(channels, raw, delayed=False)):
+            marks = (*marks, difference)
         channels |= request.input_channels(channels.pop("voltage", None), channels.pop("current", None))
-        provenance = _provenance(file)
-        history = tuple(file["history"].asstr()[()]) if "history" in file else ()
         if not _is_complete(file) and provenance.get("complete") != "no":
             provenance["complete"] = "no"
             history = (*history, "read from a file whose recording was not completed")
         return Record(
             **channels,
-            name=str(file.attrs["name"]),
-            role=as_role(str(file.attrs["role"])),
-            label=_label(file),
-            smoothed=_smoothed(file),
+            name=str(root["name"]),
+            role=as_role(str(root["role"])),
+            label=_label(attributes.get("label")),
+            smoothed=_smoothed(attributes.get("smoothed")),
             provenance=provenance,
             history=history,
-            **{name: str(file.attrs[name]) for name in GROUPS if name in file.attrs},  # type: ignore[arg-type]
+            marks=marks,
+            **{name: str(root[name]) for name in GROUPS if name in root},  # type: ignore[arg-type]
         )
 
 
 def read_raw(path: str | Path) -> dict[str, Raw]:
     """The raw readings of a test with their calibration, by name."""
     with _open(Path(path)) as file:
-        return {
-            name: Raw(
-                data[: _rows(file)],
-                str(data.attrs["unit"]),
-                float(data.attrs["gain"]),
-                float(data.attrs["offset"]),
-                str(data.attrs["calibrated_unit"]),
-                float(data.attrs.get("delay", 0.0)),
+        attributes = attributes_of(file)
+        stored, raw = Stored(Path(path), attributes), _raw(file, attributes)
+        for name, channel in raw.items():
+            stored.check(f"raw/{name}", channel.values)
+        return raw
+
+
+def _raw(file: Any, attributes: Attributes) -> dict[str, Raw]:
+    """The raw readings that say their calibration."""
+    readings = {}
+    for place, about in attributes.items():
+        if place.startswith("raw/") and about.keys() >= {"unit", "gain", "offset", "calibrated_unit"}:
+            numbers = float(about["gain"]), float(about["offset"])
+            delay = float(about.get("delay", 0.0))
+            values = file[place][: _rows(file)]
+            readings[place[4:]] = Raw(values, str(about["unit"]), *numbers, str(about["calibrated_unit"]), delay)
+    return readings
+
+
+def _difference_from_raw(channels: Mapping[str, Any], raw: Mapping[str, Raw], delayed: bool = True) -> str:
+    """How a channel differs from its raw reading, in words; empty where none does."""
+    for name, reading in raw.items():
+        channel = RAW_OF.get(name, name)
+        values = channels.get(channel)
+        if not isinstance(values, np.ndarray) or name == "time" or len(reading.values) != len(values):
+            continue
+        with np.errstate(over="ignore", invalid="ignore"):  # of a damaged reading
+            expected = reading.gain * reading.values + reading.offset
+        if reading.calibrated_unit != CHANNELS[channel]:
+            expected = to_si(expected, reading.calibrated_unit, CHANNELS[channel])
+        if reading.delay and delayed:
+            expected = np.interp(channels["time"] - reading.delay, channels["time"], expected)
+        apart = np.abs(values - expected)
+        size = float(np.abs(values[np.isfinite(values)]).max(initial=abs(reading.gain)))
+        wrong = np.isfinite(values) & ~(apart <= RAW_ERROR * size)
+        if wrong.any():
+            worst = int(np.flatnonzero(wrong)[np.argmax(apart[wrong])])
+            return (
+                f"/calibrated/{channel} is not gain*raw + offset of /raw/{name}: they are "
+                f"{apart[worst]:.4g} {CHANNELS[channel]} apart at {channels['time'][worst]:.4g} s"
             )
-            for name, data in file["raw"].items()
-        }
+    return ""
+
+
+def _check_enough(path: Path, file: Any, provenance: Mapping[str, str]) -> None:
+    """Raise :class:`FewSamples` where an incomplete file holds too few samples for a record."""
+    time = file.get("calibrated/time")
+    rows = _rows(file) if "rows" in file else (len(time) if time is not None and time.shape else MIN_SAMPLES)
+    if not _is_complete(file) and rows is not None and rows < MIN_SAMPLES:
+        raise FewSamples(path, rows, provenance.get("reason", ""))
+
+
+def _texts(file: Any, name: str, stored: Stored) -> tuple[str, ...]:
+    texts = tuple(file[name].asstr()[()]) if name in file else ()
+    stored.check(name, texts)
+    return texts
 
 
 def state(path: str | Path) -> State:
@@ -130,9 +219,15 @@ def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None
     """Write a record whole or not at all: to a file beside, synced, then put in its place in one move.
 
     A record whose provenance says ``complete: no`` stays marked incomplete; its entries ``test`` and ``try``
-    (a whole number) say of which test of a campaign it is which try.
+    (a whole number) say of which test of a campaign it is which try. Raises :class:`~dampyr.errors.InputError` where ``raw``
+    does not give the record's channels.
     """
     path = Path(path)
+    difference = _difference_from_raw({name: getattr(record, name) for name in CHANNELS}, raw or {})
+    if difference:
+        raise InputError(
+            f"{record.name}: {difference}; give the readings and the calibration of this record, or no raw"
+        )
     try:
         with whole_file(path) as temporary:
             fill(temporary, record.n, [record], raw or {})
@@ -152,14 +247,14 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
     import h5py
 
     with new_file(path, reserved_bytes) as file:
-        file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0)})
-        first, until = 0, -np.inf
+        file.attrs.update({"format": FORMAT, "schema": SCHEMA})
+        first, until, sums = 0, -np.inf, Checksums()
         for record in pieces:
             if record.time[0] <= until:
                 raise InputError(f"{record.name}: time {record.time[0]:g} s follows {until:g} s; it must rise")
-            _fill_channels(file, n, first, record)
+            _fill_channels(file, n, first, record, sums)
             first, until = first + record.n, record.time[-1]
-        _fill_raw(file, raw)
+        _fill_raw(file, raw, sums)
         file.attrs.update({"name": record.name, "role": record.role})
         file.attrs.update({name: getattr(record, name) for name in GROUPS if getattr(record, name) is not None})
         file.attrs["test"] = record.provenance.get("test", record.name)
@@ -172,13 +267,16 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
             about = {"window": average.window, "alignment": average.alignment, "channels": ",".join(average.channels)}
             file.create_group("smoothed").attrs.update(about)
         file.create_group("provenance").attrs.update(dict(record.provenance))
-        if record.history:
-            file.create_dataset("history", data=list(record.history), dtype=h5py.string_dtype())
-        file.flush()
+        for name in ("history", "marks"):
+            if texts := list(getattr(record, name)):
+                file.create_dataset(name, data=texts, dtype=h5py.string_dtype())
+                sums.add(name, texts)
+        # The file has no name yet under which it is read, so that nothing sees it before it is whole.
         file.attrs["complete"] = np.uint8(record.provenance.get("complete") != "no")
+        sums.write(file)
 
 
-def _fill_channels(file: Any, n: int, first: int, record: Record) -> None:
+def _fill_channels(file: Any, n: int, first: int, record: Record, sums: Checksums) -> None:
     for channel, unit in CHANNELS.items():
         if (values := getattr(record, channel)) is None:
             continue
@@ -186,15 +284,20 @@ def _fill_channels(file: Any, n: int, first: int, record: Record) -> None:
         if name not in file:
             file.create_dataset(name, () if np.ndim(values) == 0 else (n,), "f8").attrs["unit"] = unit
         file[name][() if np.ndim(values) == 0 else slice(first, first + record.n)] = values
+        if np.ndim(values) or not first:
+            sums.add(name, np.asarray(values, "<f8"))
 
 
-def _fill_raw(file: Any, raw: Mapping[str, Raw]) -> None:
+def _fill_raw(file: Any, raw: Mapping[str, Raw], sums: Checksums) -> None:
     group = file.create_group("raw")
     for name, channel in raw.items():
         length = len(channel.values)
         data = group.create_dataset(name, (length,), channel.values.dtype)
         for first in range(0, length, PIECE):
-            data[first : first + PIECE] = channel.values[first : first + PIECE]
+            data[first : first + PIECE] = piece = channel.values[first : first + PIECE]
+            sums.add(f"raw/{name}", piece)
+        if not length:
+            sums.add(f"raw/{name}", channel.values[:0])
         attributes = {k: v for k, v in vars(channel).items() if k != "values"}
         data.attrs.update(attributes)
 
@@ -206,6 +309,12 @@ def _open(path: Path) -> Any:
     import h5py
 
     try:
+        path.open("rb").close()
+    except OSError as problem:
+        raise FileError(
+            path, f"cannot be read ({problem.strerror or problem}); check the file and its permissions"
+        ) from problem
+    try:
         with h5py.File(path, "r") as file:
             check_contained(path, file)
             _check_schema(path, file)
@@ -216,10 +325,11 @@ def _open(path: Path) -> Any:
         raise FileError(
             path, f"tells of more data than the memory holds ({problem}); record or copy the test again"
         ) from problem
-    except (OSError, KeyError, RuntimeError, TypeError, AttributeError, ValueError) as problem:
+    except (OSError, KeyError, RuntimeError, TypeError, AttributeError, ValueError, SystemError) as problem:
         reason = " ".join(str(problem).split())
-        raise FileError(
-            path, f"is a truncated or broken HDF5 file ({reason}); record or copy the test again"
+        raise BrokenFile(
+            path,
+            f"is a truncated or broken HDF5 file ({reason}); record or copy the test again (dampyr run has --again for it)",
         ) from problem
 
 
@@ -233,7 +343,11 @@ def _check_schema(path: Path, file: Any) -> None:
 
 
 def _provenance(file: Any) -> dict[str, str]:
-    return {k: str(v) for k, v in file["provenance"].attrs.items()} if "provenance" in file else {}
+    return _texts_of(file["provenance"].attrs) if "provenance" in file else {}
+
+
+def _texts_of(attributes: Mapping[str, Any]) -> dict[str, str]:
+    return {name: str(value) for name, value in attributes.items()}
 
 
 def _is_complete(file: Any) -> bool:
@@ -245,31 +359,30 @@ def _rows(file: Any) -> int | None:
     return int(file["rows"][()]) if "rows" in file else None
 
 
-def _channel(path: Path, file: Any, name: str, request: Request) -> Any:
+def _channel(path: Path, file: Any, name: str, request: Request, stored: Stored, attributes: Attributes) -> Any:
     data = file[f"calibrated/{name}"]
-    unit = str(data.attrs.get("unit", "")) or request.units.get(name, "")
+    unit = str(attributes[f"calibrated/{name}"].get("unit", "")) or request.units.get(name, "")
     if not unit:
         raise FileError(path, f"/calibrated/{name} has no unit; declare units={{{name!r}: {CHANNELS[name]!r}}}")
     if data.dtype.kind not in "fiu":
         raise FileError(path, f"/calibrated/{name} holds {data.dtype}, not real numbers; record or copy the test again")
     values = data[: _rows(file)] if data.shape else data[()]
+    stored.check(f"calibrated/{name}", values)
     converted = values if unit == CHANNELS[name] else to_si(values, unit, CHANNELS[name])
     return float(converted) if np.ndim(converted) == 0 else converted
 
 
-def _smoothed(file: Any) -> MovingAverage | None:
-    if "smoothed" not in file:
+def _smoothed(fields: Mapping[str, Any] | None) -> MovingAverage | None:
+    if fields is None:
         return None
-    fields = dict(file["smoothed"].attrs)
     return MovingAverage(
         float(fields["window"]), cast(Alignment, str(fields["alignment"])), tuple(str(fields["channels"]).split(","))
     )
 
 
-def _label(file: Any) -> Label | None:
-    if "label" not in file:
+def _label(fields: Mapping[str, Any] | None) -> Label | None:
+    if fields is None:
         return None
-    fields = dict(file["label"].attrs)
     return Label(
         float(fields["peak_to_peak_m"]),
         float(fields["frequency_hz"]),

@@ -1,0 +1,102 @@
+"""Differences between what a folder was begun with and what is asked of it now, in words: the campaign, the rig's settings."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, get_type_hints
+
+from dampyr.campaigns.campaign import Campaign, Test
+from dampyr.campaigns.step import shown
+from dampyr.config import split
+from dampyr.rig.settings import RigSettings
+from dampyr.units import for_people
+
+LISTED = 3  # differences that are named; of more, how many there are
+
+
+def contents_of(campaign: Campaign) -> str:
+    """All that a campaign runs as JSON, SI: name, kind and fields of each test, and what is in the files that it names."""
+    return json.dumps([[test.name, test.kind, _fields(test)] for test in campaign.tests], default=str)
+
+
+def _fields(test: Test) -> dict[str, Any]:
+    return dataclasses.asdict(test.step) | {f"{name} (contents)": text for name, text in test.contents.items()}
+
+
+def campaign_differences(saved: str, names: Sequence[str], campaign: Campaign) -> str:
+    """What a campaign runs differently from the one whose `contents_of` was ``saved``, in words.
+
+    ``names`` are those of the saved one's tests, for a journal of before 2026-11-23, which has no contents.
+    """
+    before = {name: (kind, fields) for name, kind, fields in (json.loads(saved) if saved else ())}
+    names = list(before) or list(names)
+    now = {test.name: test for test in campaign.tests}
+    said = [f"{name} is not in it any more" for name in names if name not in now]
+    said += [f"{name} is new in it" for name in now if name not in names]
+    if not said and names != list(now):
+        said.append("its tests have another order")
+    for name, (_, fields) in before.items():
+        if name in now:
+            said += [f"{name}: {words}" for words in _step_differences(fields, now[name])]
+    return _listed(said) or "the fields of its steps differ"
+
+
+def step_differences(saved: str, test: Test) -> str:
+    """How a test differs from the step that was ``saved`` as JSON, in words; empty where it does not."""
+    return _listed(list(_step_differences(json.loads(saved), test)))
+
+
+def _step_differences(before: Mapping[str, Any], test: Test) -> Iterator[str]:
+    now = json.loads(json.dumps(_fields(test), default=str))
+    for name, value in now.items():
+        if name in test.contents:  # a path: what counts is what is in the file
+            continue
+        if name in before and before[name] != value:
+            if name.endswith(" (contents)"):
+                yield f"the file of its {name.removesuffix(' (contents)')} holds something else"
+            else:
+                yield f"{name} was {_shown(test, name, before[name])}, is {_shown(test, name, value)}"
+
+
+def _shown(test: Test, name: str, value: Any) -> str:
+    """A field with its unit, as far as the value is one that the step may have."""
+    value = tuple(value) if isinstance(value, list) else value
+    try:
+        return shown(dataclasses.replace(test.step, **{name: value}), name).removeprefix(f"{name} ") or str(value)
+    except (ValueError, TypeError):
+        return str(value)
+
+
+def settings_differences(saved: str, rig: RigSettings) -> str:
+    """How a rig differs from the settings that were ``saved`` as JSON, in words; empty where it does not."""
+    before, now = json.loads(saved), json.loads(json.dumps(dataclasses.asdict(rig), default=str))
+    said = []
+    for table, value in now.items():
+        pairs = value.items() if isinstance(value, dict) else [("", value)]
+        for name, new in pairs:
+            old = before.get(table, new)
+            old = old.get(name, new) if name and isinstance(old, dict) else old
+            if old != new:
+                where, quantity = f"{table}.{name}".rstrip("."), _unit(rig, table, name)
+                said.append(f"{where} was {_with_unit(old, quantity)}, is {_with_unit(new, quantity)}")
+    return "; ".join(said)
+
+
+def _unit(rig: RigSettings, table: str, name: str) -> str:
+    hints = get_type_hints(type(getattr(rig, table)), include_extras=True) if name else {}
+    quantity = split(hints.get(name))[1]
+    return quantity.unit if quantity else ""
+
+
+def _with_unit(value: Any, unit: str) -> str:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return repr(value)
+    word, factor = for_people(unit) if unit else ("", 1.0)
+    return f"{value * factor:.6g} {word}".strip()
+
+
+def _listed(said: Sequence[str]) -> str:
+    more = [f"and {len(said) - LISTED} more"] if len(said) > LISTED else []
+    return "; ".join([*said[:LISTED], *more])

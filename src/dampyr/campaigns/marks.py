@@ -1,0 +1,198 @@
+"""Marks: faults of the measurement that a finished test shows by itself, each a sentence that its record keeps.
+
+A check is a function of what was measured that gives the marks it sees; `CHECKS` lists them. A mark that ``spoils`` its test
+ends the campaign, and the test is not complete: what was measured is not the damper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.records.cycles import cycles
+from dampyr.records.quality import motion_start
+from dampyr.records.record import MIN_SAMPLES, Array, Record
+from dampyr.rig.interlock import RAIL
+from dampyr.rig.settings import RigSettings
+
+WINDOW = 0.02  # s in which a reading is looked at: 20 samples at 1 kHz, which the noise of a live cell leaves
+ABRUPT = 0.05  # s about a reversal or a change of the voltage, within which the force may leap
+FLAT = 2.0  # steps of the converter that a reading may stray and still stand: the noise of a live cell is several
+AT_REST = 5.0e-5  # m: ten counts of the encoder; the force of a table at rest does not leap
+REVERSED = 5.0e-4  # m on either side of a reversal, over which the force of any damper changes
+LEAP = 20.0  # steps of the converter, and times the usual change between samples: no damper's force leaps so far
+ZERO_AT_REST = 10.0  # N, and
+SHARE_AT_REST = 0.5  # of half the force's range: in a rest after a motion hysteresis holds a part of it
+ZERO_OF_CYCLES = 10.0  # N, and
+SHARE_OF_CYCLES = 0.03  # of half the range; the mean of a cycle holds no hysteresis, and strays by 4 N in a good test
+MIN_CYCLES = 4  # inner ones, from which the drift of their mean is taken
+RESTED = 0.25  # s of a rest from which its force is taken
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A fault in words, and whether it spoils the test."""
+
+    text: str
+    spoils: bool = False
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured in a test, (n,) SI, and by which rig; ``volts`` are those of the load cell."""
+
+    time: Array
+    displacement: Array
+    force: Array
+    volts: Array
+    voltage: Array | float
+    rig: RigSettings
+
+
+Check = Callable[[Measured], Iterator[Mark]]
+
+
+def marks_of(measured: Measured) -> list[Mark]:
+    """The marks of a test; none of one with too few samples for a record."""
+    if len(measured.time) < MIN_SAMPLES:
+        return []
+    return [mark for check in CHECKS for mark in check(measured)]
+
+
+def flat_force(measured: Measured) -> Iterator[Mark]:
+    """A force that stands while the table moves, or leaps to where it stands: the cell's wire or its amplifier is broken."""
+    x = measured.displacement
+    stretches = [each for each in _standing(measured.volts, measured.rig) if _should_change(measured, each)]
+    if not stretches:
+        return
+    first = max(stretches, key=lambda each: each.stop - each.start)
+    path = float(np.abs(np.diff(x[first])).sum())
+    seconds = sum(float(measured.time[each.stop - 1] - measured.time[each.start]) for each in stretches)
+    yield Mark(
+        f"the force stands at {float(np.median(measured.force[first])):.4g} N for {seconds:.3g} s, from "
+        f"{float(measured.time[first.start]):.4g} s over {1e3 * path:.3g} mm of the table's path: look at the load cell's wire "
+        "and amplifier",
+        spoils=True,
+    )
+
+
+def _step(rig: RigSettings) -> float:
+    """A step of the converter [V]."""
+    return 2.0 * rig.board.range / 2.0**rig.board.bits
+
+
+def _standing(volts: Array, rig: RigSettings) -> list[slice]:
+    """The stretches in which a reading stays within `FLAT` steps."""
+    n, step = max(MIN_SAMPLES, round(WINDOW * rig.board.rate)), _step(rig)
+    count = len(volts) // n
+    windows = volts[: count * n].reshape(count, n)
+    flat = np.ptp(windows, axis=1) <= FLAT * step
+    stretches: list[slice] = []
+    for k in np.flatnonzero(flat):
+        middle = float(np.median(windows[k]))
+        if stretches and stretches[-1].stop >= k * n and abs(middle - float(np.median(volts[stretches[-1]]))) <= step:
+            first = stretches.pop().start
+        else:
+            first = _extended(volts, int(k) * n, middle, -1, step)
+        stretches.append(slice(first, _extended(volts, int(k + 1) * n - 1, middle, 1, step) + 1))
+    return stretches
+
+
+def _extended(volts: Array, at: int, middle: float, way: int, step: float) -> int:
+    """The last sample from ``at`` on that is still at ``middle``."""
+    while 0 <= at + way < len(volts) and abs(volts[at + way] - middle) <= FLAT * step:
+        at += way
+    return at
+
+
+def _should_change(measured: Measured, stretch: slice) -> bool:
+    """Whether the force of a damper changes in a stretch, or leaps at an end of it as no damper's force does."""
+    x, volts = measured.displacement, measured.volts
+    if _reverses(x[stretch]):
+        return True
+    leap = LEAP * max(_step(measured.rig), float(np.median(np.abs(np.diff(volts)))))
+    ends = [(stretch.start, stretch.start - 1), (stretch.stop - 1, stretch.stop)]
+    inside = [(inner, outer) for inner, outer in ends if 0 <= outer < len(volts)]
+    return any(abs(volts[inner] - volts[outer]) > leap and not _may_leap(measured, inner) for inner, outer in inside)
+
+
+def _may_leap(measured: Measured, at: int) -> bool:
+    """Whether the table turns around or the voltage changes about a sample, so that the force may change at once."""
+    n = max(2, round(ABRUPT * measured.rig.board.rate))
+    near = slice(max(0, at - n), at + n)
+    if np.ndim(measured.voltage) and float(np.ptp(np.asarray(measured.voltage)[near])):
+        return True
+    x = measured.displacement[near]
+    path = float(np.ptp(x))
+    return path > AT_REST and path > 1.1 * abs(
+        float(x[-1] - x[0])
+    )  # a path without a reversal ends where it is farthest
+
+
+def _reverses(x: Array) -> bool:
+    """Whether the table turns and moves by `REVERSED` on either side of it."""
+    for turn in (int(np.argmax(x)), int(np.argmin(x))):
+        sides = (np.ptp(x[: turn + 1]), np.ptp(x[turn:]))
+        if min(sides) >= REVERSED:
+            return True
+    return False
+
+
+def drifting_zero(measured: Measured) -> Iterator[Mark]:
+    """A zero of the force that drifts: between the rests before and after the motion, or from cycle to cycle at one voltage."""
+    half = 0.5 * float(np.ptp(measured.force))
+    try:
+        record = Record(measured.time, measured.displacement, measured.force)
+    except InputError:  # samples that are no record are told elsewhere
+        return
+    before, after = _rests(record)
+    limit = ZERO_AT_REST + SHARE_AT_REST * half
+    if before is not None and after is not None and abs(after - before) > limit:
+        yield _drift(f"from {before:.4g} N at rest before the motion to {after:.4g} N after it", after - before, limit)
+        return
+    spans = cycles(record)[1:-1]  # growing and fading ones are left out
+    if float(np.ptp(measured.voltage)) or len(spans) < MIN_CYCLES:
+        return
+    means = np.array([np.mean(measured.force[first:last]) for first, last in spans])
+    middles = np.array([measured.time[(first + last) // 2] for first, last in spans])
+    rate = float(np.polyfit(middles - middles[0], means, 1)[0])
+    limit = ZERO_OF_CYCLES + SHARE_OF_CYCLES * half
+    if abs(rate) * record.duration > limit:
+        yield _drift(f"at {rate:+.3g} N/s, by the means of {len(spans)} cycles", rate * record.duration, limit)
+
+
+def _drift(how: str, change: float, limit: float) -> Mark:
+    return Mark(
+        f"the force's zero drifts {how}: {abs(change):.3g} N in the test, {limit:.3g} N at most; look at the load cell"
+    )
+
+
+def _rests(record: Record) -> tuple[float | None, float | None]:
+    """The force [N] at the end of the rest before the motion, and at the end of that after it, where there are such rests."""
+    n = max(1, round(RESTED / record.dt))
+    mirrored = Record(-record.time[::-1], record.displacement[::-1], record.force[::-1])
+    start = int(np.searchsorted(record.time, motion_start(record)))
+    end = record.n - int(np.searchsorted(mirrored.time, motion_start(mirrored)))
+    before = float(np.mean(record.force[start - n : start])) if start >= n else None
+    after = float(np.mean(record.force[-n:])) if record.n - end >= n else None
+    return before, after
+
+
+def force_at_rail(measured: Measured) -> Iterator[Mark]:
+    """A reading at the end of the converter's range."""
+    limit = RAIL * measured.rig.board.range
+    at_rail: NDArray[np.bool_] = np.abs(measured.volts) >= limit
+    if at_rail.any():
+        count = int(at_rail.sum())
+        yield Mark(
+            f"the force is at the converter's rail, {limit:.4g} V or more, in {count} samples, first at "
+            f"{float(measured.time[int(np.argmax(at_rail))]):.4g} s: what was beyond it is not in the record"
+        )
+
+
+CHECKS: tuple[Check, ...] = (flat_force, drifting_zero, force_at_rail)
+"""Every check, in the order in which their marks stand in a record."""

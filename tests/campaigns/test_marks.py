@@ -1,0 +1,170 @@
+"""Faults of the measurement that a test shows by itself: told of a bad one, and not of a good one."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from dampyr import records
+from dampyr.campaigns import perform, read_journal
+from dampyr.campaigns.marks import Measured, drifting_zero, flat_force, force_at_rail, marks_of
+from dampyr.cli import cli
+from dampyr.errors import DampyrWarning, RigFault
+from dampyr.identification import identify
+from dampyr.identification.identify import IdentifyOptions
+from dampyr.records.formats import h5
+from dampyr.rig import RigSettings, simulated
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+RIG = RigSettings()
+SCALE = RIG.load_cell.scale
+STEP = 2 * RIG.board.range / 2**RIG.board.bits
+SHORT = """
+rest_between = "0.5 s"
+check_amplitude = "0 mm"
+[[step]]
+kind = "sine"
+amplitude = "5 mm"
+frequency = "1 Hz"
+voltage = {voltage}
+cycles = 6
+rest_before = "1 s"
+"""
+
+
+def sine(offset: float = 100.0, drift: float = 0.0) -> Measured:
+    """A hysteretic loop after a rest and before one, as a converter reads it, with its noise."""
+    t = np.arange(12_000) / 1000.0
+    moving = (t > 1.0) & (t < 11.0)
+    x = np.where(moving, 0.005 * np.sin(2 * np.pi * (t - 1.0)), 0.0)
+    v = np.where(moving, 0.005 * 2 * np.pi * np.cos(2 * np.pi * (t - 1.0)), 0.0)
+    force = offset + 80.0 * np.tanh(v / 0.003) + 1000.0 * v + drift * t
+    return read_by_board(t, x, force + 0.4 * np.random.default_rng(1).standard_normal(t.size))
+
+
+def read_by_board(t: np.ndarray, x: np.ndarray, force: np.ndarray) -> Measured:
+    volts = np.round(force / SCALE / STEP) * STEP
+    return Measured(t, x, SCALE * volts, volts, 0.0, RIG)
+
+
+def with_volts(measured: Measured, volts: np.ndarray) -> Measured:
+    return replace(measured, volts=volts, force=SCALE * volts)
+
+
+def test_a_good_test_has_no_mark() -> None:
+    assert marks_of(sine()) == []
+
+
+@pytest.mark.parametrize("volts", [5.0, 1.0, 0.0])
+@pytest.mark.parametrize("lasts", [0.05, 0.4, 3.0, 12.0])
+def test_a_force_that_stands_while_the_table_moves_spoils_its_test(volts: float, lasts: float) -> None:
+    measured = sine()
+    stands = (measured.time >= (0.0 if lasts == 12.0 else 3.1)) & (measured.time < 3.1 + lasts)
+    broken = with_volts(measured, np.where(stands, volts, measured.volts))
+    (mark,) = flat_force(broken)
+    assert mark.spoils
+    assert f"the force stands at {SCALE * volts:.4g} N for" in mark.text
+    assert "look at the load cell's wire and amplifier" in mark.text
+
+
+def test_a_force_that_leaps_to_where_it_stands_spoils_a_rest_too() -> None:
+    measured = sine()
+    stands = (measured.time >= 0.3) & (measured.time < 0.6)
+    (mark,) = flat_force(with_volts(measured, np.where(stands, 1.0, measured.volts)))
+    assert "the force stands at 613 N for 0.299 s, from 0.3 s over 0 mm" in mark.text
+
+
+def test_a_force_may_stand_where_the_table_does_and_where_it_slides() -> None:
+    t = np.arange(8000) / 1000.0
+    rest = read_by_board(t, np.zeros(t.size), np.full(t.size, 120.0))
+    slide = read_by_board(t, 0.002 * t, np.full(t.size, 120.0))
+    assert not [*flat_force(rest), *flat_force(slide)]
+
+
+def test_a_clean_amplifier_is_not_taken_for_a_broken_one() -> None:
+    """Without noise the force stands for a moment at its extremes, and slides evenly, but changes at each reversal."""
+    t = np.arange(12_000) / 1000.0
+    x = 0.005 * (2 / np.pi) * np.arcsin(np.sin(2 * np.pi * 0.25 * t))
+    assert not list(flat_force(read_by_board(t, x, 100.0 + 60.0 * np.sign(np.gradient(x)))))
+
+
+@pytest.mark.parametrize("drift", [50.0, 5.0, 3.0, -3.0])
+def test_a_zero_that_drifts_is_marked(drift: float) -> None:
+    (mark,) = drifting_zero(sine(drift=drift))
+    assert not mark.spoils
+    assert "the force's zero drifts" in mark.text
+    assert "look at the load cell" in mark.text
+
+
+def test_a_rest_that_holds_some_hysteresis_is_no_drift() -> None:
+    measured = sine()
+    after = np.where(measured.time > 11.0, measured.force + 20.0, measured.force)
+    assert not list(drifting_zero(replace(measured, force=after)))
+
+
+def test_a_force_at_the_rail_is_marked() -> None:
+    measured = sine()
+    volts = measured.volts.copy()
+    volts[5000:5003] = 9.99
+    (mark,) = force_at_rail(with_volts(measured, volts))
+    assert "at the converter's rail, 9.95 V or more, in 3 samples, first at 5 s" in mark.text
+
+
+def test_a_test_without_samples_has_no_marks() -> None:
+    empty = np.empty(0)
+    assert marks_of(Measured(empty, empty, empty, empty, 0.0, RIG)) == []
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Callable[..., Path]:
+    def make(voltage: str = '["0 V", "1 V"]') -> Path:
+        path = tmp_path / "short.toml"
+        path.write_text(SHORT.format(voltage=voltage))
+        return path
+
+    return make
+
+
+@pytest.mark.parametrize("volts", [5.0, 0.0])
+def test_a_broken_cell_ends_the_campaign_and_its_test_is_not_complete(
+    short: Callable[..., Path], tmp_path: Path, volts: float
+) -> None:
+    rig = simulated(faults=[f"broken-cell={volts}@18s"], in_process=True)
+    with pytest.raises(RigFault, match="the test is spoiled: the force stands at"):
+        perform(short(), rig, tmp_path / "out")
+    assert not rig.board.simulator.twin.enabled
+    first, second = read_journal(tmp_path / "out")[0]
+    assert (first.state, second.state) == ("complete", "failed")
+    assert "the force stands at" in second.reason
+    record = records.read(tmp_path / "out" / f"{second.name}.h5")
+    assert not h5.state(tmp_path / "out" / f"{second.name}.h5").complete
+    assert record.provenance["exit_status"] == "failed"
+    assert record.marks[0].startswith("the force stands at")
+    assert len(records.read_campaign(tmp_path / "out")) == 1
+
+
+def test_a_drifting_cell_is_marked_and_told_where_its_records_are_used(
+    short: Callable[..., Path], tmp_path: Path
+) -> None:
+    folder = perform(short(), simulated(faults=["drifting-cell=5@2s"], in_process=True), tmp_path / "out")
+    recorded = records.read_campaign(folder)
+    assert all(record.marks and "the force's zero drifts" in record.marks[0] for record in recorded)
+    assert all("the force's zero drifts" in test.reason for test in read_journal(folder)[0])
+    listed = CliRunner().invoke(cli, ["records", str(folder)])
+    assert listed.stdout.count("the force's zero drifts") == 2
+    assert records.describe(recorded[0])["marks"] == recorded[0].marks
+    with pytest.warns(DampyrWarning, match=rf"the recorder saw faults: {recorded[0].name}: the force's zero drifts"):
+        identify(recorded, IdentifyOptions(model="bingham"))
+    said = CliRunner().invoke(cli, ["identify", str(folder), "--model", "bingham"])
+    assert "warning: the recorder saw faults" in said.stderr
+    piece = records.cut(recorded[0], "4 s")[0]
+    assert piece.marks == recorded[0].marks
+
+
+@pytest.mark.prove
+def test_no_kind_of_step_is_marked_where_nothing_is_wrong(tmp_path: Path) -> None:
+    folder = perform(EXAMPLES / "every_kind.toml", simulated(in_process=True), tmp_path / "out")
+    assert {record.name: record.marks for record in records.read_campaign(folder) if record.marks} == {}
