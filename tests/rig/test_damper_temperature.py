@@ -2,6 +2,7 @@
 
 import math
 import sys
+import threading
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -109,6 +110,9 @@ def test_a_killed_host_leaves_what_was_saved_while_it_ran(tmp_path: Path, monkey
     saved: list[float] = []
 
     def show(_: object) -> None:
+        for each in threading.enumerate():  # simulated time does not wait for a disk
+            if each.name == "temperature":
+                each.join()
         if (tmp_path / NAME).is_file():
             warm = load_temperature(tmp_path)
             assert warm is not None
