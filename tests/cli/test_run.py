@@ -2,6 +2,8 @@
 
 import hashlib
 import json
+import os
+import signal
 import sqlite3
 from pathlib import Path
 
@@ -91,7 +93,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("recorded")
     (folder / "short.toml").write_text(SHORT)
     done = run(folder / "short.toml", "--in-process", "--out", folder / "out", "--fault", "stalled-motor@9s")
-    assert done.exit_code == 2
+    assert done.exit_code == 3
     assert [test.state for test in read_journal(folder / "out")[0]] == ["complete", "failed"]
     return folder
 
@@ -204,3 +206,62 @@ def test_what_a_killed_host_left_of_a_copy_goes_away(lab: Path) -> None:
     (out / f".{SECOND}.h5.abcd1234.part").write_bytes(b"half")
     assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
     assert not list(out.glob(".*"))
+
+
+# how a run ends, for scripts
+
+
+def ended(tmp_path: Path, *more: str, text: str = SHORT) -> tuple[int, str]:
+    (tmp_path / "short.toml").write_text(text)
+    done = run(tmp_path / "short.toml", "--in-process", "--out", tmp_path / "out", *more)
+    return done.exit_code, done.stderr
+
+
+def test_exit_code_complete(tmp_path: Path) -> None:
+    assert ended(tmp_path)[0] == 0
+
+
+@pytest.mark.parametrize(("fault", "code", "words"), [
+    ("unplugged-serial@0s", 2, "does not answer HELLO"),
+    ("stalled-motor@4s", 3, "the motor"),
+    ("broken-cell@5s", 3, "the interlock stopped the rig"),
+    ("board-timeout@5s", 4, "the simulated board gives an error"),
+])  # fmt: skip
+def test_exit_codes_of_a_rig_that_fails(tmp_path: Path, fault: str, code: int, words: str) -> None:
+    exit_code, stderr = ended(tmp_path, "--fault", fault)
+    assert exit_code == code
+    assert words in stderr
+
+
+@pytest.mark.parametrize(("how", "code"), [
+    ("stop", 130), ("abort", 130), (signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (OSError(28, "full"), 4),
+])  # fmt: skip
+def test_exit_codes_of_a_run_that_is_ended(
+    tmp_path: Path, how: str | int | OSError, code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dampyr.campaigns import Control
+    from dampyr.campaigns.monitor import Watch
+
+    blocks, check = 0, Control.check
+
+    def take(self: Watch, samples: object) -> None:
+        nonlocal blocks
+        blocks += 1
+        if blocks == 5 and isinstance(how, OSError):
+            raise how
+        if blocks == 5 and isinstance(how, int):
+            os.kill(os.getpid(), how)
+
+    def pressed(self: Control) -> None:
+        if blocks == 5 and isinstance(how, str):
+            getattr(self, how)()
+        check(self)
+
+    monkeypatch.setattr(Watch, "take", take)
+    monkeypatch.setattr(Control, "check", pressed)
+    exit_code, stderr = ended(tmp_path)
+    assert exit_code == code, stderr
+    (test, _) = read_journal(tmp_path / "out")[0]
+    assert test.state in ("stopped", "failed")
+    if code > 130 or code == 129:
+        assert f"ended by signal {code - 128}; the rig is at rest" in stderr

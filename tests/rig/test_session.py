@@ -495,6 +495,7 @@ def test_another_host_takes_over_a_table_that_is_homed() -> None:
     moved(first, simulator, 0.009)
 
 
+@pytest.mark.filterwarnings("ignore:the Uno was left in state ARMED")
 def test_another_host_takes_over_a_rig_that_was_left_armed() -> None:
     _, simulator = standing_at(-0.005)
     left_armed(simulator, 0.017)
@@ -570,6 +571,7 @@ def in_a_random_order(seed: int, steps: int) -> None:
         simulator.run_unattended(1.0 if what == "fault" else 0.0)
 
 
+@pytest.mark.filterwarnings("ignore:the Uno had stopped by itself")  # a host that comes after a fault
 def test_arming_in_a_random_order() -> None:
     for seed in range(3):
         in_a_random_order(seed, 12)
@@ -577,6 +579,7 @@ def test_arming_in_a_random_order() -> None:
 
 @pytest.mark.prove
 @pytest.mark.endure
+@pytest.mark.filterwarnings("ignore:the Uno had stopped by itself")  # a host that comes after a fault
 def test_arming_in_many_random_orders(endurance: Endurance) -> None:
     count = endurance.count(200)
     for seed in range(3, 3 + count):

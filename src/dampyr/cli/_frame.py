@@ -78,7 +78,7 @@ def _guarded(run: Callable[[], Any]) -> int:
     except click.ClickException as problem:
         return _say(_usage(problem))
     except DampyrError as problem:
-        return _say("; ".join([str(problem), *getattr(problem, "__notes__", [])]))
+        return _say(with_notes(problem))
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader left: nothing to flush to
         return 1
@@ -93,6 +93,11 @@ def _usage(problem: click.ClickException) -> str:
     context = getattr(problem, "ctx", None)
     where = f"; see `{context.command_path} --help`" if context else ""
     return problem.format_message().rstrip(".?") + where
+
+
+def with_notes(problem: BaseException) -> str:
+    """The message of an error, and what was noted on it, in one line."""
+    return "; ".join([str(problem), *getattr(problem, "__notes__", [])])
 
 
 def _say(message: str) -> int:

@@ -9,13 +9,16 @@ import click
 
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
-from dampyr.errors import InputError
+from dampyr.errors import DampyrError, InputError, RigFault
 
 if TYPE_CHECKING:
     from dampyr.campaigns import Plan
     from dampyr.campaigns.journal import Entry
+    from dampyr.rig.session import Rig
 
-REFUSED = 2  # exit status, the one that click gives for a wrong argument
+# exit codes: a wrong argument's, nothing has moved; a safety layer acted; something else ended it; 128 + SIGINT
+REFUSED, TRIPPED, FAILED, INTERRUPTED = 2, 3, 4, 130
+SAFETY = ("firmware", "interlock", "check")  # layers that stop a rig by themselves
 FEW = 50  # rows of a table that are all printed; of more, only those that are not complete
 
 
@@ -50,6 +53,8 @@ def command(
 
     The whole campaign is checked first: what the rig cannot do is told with the largest value that it can, and nothing runs.
     While it runs: p pauses after the test under way and goes on, s or Ctrl-C stops in order, a aborts at once.
+    Exit codes: 0 complete, 2 refused and nothing has moved, 3 a safety layer stopped the rig, 4 it failed otherwise,
+    130 interrupted (143 by SIGTERM, 129 by SIGHUP).
     """
     from dampyr import campaigns
 
@@ -69,19 +74,30 @@ def command(
             raise InputError(
                 "--out is missing; give the folder where the records go, or --dry-run to see the plan only"
             )
-        _perform(plan, rig, out, as_json, {"faults": faults, "in_process": in_process, "real_time": real_time})
+        return _perform(plan, rig, out, as_json, {"faults": faults, "in_process": in_process, "real_time": real_time})
     return None
 
 
-def _perform(plan: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[str, Any]) -> None:
+def _perform(plan: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[str, Any]) -> int:
+    """Run it, and say how it ended; the exit code."""
     from dampyr.campaigns import Control, perform, read_journal
+    from dampyr.cli._frame import with_notes
     from dampyr.cli._running import keys, shown, stopped_by_signals
     from dampyr.rig.connect import open_rig
 
     control = Control()
+    opened: Rig | None = None
     try:
-        with open_rig(rig, **how) as opened, stopped_by_signals(), shown(plan) as show, keys(control):
+        with stopped_by_signals(), open_rig(rig, **how) as opened, shown(plan) as show, keys(control):
             perform(plan, opened, out, show, control)
+    except (DampyrError, OSError) as problem:
+        if isinstance(problem, BrokenPipeError):
+            raise
+        click.echo(f"dampyr: {' '.join(with_notes(problem).split())}", err=True)
+        return exit_code(problem, opened is not None and opened.was_armed)
+    except SystemExit as ending:
+        click.echo(f"dampyr: ended by signal {int(ending.code or 0) - 128}; the rig is at rest", err=True)
+        raise
     finally:
         if (out / "journal.sqlite").is_file():
             tests, events = read_journal(out)
@@ -89,6 +105,18 @@ def _perform(plan: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[s
                 print_json({"folder": str(out), "tests": tests, "events": events})
             elif tests:
                 _summary(plan, out, tests)
+    return 0
+
+
+def exit_code(problem: Exception, was_armed: bool) -> int:
+    """How a run ended, for scripts; ``was_armed``: the rig has been armed, so that something may have moved."""
+    from dampyr.campaigns import Stopped
+
+    if isinstance(problem, Stopped) or (isinstance(problem, RigFault) and problem.ring == "operator"):
+        return INTERRUPTED
+    if not was_armed:
+        return REFUSED
+    return TRIPPED if isinstance(problem, RigFault) and problem.ring in SAFETY else FAILED
 
 
 def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:

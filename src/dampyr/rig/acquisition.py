@@ -176,14 +176,14 @@ class Acquisition:
 
     def _judge(self, samples: Samples, waiting: float) -> None:
         warm = self.warmth.take(samples)
+        if samples.status.state is State.FAULT:  # the cause; what the interlock sees then may be its consequence
+            raise RigFault(f"the Uno stopped the table: {fault_in_words(samples.status.faults)}", "firmware")
         if self.interlock is not None:
             trip = self.interlock.judge(samples, waiting)
             if samples.temperature is None:
                 trip = self.interlock.estimate(warm, float(samples.time[-1]))
             if trip:
                 raise RigFault(f"the interlock stopped the rig: {trip}", "interlock")
-        if samples.status.state is State.FAULT:
-            raise RigFault(f"the Uno stopped the table: {fault_in_words(samples.status.faults)}", "firmware")
 
     def _feed(self) -> None:
         if self.player:
@@ -208,14 +208,17 @@ class Acquisition:
         return needed
 
     def halt(self, why: RigFault) -> RigFault:
-        """Brake the table and take the coil to 0 V, now; every step is tried whatever fails. The first reason is kept."""
+        """Take the coil to 0 V and brake the table, now; every step is tried whatever fails. The first reason is kept.
+
+        The coil comes first: it needs no serial wire, on which a request may wait for a reply that never comes.
+        """
         with self.lock:
             self.stopped = self.stopped or why
             self.player = None
-            for step in (self.uno.abort, self.cut):
+            for step in (self.cut, self.uno.abort):
                 try:
                     step()
-                except RigFault as problem:
+                except Exception as problem:  # whatever it is, the next step is tried
                     self.stopped.add_note(str(problem))
             return self.stopped
 

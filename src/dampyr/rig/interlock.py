@@ -68,13 +68,20 @@ class Interlock:
     def judge(self, samples: Samples, waiting: float = 0.0) -> Trip | None:
         """The first limit that a block leaves, or None; ``waiting`` is the age [s] of its last sample when it was read."""
         limits, time = self.rig.limits, float(samples.time[-1])
+        speed = self._speed(samples)
         readings = [
             (np.abs(samples.volts[0]).max(), RAIL * self.rig.board.range, "load cell signal", "V", "look at its wire"),
             (np.abs(samples.force).max(), limits.force, "force", "N", "look at the specimen and the load cell"),
             (np.abs(samples.displacement).max(), limits.stroke / 2, "displacement", "m", "home the table"),
-            (self._speed(samples), limits.speed, "speed", "m/s", "look at the motor's drive"),
+            (speed, limits.speed, "speed", "m/s", "look at the motor's drive"),
             (waiting, LATE * self.rig.board.block, "age of the samples", "s", "the host is too slow or was stopped"),
-            (self._apart(samples), APART, "distance of the board's and the Uno's position", "m", "look at the encoder"),
+            (
+                self._apart(samples, speed, waiting),
+                APART,
+                "distance of the board's and the Uno's position",
+                "m",
+                "look at the encoder",
+            ),
         ]
         if samples.temperature is not None:
             hot = (samples.temperature.max(), limits.temperature, "temperature", "degC", "let the damper cool")
@@ -102,10 +109,13 @@ class Interlock:
         self._before = path[-lag:]
         return float(np.abs(path[lag:] - path[:-lag]).max(initial=0.0)) * self.rig.board.rate / lag
 
-    def _apart(self, samples: Samples) -> float:
-        """How far the board's last position is from the Uno's, which was asked a moment later."""
+    def _apart(self, samples: Samples, speed: float, waiting: float) -> float:
+        """How far the board's last position is from the Uno's, asked ``waiting`` s later and up to a block more: a late
+        host is no fault of the encoder's, and its lateness has a limit of its own.
+        """
         if not samples.status.homed:
             return 0.0
         count = self.rig.encoder.count
-        moved = abs(samples.status.speed) * count * self.rig.board.block
+        now = abs(samples.status.speed) * count
+        moved = now * self.rig.board.block + max(now, speed) * waiting
         return max(0.0, abs(float(samples.displacement[-1]) - samples.status.position * count) - moved)

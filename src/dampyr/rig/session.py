@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
@@ -14,18 +16,19 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError, RigFault
+from dampyr.errors import DampyrWarning, InputError, RigFault
 from dampyr.representation import Representation, Summary
-from dampyr.rig.acquisition import Acquisition
+from dampyr.rig.acquisition import Acquisition, fault_in_words
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
 from dampyr.rig.drive import Drive
-from dampyr.rig.firmware.protocol import State
+from dampyr.rig.firmware.protocol import Fault, State
 from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.ni_board import Board
 from dampyr.rig.instruments.uno import HERE, INDEX, Uno
 from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
+from dampyr.rig.signal_deferral import deferred_signals
 from dampyr.rig.thermal_model import Warmth
 
 Array = NDArray[np.float64]
@@ -57,6 +60,9 @@ class Rig(Representation):
     on_close: list[Callable[[], None]] = field(default_factory=list)
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     warmth: Warmth = field(init=False)
+    was_armed: bool = field(init=False, default=False)
+    """Whether it has been armed since it was connected: before, nothing has moved."""
+    _taken_over: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
         saved = load_calibration(self.folder) if self.folder else None
@@ -81,24 +87,40 @@ class Rig(Representation):
 
     @contextmanager
     def armed(self) -> Iterator[Table]:
-        """Arm the rig: a `Table` that can be moved. On leaving: stop, coil to 0 V, rest, disarm, in this order."""
+        """Arm the rig: a `Table` that can be moved. On leaving: coil to 0 V, stop, rest, disarm, in this order.
+
+        Signals that would end the process wait meanwhile: a second Ctrl-C does not cut the way out short.
+        """
         if self.threaded:
             freeze_objects()
-        self.uno.hello()
-        if self.uno.heartbeat().state is not State.IDLE:
-            self.uno.disarm()
-        if self.uno.heartbeat().state is State.FAULT:
-            self.uno.clear()
+        self._take_over()
         self.uno.configure(self.settings)
         table = Table(self)
+        self.was_armed = True
         try:
             table.begin()
             yield table
         except BaseException as problem:
-            table.disarm(problem)
+            _leave(table, problem)
             raise
         else:
-            table.disarm(None)
+            _leave(table, None)
+
+    def _take_over(self) -> None:
+        """The Uno to IDLE, however it is met; what an earlier host left is said by name, once, before it is forgotten."""
+        self.uno.hello()
+        status = self.uno.heartbeat()
+        if status.state not in (State.IDLE, State.FAULT):
+            words = f"the Uno was left in state {status.state.name} by another host, or by one that was killed; it is disarmed"
+            warnings.warn(words, DampyrWarning, stacklevel=4)
+            self.uno.disarm()
+            status = self.uno.heartbeat()
+        if status.state is State.FAULT:
+            if not self._taken_over and status.faults & ~(Fault.RESTARTED | Fault.ABORTED):
+                words = f"the Uno had stopped by itself before this host came: {fault_in_words(status.faults)}"
+                warnings.warn(words, DampyrWarning, stacklevel=4)
+            self.uno.clear()
+        self._taken_over = True
 
     def listen(self, seconds: float = 1.0) -> tuple[Array, NDArray[np.int64]]:
         """What the board reads while nothing is armed: volts (channels, n) and counts (n,); the command is 0 V."""
@@ -115,15 +137,47 @@ class Rig(Representation):
         return f"{self.board.identity()}, Uno firmware {self.uno.hello().firmware}"
 
     def close(self) -> None:
-        """Close the instruments."""
+        """Close the instruments; each is tried, and the first failure is raised."""
+        self._close(None)
+
+    def _close(self, problem: BaseException | None) -> None:
+        """Close the instruments; failures are noted on ``problem``, or the first is raised where there is none."""
+        failed: list[Exception] = []
         for close in (self.uno.close, self.board.close, *self.on_close):
-            close()
+            try:
+                close()
+            except Exception as trouble:  # whatever it is, the next one is closed
+                failed.append(trouble)
+        self.on_close.clear()
+        _report(failed, problem)
 
     def __enter__(self) -> Rig:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, _: object, problem: BaseException | None, __: object) -> None:
+        self._close(problem)
+
+
+def _leave(table: Table, problem: BaseException | None) -> None:
+    """Disarm, whatever interrupts it; ``problem`` is what ended the block."""
+    try:
+        with deferred_signals(discard=problem is not None):
+            table.disarm(problem)
+    except (KeyboardInterrupt, SystemExit) as interruption:  # just before the deferral, or right after it
+        with deferred_signals(discard=True):
+            table.disarm(problem or interruption)
+        raise
+
+
+def _report(failed: Sequence[Exception], problem: BaseException | None) -> None:
+    """Note failures on ``problem``, the first reason; without one, raise the first of them."""
+    if failed and problem is None:
+        for each in failed[1:]:
+            failed[0].add_note(str(each))
+        raise failed[0]
+    if problem is not None:
+        for each in failed:
+            problem.add_note(str(each))
 
 
 class Table(Representation):
@@ -140,6 +194,8 @@ class Table(Representation):
             rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
         )
         self.check: Callable[[], None] = no_check
+        steps = (self.loop.cut, self._stop, self.loop.end, self._settle, self._disarm_uno, self._stop_board)
+        self._way_out: deque[Callable[[], None]] = deque(steps)
 
     def _summary(self) -> Summary:
         return f"Table of {self.rig.settings.name!r}, armed", [
@@ -159,21 +215,21 @@ class Table(Representation):
         self._align()
 
     def disarm(self, problem: BaseException | None) -> None:
-        """Stop, coil to 0 V, rest, disarm; each is tried; failures are noted on ``problem`` or raised."""
+        """Coil to 0 V, stop, rest, disarm; each is tried; failures are noted on ``problem`` or raised.
+
+        Called again, it goes on after the last step that was made.
+        """
         failed: list[Exception] = []
-        loop, uno = self.loop, self.rig.uno
-        loop.player = None
-        for step in (self._stop, loop.cut, loop.end, self._settle, uno.disarm, self.rig.board.stop):
+        self.loop.player = None
+        while self._way_out:
+            step = self._way_out[0]
             try:
-                with loop.lock if step in (self._stop, uno.disarm) else nullcontext():
+                with self.loop.lock if step in (self._stop, self._disarm_uno) else nullcontext():
                     step()
             except Exception as trouble:  # whatever it is, the next step is tried
                 failed.append(trouble)
-        if failed and problem is None:
-            raise failed[0]
-        if problem is not None:
-            for each in failed:
-                problem.add_note(str(each))
+            self._way_out.popleft()
+        _report(failed, problem)
 
     def _stop(self) -> None:
         """Decelerate, or brake where that fails."""
@@ -182,6 +238,12 @@ class Table(Representation):
         except RigFault:
             self.rig.uno.abort()
             raise
+
+    def _disarm_uno(self) -> None:
+        self.rig.uno.disarm()
+
+    def _stop_board(self) -> None:
+        self.rig.board.stop()
 
     def _settle(self) -> None:
         """Keep reading until the table is at rest."""
@@ -338,15 +400,15 @@ class Table(Representation):
                 return
 
     def soft_stop(self) -> None:
-        """Decelerate and cut the coil, whatever fails; `disarm` follows."""
+        """Cut the coil and decelerate, whatever fails; `disarm` follows."""
         with self.loop.lock:
             self.loop.player = None
-            for step in (self.rig.uno.stop, self.loop.cut):
+            for step in (self.loop.cut, self.rig.uno.stop):
                 with suppress(RigFault):
                     step()
 
     def abort(self, why: str = "it was asked for") -> None:
-        """Brake and cut the coil, now; from any thread. Whoever waits for blocks gets a :class:`RigFault`."""
+        """Cut the coil and brake, now; from any thread. Whoever waits for blocks gets a :class:`RigFault`."""
         self.loop.halt(RigFault(f"aborted: {why}", "operator"))
 
     def _for(self, seconds: float) -> Iterator[Samples]:
