@@ -92,7 +92,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the first test is complete and the second failed."""
     folder = tmp_path_factory.mktemp("recorded")
     (folder / "short.toml").write_text(SHORT)
-    done = run(folder / "short.toml", "--in-process", "--out", folder / "out", "--fault", "stalled-motor@9s")
+    done = run(folder / "short.toml", "--in-process", "--out", folder / "out", "--fault", "stalled-motor@10.4s")
     assert done.exit_code == 3
     assert [test.state for test in read_journal(folder / "out")[0]] == ["complete", "failed"]
     return folder
@@ -265,3 +265,38 @@ def test_exit_codes_of_a_run_that_is_ended(
     assert test.state in ("stopped", "failed")
     if code > 130 or code == 129:
         assert f"ended by signal {code - 128}; the rig is at rest" in stderr
+
+
+# an encoder that both layers read, and that loses counts
+
+
+@pytest.mark.parametrize(
+    "fault", ["stuck-encoder@4.9s for 120ms", "stuck-encoder@7.2s for 60ms", "slipped-encoder=0.1mm@8s"]
+)
+def test_lost_counts_end_no_campaign_complete(tmp_path: Path, fault: str) -> None:
+    done = run(EXAMPLES / "quick_campaign.toml", "--in-process", "--out", tmp_path / "out", "--fault", fault)
+    assert done.exit_code == 3, done.output
+    assert "nothing moved" in done.stderr or "index" in done.stderr
+    for test in read_journal(tmp_path / "out")[0]:
+        if test.state != "complete":
+            continue
+        # what is complete was complete before, and its strokes are those that were planned
+        record = records.read(tmp_path / "out" / f"{test.name}.h5")
+        assert abs(record.displacement).max() < 0.0085
+
+
+def test_a_check_that_is_left_out_is_told_in_the_plan_the_run_and_the_record(tmp_path: Path) -> None:
+    words = "whether the load cell's sign is right and the encoder's scale is"
+    (tmp_path / "short.toml").write_text(SHORT.replace('"0 V", "0.8712 V"', '"0 V"'))
+    assert words in run(tmp_path / "short.toml", "--dry-run").stdout.replace("\n", " ")
+    done = run(tmp_path / "short.toml", "--in-process", "--out", tmp_path / "out")
+    assert (done.exit_code, words in done.stderr) == (0, True)
+    (record,) = records.read_campaign(tmp_path / "out")
+    assert words in record.provenance["preliminary_check"]
+    (tmp_path / "short.toml").write_text(
+        SHORT.replace('"0 V", "0.8712 V"', '"0 V"').replace("check_amplitude = 0.0", "check_amplitude = 0.001")
+    )
+    done = run(tmp_path / "short.toml", "--in-process", "--out", tmp_path / "checked")
+    assert (done.exit_code, words in done.stderr) == (0, False)
+    (record,) = records.read_campaign(tmp_path / "checked")
+    assert record.provenance["preliminary_check"] == "passed"

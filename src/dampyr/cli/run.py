@@ -81,6 +81,7 @@ def command(
 def _perform(plan: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[str, Any]) -> int:
     """Run it, and say how it ended; the exit code."""
     from dampyr.campaigns import Control, perform, read_journal
+    from dampyr.campaigns.plan import UNCHECKED
     from dampyr.cli._frame import with_notes
     from dampyr.cli._running import keys, shown, stopped_by_signals
     from dampyr.rig.connect import open_rig
@@ -88,6 +89,8 @@ def _perform(plan: Plan, rig: Path | None, out: Path, as_json: bool, how: dict[s
     control = Control()
     opened: Rig | None = None
     try:
+        if plan.preliminary is None:
+            click.echo(f"dampyr: warning: {UNCHECKED}", err=True)
         with stopped_by_signals(), open_rig(rig, **how) as opened, shown(plan) as show, keys(control):
             perform(plan, opened, out, show, control)
     except (DampyrError, OSError) as problem:

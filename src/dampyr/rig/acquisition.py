@@ -37,12 +37,17 @@ WORDS = {
     Fault.LOW: "the table passed the lower end of the stroke",
     Fault.HIGH: "the table passed the upper end of the stroke",
     Fault.SPEED: "the table was too fast",
-    Fault.STALL: "the motor was driven and did not move: is it blocked, overloaded or without power?",
+    Fault.STALL: "the motor was driven and nothing moved: is the motor blocked, overloaded or unpowered, or the encoder dead?",
     Fault.FOLLOWING: "the table fell behind its set points: is the motor blocked, or is the drive too fast for its load?",
     Fault.UNDERRUN: "set points came too late",
     Fault.ENCODER: "the encoder's signals are broken",
     Fault.ABORTED: "it was aborted",
     Fault.RESTARTED: "the Uno had started anew; home the table again",
+    Fault.INDEX: "the encoder's index was not where homing put it, so counts were lost or the scale has slipped; look at the "
+    "encoder and its wires, and home the table again",
+    Fault.END: "an end switch opened: the table reached its end, or the switch's wire is broken",
+    Fault.EMERGENCY: "the emergency stop was pressed, or its wire is broken",
+    Fault.DIRECTION: "the table moved against its motor: are the encoder's lines A and B, or the motor's leads, swapped?",
 }
 
 
@@ -132,9 +137,10 @@ class Acquisition:
         n = self.rig.block_samples if n is None else n
         try:
             volts, counts = self.board.read(n)
+            passes = self.board.index_counts()
             waiting = self._late.of(self.next + n, self.clock()) if self.threaded else 0.0
             with self.lock:
-                samples = self._samples(volts, counts, self.uno.heartbeat())
+                samples = self._samples(volts, counts, passes, self.uno.heartbeat())
                 self._judge(samples, waiting)
                 self._feed()
         except RigFault as problem:
@@ -143,12 +149,14 @@ class Acquisition:
             watch(samples)
         return samples
 
-    def _samples(self, volts: Array, counts: NDArray[np.int64], status: Status) -> Samples:
+    def _samples(self, volts: Array, counts: NDArray[np.int64], passes: NDArray[np.int64], status: Status) -> Samples:
         n, first = len(counts), self.next
         voltage, self._command = self._command[:n], self._command[n:]
         if len(voltage) < n:  # the timed command has ended: the coil is at 0 V
             voltage = np.concatenate([voltage, np.zeros(n - len(voltage))])
         self.next, self.status = first + n, status
+        if not (status.homed and self.aligned):
+            passes = passes[:0]  # what they are counted from is not certain yet
         if status.homed and not self.aligned:
             self._align(counts, status)
         self.aligned = status.homed
@@ -163,6 +171,7 @@ class Acquisition:
             counts,
             voltage,
             status,
+            passes - round(calibration.middle),
         )
 
     def _align(self, counts: NDArray[np.int64], status: Status) -> None:

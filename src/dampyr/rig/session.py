@@ -21,6 +21,7 @@ from dampyr.representation import Representation, Summary
 from dampyr.rig.acquisition import Acquisition, fault_in_words
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
 from dampyr.rig.drive import Drive
+from dampyr.rig.firmware.control_core import SLOW
 from dampyr.rig.firmware.protocol import Fault, State
 from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.ni_board import Board
@@ -36,7 +37,9 @@ GENTLE = 0.010  # m/s, the mean speed on the way to the start of a test
 ARRIVED = 5e-4  # m: from there on a drive's first step is one that the table follows
 SETTLED = 0.3  # s in which a table that decelerates is at rest
 QUICK = 0.2  # s of work during which the board's buffer is enough
-HOMING = 120.0  # s that the search for the index may take
+HOMING = 240.0  # s that the search for the index may take: to and fro over a stroke at 2 mm/s
+BACK = 0.4  # s of a jog on the way back from outside of the limits, renewed before its 0.5 s are over
+PAST_INDEX = 2.5e-4  # m on both sides of the index between which it is passed
 
 
 @dataclass(repr=False)
@@ -62,6 +65,8 @@ class Rig(Representation):
     warmth: Warmth = field(init=False)
     was_armed: bool = field(init=False, default=False)
     """Whether it has been armed since it was connected: before, nothing has moved."""
+    index: dict[int, int] = field(init=False, default_factory=dict)
+    """Where the encoder's index is passed; see `Interlock`. Empty: its next pass tells."""
     _taken_over: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
@@ -189,7 +194,7 @@ class Table(Representation):
     def __init__(self, rig: Rig) -> None:
         assert rig.calibration is not None
         self.rig = rig
-        guard = Interlock(rig.settings) if rig.interlocked else None
+        guard = Interlock(rig.settings, index=rig.index) if rig.interlocked else None
         self.loop = Acquisition(
             rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
         )
@@ -270,7 +275,12 @@ class Table(Representation):
     def home(self, here: bool = False) -> None:
         """Find the middle of the stroke by the index mark; ``here``: the table is in it."""
         index = round(self.rig.settings.encoder.index / self.rig.settings.encoder.count)
+        if self.loop.status.outside and not here:
+            self.come_back()
         with self.loop.lock:
+            self.rig.index.clear()
+            if not here:
+                self.rig.index[0] = index
             if here:
                 self.rig.uno.disarm()
                 self.rig.uno.home(HERE, 0)
@@ -285,6 +295,39 @@ class Table(Representation):
                     return
                 break
         raise RigFault("no index mark was found; look at the encoder, or home by hand in the middle")
+
+    def come_back(self) -> None:
+        """Move a homed table that stands outside of its limits slowly back to within them; nothing where it is within."""
+        count = self.rig.settings.encoder.count
+        out = abs(self.position) - self.rig.settings.travel
+        for _ in range(math.ceil(max(out, 0.0) / (SLOW * count * BACK)) + 5):
+            if not self.loop.status.outside:
+                break
+            with self.loop.lock:
+                self.rig.uno.jog(-SLOW if self.position > 0.0 else SLOW, round(1000 * (BACK + 0.1)))
+            self.rest(BACK)
+        self.stop()
+        if self.loop.status.outside:
+            raise RigFault(
+                f"the table stands at {self.position * 1e3:.2f} mm, outside of its limits, and does not come back; look at "
+                "the motor, its driver and the screw",
+                "check",
+            )
+
+    def verify_index(self) -> None:
+        """Pass the encoder's index slowly, where it lies within the travel: :class:`RigFault` where it has moved by more than
+        2 counts, for then the positions since its last pass were wrong.
+        """
+        place = self.rig.index.get(0)
+        if place is None or not self.homed:
+            return
+        at, count = self.position, self.rig.settings.encoder.count
+        side = PAST_INDEX if at <= place * count else -PAST_INDEX
+        if abs(place * count) + PAST_INDEX > self.rig.settings.travel:
+            return
+        if abs(at - place * count) < PAST_INDEX:
+            self.go(place * count - side)
+        self.go(place * count + side)
 
     def _align(self) -> None:
         """Align the board's counts with the Uno's, at rest: in a block in which the table moves, they are read at
@@ -340,6 +383,8 @@ class Table(Representation):
 
     def go(self, displacement: float) -> None:
         """Move slowly to ``displacement`` [m] and stop there; :class:`RigFault` where the table did not follow."""
+        if self.loop.status.outside:
+            self.come_back()
         path = displacement - self.position
         seconds = max(1.875 * abs(path) / GENTLE, 0.1)  # a minimum-jerk path's peak speed is 15/8 of its mean
         n = math.ceil(seconds / 0.01) + 1
@@ -381,6 +426,17 @@ class Table(Representation):
                 self.stop()
                 return
             if samples.first + samples.n >= player.end and player.finished:
+                break
+        else:
+            return
+        self._stand()
+
+    def _stand(self) -> None:
+        """Read on until the table stands, so that what the interlock compares at rest has been compared."""
+        still = 0
+        for samples in self._for(SETTLED):
+            still = still + 1 if samples.status.speed == 0 and np.ptp(samples.counts) == 0 else 0
+            if still == 2:
                 return
 
     def _early(self, drive: Drive, samples: Samples) -> bool:

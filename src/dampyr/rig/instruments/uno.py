@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.firmware.protocol import (
+    EMERGENCY_WIRED,
+    ENDS_WIRED,
     MAX_POINTS,
     VERSION,
     Frame,
@@ -34,6 +36,10 @@ REASONS = {
     Reason.GAP: "set points are missing",
     Reason.VERSION: "its version of the protocol is another one",
     Reason.NO_HEARTBEAT: "it has seen no heartbeat",
+    Reason.NO_HELLO: "it has seen no hello",
+    Reason.OUTSIDE: "the table stands outside of its limits; move it slowly towards the middle",
+    Reason.END: "an end switch is open; is the table at its end, or the switch's wire broken?",
+    Reason.EMERGENCY: "the emergency stop is pressed, or its wire is broken; release it",
 }
 INDEX, HERE = 1, 0  # how to home
 HELLO_INTERVAL = (
@@ -95,9 +101,10 @@ class Uno:
     def configure(self, rig: RigSettings) -> None:
         """Give the Uno its limits, those of ``rig``."""
         count, limits = rig.encoder.count, rig.limits
-        half = int(limits.stroke / 2 / count)
+        half = int(rig.travel / count)
         heartbeat = round(limits.heartbeat * 1000)
-        self._ask(Request.LIMITS, -half, half, int(limits.speed / count), heartbeat, 255, 300)
+        wired = ENDS_WIRED * rig.wires.end_switches | EMERGENCY_WIRED * rig.wires.emergency_stop
+        self._ask(Request.LIMITS, -half, half, int(limits.speed / count), heartbeat, 255, 300, wired)
 
     def heartbeat(self) -> Status:
         """Send a heartbeat; the Uno's status."""
@@ -200,7 +207,9 @@ class Uno:
     def _checked(self, kind: Request, reply: Frame) -> Frame:
         if reply.kind is not Reply.NAK:
             return reply
-        if reply.values[1] == Reason.VERSION and kind is not Request.HELLO:  # HELLO was answered: it has forgotten it
+        if (
+            reply.values[1] in (Reason.VERSION, Reason.NO_HELLO) and kind is not Request.HELLO
+        ):  # HELLO was answered: it has forgotten it
             raise RigFault(RESTARTED, "firmware")
         reason = (
             REASONS.get(Reason(reply.values[1])) if reply.values[1] in list(Reason) else f"reason {reply.values[1]}"
