@@ -385,7 +385,9 @@ def test_a_search_without_an_index_gives_up(armed: Bench) -> None:
             break
     assert armed.twin.state == State.ARMED
     assert not armed.status.homed
-    assert max(map(abs, reached)) <= 1300 + c.SPARE + 50  # half of the limits' distance, for it may stand at one of them
+    assert (
+        max(map(abs, reached)) <= 1300 + c.SPARE + 50
+    )  # half of the limits' distance, for it may stand at one of them
     assert min(reached) == pytest.approx(-1500, abs=50)
 
 
