@@ -250,6 +250,17 @@ def test_the_board_sees_the_index_by_itself() -> None:
     assert raised.value.ring == "interlock"
 
 
+def test_a_mark_has_two_edges_and_no_third() -> None:
+    from tests.rig.test_uno import block
+
+    from dampyr.rig.interlock import Interlock
+
+    guard = Interlock(RigSettings(), index={0: 400})
+    for place, shift in ((402, 0), (398, 0), (404, 2), (396, 2), (399, 1), (407, 7), (300, 100)):
+        samples = replace(block(RigSettings(), np.zeros(40), 0.0, 0.0), index=np.array([place]))
+        assert guard._index_shift(samples) == shift, place
+
+
 def test_counts_that_are_lost_after_the_last_pass_are_seen_before_the_test_is_complete() -> None:
     rig, simulator = standing_at(-0.010)
     with rig.armed() as table:

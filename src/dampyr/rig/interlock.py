@@ -69,8 +69,8 @@ class Trip:
 class Interlock:
     """Checks blocks; ``trip`` is the first reason to stop.
 
-    ``index``: where the encoder's index is passed, counts from the middle: under 0 as homing put it, under 1 and -1 as the
-    board latched its first pass in either direction. The board latches the rising edge of a mark that is wider than a count.
+    ``index``: where the encoder's index is passed, counts from the middle: under 0 as homing put it, under 1 and 2 as the board
+    has latched it. It latches the rising edge of a mark that is wider than a count, so that there are two, one a direction.
     """
 
     rig: RigSettings
@@ -155,14 +155,20 @@ class Interlock:
         return abs(round(float(samples.displacement[-1]) / self.rig.encoder.count - 0.5) - samples.status.position)
 
     def _index_shift(self, samples: Samples) -> float:
-        """Counts by which the index was off its place in this block, at most."""
-        if not samples.index.size:
-            return 0.0
-        way = 1 if samples.displacement[-1] >= samples.displacement[0] else -1
-        first = int(samples.index[0])
-        if way not in self.index and abs(first - self.index.setdefault(0, first)) <= MARK_WIDTH:
-            self.index[way] = first
-        return float(np.abs(samples.index - self.index.get(way, self.index[0])).max())
+        """Counts by which the index was off its place in this block, at most.
+
+        Its mark has two edges, one for each direction of the table: the first two places near that of homing are theirs.
+        """
+        worst = 0.0
+        for place in samples.index.tolist():
+            near = abs(place - self.index.setdefault(0, place)) <= MARK_WIDTH
+            edges = [value for key, value in self.index.items() if key]
+            shift = min((abs(place - edge) for edge in edges), default=MARK_WIDTH + 1)
+            if shift > REST_APART and near and len(edges) < 2:
+                self.index[len(edges) + 1] = place
+            else:
+                worst = max(worst, shift if near else abs(place - self.index[0]))
+        return worst
 
     def _speed(self, samples: Samples) -> float:
         """The largest speed over `WINDOW`, across the border to the block before."""
