@@ -19,7 +19,8 @@ def deferred_signals(discard: bool = False) -> Iterator[None]:
         yield
         return
     waiting: list[int] = []
-    before = {number: signal.signal(number, lambda arrived, _: waiting.append(arrived)) for number in ENDING}
+    heard = [number for number in ENDING if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, lambda arrived, _: waiting.append(arrived)) for number in heard}
     try:
         yield
     finally:
