@@ -574,6 +574,14 @@ def test_a_dead_encoder_is_seen_on_a_slow_stroke_too(armed: Bench) -> None:
     assert armed.place - before < c.FREE_TRAVEL + 60
 
 
+def test_a_load_that_holds_the_table_near_a_resting_set_point_is_no_stall(armed: Bench) -> None:
+    armed.gain = 0.0
+    feed(armed, [10] * 60)
+    armed.done(Request.FOLLOW, 100, 60)
+    armed.run(5000)
+    assert (armed.twin.state, armed.twin.registers[c.R_DUTY] > c.DEAD_DUTY) == (State.FOLLOWING, True)
+
+
 @pytest.mark.parametrize("kind", [Request.JOG, Request.HOME, Request.FOLLOW])
 def test_swapped_leads_are_seen_at_once(idle: Bench, kind: Request) -> None:
     idle.swapped = True

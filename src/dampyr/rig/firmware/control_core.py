@@ -46,8 +46,9 @@ ENDS_WIRED, EMERGENCY_WIRED = protocol.ENDS_WIRED, protocol.EMERGENCY_WIRED
     R_HEAD, R_NEXT, R_LAST, R_PERIOD, R_PHASE, R_TARGET, R_RATE, R_LEFT, R_HALF, R_PAUSE, R_STROKES,
     R_INDEX, R_INDEX_SET, R_SHIFT, R_PASSES, R_TURN, R_START, R_SIGN, R_ENDS, R_END_AT, R_FILLED,
     R_INPUTS, R_OUTSIDE, R_EDGE, R_ORIGIN, R_WAY, R_WAY_AT, R_PROVEN,
-) = range(49)  # fmt: skip
-R_QUEUE = 56  # after the 49 above, with places left for more
+    R_RESTING,
+) = range(50)  # fmt: skip
+R_QUEUE = 56  # after the 50 above, with places left for more
 R_PAST = R_QUEUE + QUEUE
 REGISTERS = R_PAST + WINDOW
 
@@ -166,7 +167,8 @@ def stalled(r):
         return False
     r[R_STALLED] = r[R_STALLED] + 1 if abs(r[R_DUTY]) >= STALL_DUTY else 0
     lost = STALL_DUTY if r[R_STATE] == REVERSING else DEAD_DUTY
-    r[R_FREE] += max(0, abs(r[R_DUTY]) - lost) * FULL_SPEED // (255 - DEAD_DUTY)
+    if not r[R_RESTING]:  # a small duty against a load holds the table some counts away from a resting set point
+        r[R_FREE] += max(0, abs(r[R_DUTY]) - lost) * FULL_SPEED // (255 - DEAD_DUTY)
     return r[R_STALLED] >= r[R_STALL] or r[R_FREE] > FREE_TRAVEL * RATE
 
 
@@ -275,6 +277,7 @@ def slope(r, number):
 def towards(r, target, speed):
     """Duty in proportion to the distance, and for the speed that the set points ask for."""
     away = target - r[R_POSITION]
+    r[R_RESTING] = 1 if speed == 0 else 0
     if speed == 0 and abs(away) <= STILL:
         r[R_DUTY] = 0
         return
@@ -286,6 +289,7 @@ def towards(r, target, speed):
 def reverse(r):
     """Duty that rises evenly in half of the half period, pauses at its top, and falls again; then the other way."""
     r[R_PHASE] += 1
+    r[R_RESTING] = 0
     whole = r[R_HALF] + r[R_PAUSE]
     if r[R_PHASE] > whole:
         r[R_PHASE] = 1
