@@ -20,6 +20,7 @@ WINDOW = 10  # ms over which the speed is taken
 AWAY = 1000  # counts from the set point
 STALL_DUTY, STALL_MOVE = 64, 2
 FREE_TRAVEL = 400  # counts, 2 mm, that a free motor would have made while the encoder counted less than STALL_MOVE
+CREEP = 100  # counts/s, 0.5 mm/s, below which a load may hold the table for long until the duty has grown
 STOP_TIME = 60  # ms
 FIRST_SWEEP = 250  # counts to the first turn of a search for the index
 INDEX_SHIFT = 2  # counts by which the index may be passed away from its place
@@ -167,7 +168,7 @@ def stalled(r):
         return False
     r[R_STALLED] = r[R_STALLED] + 1 if abs(r[R_DUTY]) >= STALL_DUTY else 0
     lost = STALL_DUTY if r[R_STATE] == REVERSING else DEAD_DUTY
-    if not r[R_RESTING]:  # a small duty against a load holds the table some counts away from a resting set point
+    if not r[R_RESTING]:
         r[R_FREE] += max(0, abs(r[R_DUTY]) - lost) * FULL_SPEED // (255 - DEAD_DUTY)
     return r[R_STALLED] >= r[R_STALL] or r[R_FREE] > FREE_TRAVEL * RATE
 
@@ -277,7 +278,7 @@ def slope(r, number):
 def towards(r, target, speed):
     """Duty in proportion to the distance, and for the speed that the set points ask for."""
     away = target - r[R_POSITION]
-    r[R_RESTING] = 1 if speed == 0 else 0
+    r[R_RESTING] = 1 if abs(speed) < CREEP and not slow(r) else 0
     if speed == 0 and abs(away) <= STILL:
         r[R_DUTY] = 0
         return
