@@ -149,8 +149,8 @@ class _Board:
 
     def __init__(self, board: Any, clock: SimulatedTime) -> None:
         self._board, self._clock, self._lock, self._rate = board, clock, threading.RLock(), 1.0
-        self.queue, self.write, self.close, self.identity = (
-            self.locked(getattr(board, name)) for name in ("queue", "write", "close", "identity")
+        self.queue, self.write, self.close, self.identity, self.index_counts = (
+            self.locked(getattr(board, name)) for name in ("queue", "write", "close", "identity", "index_counts")
         )
 
     def locked(self, call: Callable[..., Any]) -> Callable[..., Any]:

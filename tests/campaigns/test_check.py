@@ -105,7 +105,7 @@ def test_nothing_is_proposed_where_lowering_it_does_not_help():
 
 
 def test_the_stroke_counts_the_centre_and_some_room():
-    max_position = RIG.limits.stroke / 2 - STROKE_MARGIN
+    max_position = RIG.travel - STROKE_MARGIN
     assert limits(SINE(max_position - 0.010, 0.1, centre=0.010)) == []
     assert limits(SINE(max_position - 0.0099, 0.1, centre=-0.010)) == ["stroke"]
 
@@ -114,7 +114,7 @@ def test_several_limits_are_told_together_each_with_its_repair():
     step = {"kind": "sine", "amplitude": "40 mm", "frequency": "0.1 Hz", "voltage": "5 V"}
     [text] = campaigns.plan(campaigns.campaign_of({"step": [step]})).refusals
     assert "needs 5 V at the coil, the limit is 4.4 V; lower the voltage to 4.4 V; it also goes 40 mm" in text
-    assert text.endswith("lower the amplitude to 36.5 mm")
+    assert text.endswith("lower the amplitude to 35.9 mm")
 
 
 def test_the_voltage_stays_in_the_range_of_the_card():

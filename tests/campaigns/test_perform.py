@@ -113,13 +113,13 @@ def test_what_the_rig_cannot_do_is_refused_before_anything_is_written(tmp_path: 
 
 def test_a_fault_ends_the_test_and_the_next_run_goes_on_with_it(two: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
-    with pytest.raises(RigFault, match="the table fell behind its set points"):
+    with pytest.raises(RigFault, match="is the motor blocked"):
         perform(two, rig("stalled-motor@15s"), folder)
     tests, _ = read_journal(folder)
     assert [test.state for test in tests] == ["complete", "failed"]
     record = records.read(folder / "02-sine-5mm-1Hz-1.5V.h5")
     assert (record.provenance["exit_status"], record.provenance["ring"]) == ("failed", "firmware")
-    assert "fell behind" in record.provenance["reason"]
+    assert "is the motor blocked" in record.provenance["reason"]
     assert len(records.read_campaign(folder)) == 1
     perform(two, rig(), folder)
     assert [test.attempt for test in read_journal(folder)[0]] == [1, 2]

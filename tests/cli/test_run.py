@@ -3,6 +3,8 @@
 import hashlib
 import io
 import json
+import os
+import signal
 import sqlite3
 import subprocess
 import sys
@@ -97,8 +99,8 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the first test is complete and the second failed."""
     folder = tmp_path_factory.mktemp("recorded")
     (folder / "short.toml").write_text(SHORT)
-    done = run(folder / "short.toml", "--in-process", "--out", folder / "out", "--fault", "stalled-motor@9s")
-    assert done.exit_code == 2
+    done = run(folder / "short.toml", "--in-process", "--out", folder / "out", "--fault", "stalled-motor@10.4s")
+    assert done.exit_code == 3
     assert [test.state for test in read_journal(folder / "out")[0]] == ["complete", "failed"]
     return folder
 
@@ -294,3 +296,97 @@ def test_a_campaign_goes_on_whatever_becomes_of_its_streams(tmp_path: Path, end:
     assert [test.state for test in read_journal(tmp_path / "out")[0]] == ["complete"] * 2
     for path in (tmp_path / "out").glob("*.h5"):
         assert records.read(path).n > 1000
+
+
+# how a run ends, for scripts
+
+
+def ended(tmp_path: Path, *more: str, text: str = SHORT) -> tuple[int, str]:
+    (tmp_path / "short.toml").write_text(text)
+    done = run(tmp_path / "short.toml", "--in-process", "--out", tmp_path / "out", *more)
+    return done.exit_code, done.stderr
+
+
+def test_exit_code_complete(tmp_path: Path) -> None:
+    assert ended(tmp_path)[0] == 0
+
+
+@pytest.mark.parametrize(("fault", "code", "words"), [
+    ("unplugged-serial@0s", 2, "does not answer HELLO"),
+    ("stalled-motor@4s", 3, "the motor"),
+    ("broken-cell@5s", 3, "the interlock stopped the rig"),
+    ("board-timeout@5s", 4, "the simulated board gives an error"),
+])  # fmt: skip
+def test_exit_codes_of_a_rig_that_fails(tmp_path: Path, fault: str, code: int, words: str) -> None:
+    exit_code, stderr = ended(tmp_path, "--fault", fault)
+    assert exit_code == code
+    assert words in stderr
+
+
+@pytest.mark.parametrize(("how", "code"), [
+    ("stop", 130), ("abort", 130), (signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (OSError(28, "full"), 4),
+])  # fmt: skip
+def test_exit_codes_of_a_run_that_is_ended(
+    tmp_path: Path, how: str | int | OSError, code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dampyr.campaigns import Control
+    from dampyr.campaigns.monitor import Watch
+
+    blocks, check = 0, Control.check
+
+    def take(self: Watch, samples: object) -> None:
+        nonlocal blocks
+        blocks += 1
+        if blocks == 5 and isinstance(how, OSError):
+            raise how
+        if blocks == 5 and isinstance(how, int):
+            os.kill(os.getpid(), how)
+
+    def pressed(self: Control) -> None:
+        if blocks == 5 and isinstance(how, str):
+            getattr(self, how)()
+        check(self)
+
+    monkeypatch.setattr(Watch, "take", take)
+    monkeypatch.setattr(Control, "check", pressed)
+    exit_code, stderr = ended(tmp_path)
+    assert exit_code == code, stderr
+    (test, _) = read_journal(tmp_path / "out")[0]
+    assert test.state in ("stopped", "failed")
+    if code > 130 or code == 129:
+        assert f"ended by signal {code - 128}; the rig is at rest" in stderr
+
+
+# an encoder that both layers read, and that loses counts
+
+
+@pytest.mark.parametrize(
+    "fault", ["stuck-encoder@4.9s for 120ms", "stuck-encoder@7.2s for 60ms", "slipped-encoder=0.1mm@8s"]
+)
+def test_lost_counts_end_no_campaign_complete(tmp_path: Path, fault: str) -> None:
+    done = run(EXAMPLES / "quick_campaign.toml", "--in-process", "--out", tmp_path / "out", "--fault", fault)
+    assert done.exit_code == 3, done.output
+    assert "nothing moved" in done.stderr or "index" in done.stderr
+    for test in read_journal(tmp_path / "out")[0]:
+        if test.state != "complete":
+            continue
+        # what is complete was complete before, and its strokes are those that were planned
+        record = records.read(tmp_path / "out" / f"{test.name}.h5")
+        assert abs(record.displacement).max() < 0.0085
+
+
+def test_a_check_that_is_left_out_is_told_in_the_plan_the_run_and_the_record(tmp_path: Path) -> None:
+    words = "whether the load cell's sign is right and the encoder's scale is"
+    (tmp_path / "short.toml").write_text(SHORT.replace('"0 V", "0.8712 V"', '"0 V"'))
+    assert words in run(tmp_path / "short.toml", "--dry-run").stdout.replace("\n", " ")
+    done = run(tmp_path / "short.toml", "--in-process", "--out", tmp_path / "out")
+    assert (done.exit_code, words in done.stderr) == (0, True)
+    (record,) = records.read_campaign(tmp_path / "out")
+    assert words in record.provenance["preliminary_check"]
+    (tmp_path / "short.toml").write_text(
+        SHORT.replace('"0 V", "0.8712 V"', '"0 V"').replace("check_amplitude = 0.0", "check_amplitude = 0.001")
+    )
+    done = run(tmp_path / "short.toml", "--in-process", "--out", tmp_path / "checked")
+    assert (done.exit_code, words in done.stderr) == (0, False)
+    (record,) = records.read_campaign(tmp_path / "checked")
+    assert record.provenance["preliminary_check"] == "passed"

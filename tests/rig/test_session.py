@@ -180,7 +180,7 @@ def test_ring_one_alone_the_stroke() -> None:
     with pytest.raises(RigFault, match="the upper end of the stroke") as caught:
         played(rig, one_way(5.0))
     assert caught.value.ring == "firmware"
-    assert simulator.truth.position.max() < 0.0376  # 37 mm and the way to stop
+    assert simulator.truth.position.max() < 0.037  # the damper's stop: the limit is the path of braking before
 
 
 def test_ring_one_alone_a_silent_host() -> None:
@@ -213,7 +213,7 @@ def test_ring_one_refuses_set_points_beyond_the_stroke() -> None:
 
 def opened_wide(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     def configure(_: RigSettings) -> None:
-        rig.uno._ask(Request.LIMITS, -37000, 37000, 40000, 200, 255, 1000)
+        rig.uno._ask(Request.LIMITS, -37000, 37000, 40000, 200, 255, 1000, 0)
 
     monkeypatch.setattr(rig.uno, "configure", configure)
 
@@ -228,7 +228,7 @@ def tripped(rig: Rig, drive: Drive, monkeypatch: pytest.MonkeyPatch) -> str:
 
 def test_ring_two_alone_the_stroke(monkeypatch: pytest.MonkeyPatch) -> None:
     rig, simulator = made()
-    assert "displacement 0.037" in tripped(rig, ramp(0.045, 4.0), monkeypatch)
+    assert "displacement 0.03" in tripped(rig, ramp(0.045, 4.0), monkeypatch)
     assert simulator.truth.position.max() < 0.0405  # a block of 40 ms, and the way to stop
 
 
@@ -349,8 +349,8 @@ def host(simulator: Simulator) -> Rig:
     return Rig(simulator.settings, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False)
 
 
-def standing_at(position: float, *faults: str) -> tuple[Rig, Simulator]:
-    simulator = Simulator(RigSettings(), faults=parse_faults(faults), position=position)
+def standing_at(position: float, *faults: str, settings: RigSettings | None = None) -> tuple[Rig, Simulator]:
+    simulator = Simulator(settings or RigSettings(), faults=parse_faults(faults), position=position)
     return host(simulator), simulator
 
 
@@ -383,14 +383,17 @@ def test_a_table_is_homed_from_where_it_stands_and_armed_again_where_it_was_left
 
 
 def test_a_search_without_an_index_leaves_a_rig_that_can_be_armed() -> None:
-    rig, simulator = standing_at(-0.020)  # the mark is at 2 mm, farther than the search goes
+    settings = replace(RigSettings(), encoder=replace(RigSettings().encoder, index=0.050))  # beyond the damper's stop
+    rig, simulator = standing_at(-0.020, settings=settings)
     with pytest.raises(RigFault, match="no index mark was found"), rig.armed() as table:
         table.home()
     with rig.armed() as table:
         table.home(here=True)
         block = next(table.loop.blocks())
     assert block.displacement[-1] == pytest.approx(0.0, abs=1.1e-5)
-    assert simulator.truth.position[-1] < -0.015
+    assert abs(simulator.truth.position[-1]) > 0.036
+    assert np.abs(simulator.truth.position).max() < 0.0372  # its stops were met at 800 N
+    assert np.abs(simulator.truth.force).max() < 1000.0
 
 
 def test_a_table_is_homed_again_while_it_is_homed() -> None:
@@ -404,16 +407,16 @@ def test_a_table_is_homed_again_while_it_is_homed() -> None:
         check_aligned(table, simulator)
 
 
-@pytest.mark.parametrize("path", [0.001, -0.002])  # m, too short for the interlock's limit of the following error
+@pytest.mark.parametrize("path", [0.001, -0.002])  # m, too short for the limit of the following error
 def test_a_table_that_does_not_arrive_where_it_is_sent_is_a_fault(path: float) -> None:
     rig, simulator = made()
     with rig.armed() as table:
         table.home()
         table.go(0.0)
         simulator.faults = parse_faults([f"stalled-motor@{simulator.time:.3f}s"])
-        with pytest.raises(RigFault, match=f"driven to {path * 1e3:.2f} mm and stands at -?0[.]0.* mm") as raised:
+        with pytest.raises(RigFault, match="is the motor blocked") as raised:
             table.go(path)
-    assert raised.value.ring == "check"
+    assert raised.value.ring == "firmware"
     assert simulator.at_rest_since == pytest.approx(simulator.time, abs=1.0)
 
 
@@ -495,6 +498,7 @@ def test_another_host_takes_over_a_table_that_is_homed() -> None:
     moved(first, simulator, 0.009)
 
 
+@pytest.mark.filterwarnings("ignore:the Uno was left in state ARMED")
 def test_another_host_takes_over_a_rig_that_was_left_armed() -> None:
     _, simulator = standing_at(-0.005)
     left_armed(simulator, 0.017)
@@ -570,6 +574,7 @@ def in_a_random_order(seed: int, steps: int) -> None:
         simulator.run_unattended(1.0 if what == "fault" else 0.0)
 
 
+@pytest.mark.filterwarnings("ignore:the Uno had stopped by itself")  # a host that comes after a fault
 def test_arming_in_a_random_order() -> None:
     for seed in range(3):
         in_a_random_order(seed, 12)
@@ -577,6 +582,7 @@ def test_arming_in_a_random_order() -> None:
 
 @pytest.mark.prove
 @pytest.mark.endure
+@pytest.mark.filterwarnings("ignore:the Uno had stopped by itself")  # a host that comes after a fault
 def test_arming_in_many_random_orders(endurance: Endurance) -> None:
     count = endurance.count(200)
     for seed in range(3, 3 + count):

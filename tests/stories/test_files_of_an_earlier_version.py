@@ -113,8 +113,11 @@ def test_a_record_reads_identically(name: str) -> None:
 
 def test_a_rig_loads_identically() -> None:
     loaded = dataclasses.asdict(dp.rig.load_settings(FILES / "rig.toml"))
-    assert loaded["specimen"].pop("name") == ""  # newer than the file
-    assert loaded == EXPECTED["rig"]
+    since = dataclasses.asdict(dp.rig.RigSettings())  # what has come since then has its default
+    expected = {
+        name: since[name] | value if isinstance(value, dict) else value for name, value in EXPECTED["rig"].items()
+    }
+    assert loaded == expected
 
 
 @pytest.mark.parametrize("name", CAMPAIGNS)

@@ -87,11 +87,12 @@ def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Find
 
 
 def _stroke(step: Any, trajectory: Course | None, rig: RigSettings) -> list[Finding]:
-    limit = 0.5 * rig.limits.stroke - STROKE_MARGIN
+    limit = round(rig.travel - STROKE_MARGIN, 9)
     far = max(step.peaks(rig).position, 0.0 if trajectory is None else float(np.abs(trajectory.x).max()))
     if far <= limit * (1 + 1e-9):
         return []
-    allowed = f"{1e3 * limit:.4g} mm (half of the stroke, less {1e3 * STROKE_MARGIN:g} mm for errors of following)"
+    less = rig.limits.braking + STROKE_MARGIN
+    allowed = f"{1e3 * limit:.4g} mm (half of the stroke, less {1e3 * less:g} mm to brake and to follow)"
     return [Finding("stroke", f"goes {1e3 * far:.4g} mm from the middle, the table may go {allowed}")]
 
 

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+UNCHECKED = "unchecked, as check_amplitude = 0: whether the load cell's sign is right and the encoder's scale is"
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class PlannedTest(Representation):
     """A test as it would run.
@@ -173,6 +176,8 @@ def plan(campaign: Campaign, rig: RigSettings | None = None, damper: Damper | No
     if before is not None and (violations := findings(before, rig, damper)):
         refusals.insert(0, f"the stroke before the first test: {violations[0].words}; lower check_amplitude")
     notes = (UNKNOWN,) if damper is None else ()
+    if before is None:
+        notes = (*notes, f"before the first test: {UNCHECKED}")
     return Plan(campaign, rig, damper, tests, before.drive(rig) if before else None, notes, tuple(refusals))
 
 

@@ -18,7 +18,7 @@ import numpy as np
 import dampyr
 from dampyr.campaigns.campaign import Campaign
 from dampyr.campaigns.marks import Mark, Measured, marks_of
-from dampyr.campaigns.plan import PlannedTest
+from dampyr.campaigns.plan import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
@@ -68,6 +68,7 @@ def take(
             if selection.stop > selection.start:
                 recording.append(values(samples, selection, recording.header))
             seen(samples)
+        table.verify_index()
     return tuple(mark.text for mark in marks)
 
 
@@ -255,6 +256,7 @@ def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaig
         "calibration": as_json(calibration),
         "board": rig.identity,
         "data_sheet": rig.settings.specimen.data_sheet,
+        "preliminary_check": "passed" if campaign.header.check_amplitude else UNCHECKED,
         "dampyr": dampyr.__version__,
         "python": platform.python_version(),
         "numpy": version("numpy"),

@@ -93,17 +93,17 @@ def _guarded(run: Callable[[], Any]) -> int:
         problem.show()
         return WRONG
     except click.ClickException as problem:
-        return _say(_usage(problem))
+        return say(_usage(problem))
     except DampyrError as problem:
-        return _say("; ".join([str(problem), *getattr(problem, "__notes__", [])]))
+        return say(with_notes(problem))
     except BrokenPipeError:  # the reader left
         drop_unwritten()
         return 1
     except OSError as problem:
         drop_unwritten()
-        return _say(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem))
+        return say(f"{problem.filename}: {problem.strerror}" if problem.filename else str(problem))
     except (click.Abort, KeyboardInterrupt):
-        _say("interrupted")
+        say("interrupted")
         return INTERRUPTED
 
 
@@ -113,7 +113,12 @@ def _usage(problem: click.ClickException) -> str:
     return problem.format_message().rstrip(".?") + where
 
 
-def _say(message: str) -> int:
+def with_notes(problem: BaseException) -> str:
+    """The message of an error, and what was noted on it, in one line."""
+    return "; ".join([str(problem), *getattr(problem, "__notes__", [])])
+
+
+def say(message: str) -> int:
     """One line on stderr, where it can be written; whether it can is no matter of the work under way."""
     with suppress(OSError, ValueError):
         click.echo(f"dampyr: {' '.join(message.split())}", err=True)
@@ -137,7 +142,7 @@ def _warnings_in_one_line() -> Iterator[None]:
             others(message, category, filename, lineno, file, line)
         elif str(message) not in seen:
             seen[str(message)] = None
-            _say(f"warning: {message}")
+            say(f"warning: {message}")
 
     with warnings.catch_warnings():
         others = warnings.showwarning

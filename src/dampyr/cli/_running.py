@@ -113,16 +113,21 @@ def _lines() -> Show:
 
 @contextmanager
 def stopped_by_signals() -> Iterator[None]:
-    """A request to end the process ends the campaign in order, as Ctrl-C does."""
+    """A request to end the process, or a terminal that is closed, ends the campaign in order, as Ctrl-C does.
+
+    A signal that is ignored, as by nohup, stays so.
+    """
 
     def leave(number: int, _: Any) -> None:
         raise SystemExit(128 + number)
 
-    before = signal.signal(signal.SIGTERM, leave)
+    numbers = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
+    before = {number: signal.signal(number, leave) for number in numbers if signal.getsignal(number) != signal.SIG_IGN}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @contextmanager

@@ -10,13 +10,16 @@ import click
 
 from dampyr.cli._output import as_json_option, drop_unwritten, print_json, print_table
 from dampyr.cli._report import report_options
-from dampyr.errors import DampyrError, InputError
+from dampyr.errors import DampyrError, InputError, RigFault
 
 if TYPE_CHECKING:
     from dampyr.campaigns import Plan
     from dampyr.campaigns.journal import Entry
+    from dampyr.rig.session import Rig
 
-REFUSED = 2  # exit status, the one that click gives for a wrong argument
+# exit codes: a wrong argument's, nothing has moved; a safety layer acted; something else ended it; 128 + SIGINT
+REFUSED, TRIPPED, FAILED, INTERRUPTED = 2, 3, 4, 130
+SAFETY = ("firmware", "interlock", "check")  # layers that stop a rig by themselves
 FEW = 50  # rows of a table that are all printed; of more, only those that are not complete
 
 
@@ -55,6 +58,8 @@ def command(
 
     The whole campaign is checked first: what the rig cannot do is told with the largest value that it can, and nothing runs.
     While it runs: p pauses after the test under way and goes on, s or Ctrl-C stops in order, a aborts at once.
+    Exit codes: 0 complete, 2 refused and nothing has moved, 3 a safety layer stopped the rig, 4 it failed otherwise,
+    130 interrupted (143 by SIGTERM, 129 by SIGHUP).
     """
     from dampyr import campaigns
 
@@ -74,29 +79,42 @@ def command(
             raise InputError(
                 "--out is missing; give the folder where the records go, or --dry-run to see the plan only"
             )
-        _perform(plan, rig, out, again, as_json, {"faults": faults, "in_process": in_process, "real_time": real_time})
+        how = {"faults": faults, "in_process": in_process, "real_time": real_time}
+        return _perform(plan, rig, out, again, as_json, how)
     return None
 
 
 def _perform(
     plan: Plan, rig: Path | None, out: Path, again: tuple[str, ...], as_json: bool, how: dict[str, Any]
-) -> None:
+) -> int:
+    """Run it, and say how it ended; the exit code."""
     from dampyr.campaigns import Control, perform
+    from dampyr.campaigns.plan import UNCHECKED
+    from dampyr.cli._frame import say, with_notes
     from dampyr.cli._running import keys, shown, stopped_by_signals
     from dampyr.rig.connect import open_rig
 
     control = Control()
+    opened: Rig | None = None
     try:
-        with open_rig(rig, **how) as opened, stopped_by_signals(), shown(plan) as show, keys(control):
+        if plan.preliminary is None:
+            say(f"warning: {UNCHECKED}")
+        with stopped_by_signals(), open_rig(rig, **how) as opened, shown(plan) as show, keys(control):
             perform(plan, opened, out, show, control, again)
-    except BaseException:
+    except BaseException as problem:
         with suppress(DampyrError, OSError):  # what ended the campaign is told, and not that it cannot be listed
             _tell_outcome(plan, out, as_json)
+        if isinstance(problem, DampyrError | OSError):
+            say(with_notes(problem))
+            return exit_code(problem, opened is not None and opened.was_armed)
+        if isinstance(problem, SystemExit):
+            say(f"ended by signal {int(problem.code or 0) - 128}; the rig is at rest")
         raise
     try:
         _tell_outcome(plan, out, as_json)
     except BrokenPipeError:  # whoever read has seen enough, and the campaign is complete
         drop_unwritten()
+    return 0
 
 
 def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
@@ -108,6 +126,17 @@ def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
             print_json({"folder": str(out), "tests": tests, "events": events})
         elif tests:
             _summary(plan, out, tests)
+
+
+def exit_code(problem: Exception, was_armed: bool) -> int:
+    """How a run ended, for scripts; ``was_armed``: the rig has been armed, so that something may have moved."""
+    from dampyr.campaigns import Stopped
+
+    if isinstance(problem, Stopped) or (isinstance(problem, RigFault) and problem.ring == "operator"):
+        return INTERRUPTED
+    if not was_armed:
+        return REFUSED
+    return TRIPPED if isinstance(problem, RigFault) and problem.ring in SAFETY else FAILED
 
 
 def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:

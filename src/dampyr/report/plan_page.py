@@ -86,7 +86,7 @@ def largest_amplitude(rig: RigSettings, frequency: np.ndarray, force: float) -> 
     speed = rig.actuator.free_speed - rig.actuator.droop * (force + rig.table.friction)
     lagging = np.hypot(1.0, omega * rig.actuator.lag)
     max_amplitude = np.minimum(np.maximum(speed, 0.0) / lagging, rig.limits.speed) / omega
-    return np.asarray(np.minimum(max_amplitude, 0.5 * rig.limits.stroke - STROKE_MARGIN))
+    return np.asarray(np.minimum(max_amplitude, rig.travel - STROKE_MARGIN))
 
 
 def _columns(places: list[tuple[float, float]]) -> tuple[list[float], list[float]]:

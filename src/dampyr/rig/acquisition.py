@@ -40,12 +40,17 @@ WORDS = {
     Fault.LOW: "the table passed the lower end of the stroke",
     Fault.HIGH: "the table passed the upper end of the stroke",
     Fault.SPEED: "the table was too fast",
-    Fault.STALL: "the motor was driven and did not move: is it blocked, overloaded or without power?",
+    Fault.STALL: "the motor was driven and nothing moved: is the motor blocked, overloaded or unpowered, or the encoder dead?",
     Fault.FOLLOWING: "the table fell behind its set points: is the motor blocked, or is the drive too fast for its load?",
     Fault.UNDERRUN: "set points came too late",
     Fault.ENCODER: "the encoder's signals are broken",
     Fault.ABORTED: "it was aborted",
     Fault.RESTARTED: "the Uno had started anew; home the table again",
+    Fault.INDEX: "the encoder's index was not where homing put it, so counts were lost or the scale has slipped; look at the "
+    "encoder and its wires, and home the table again",
+    Fault.END: "an end switch opened: the table reached its end, or the switch's wire is broken",
+    Fault.EMERGENCY: "the emergency stop was pressed, or its wire is broken",
+    Fault.DIRECTION: "the table moved against its motor: are the encoder's lines A and B, or the motor's leads, swapped?",
 }
 
 
@@ -72,6 +77,7 @@ class Acquisition:
         self.rig, self.uno, self.board, self.calibration = rig, uno, board, calibration
         self.interlock, self.warmth, self.threaded = interlock, warmth, threaded
         self.watchers, self.clock = watchers, clock
+        self._index = interlock.index if interlock is not None else {}  # where the encoder's index is passed
         self.lock = threading.RLock()
         self.player: Player | None = None
         # Whether the board's counts mean what the Uno's mean; where not, the next block sees to it.
@@ -101,6 +107,11 @@ class Acquisition:
     def next(self) -> int:
         """The next sample that will be read."""
         return self._next
+
+    @property
+    def index(self) -> dict[int, int]:
+        """Where the encoder's index is passed, counts from the middle; see `Interlock`."""
+        return self._index
 
     @property
     def queued(self) -> int:
@@ -145,9 +156,10 @@ class Acquisition:
         n = self.rig.block_samples if n is None else n
         try:
             volts, counts = self.board.read(n)
+            passes = self.board.index_counts()
             waiting = self._late.of(self._next + n, self.clock()) if self.threaded else 0.0
             with self.lock:
-                samples = self._samples(volts, counts, self.uno.heartbeat())
+                samples = self._samples(volts, counts, passes, self.uno.heartbeat())
                 self._judge(samples, waiting)
                 self._feed()
         except RigFault as problem:
@@ -156,12 +168,14 @@ class Acquisition:
             watch(samples)
         return samples
 
-    def _samples(self, volts: Array, counts: NDArray[np.int64], status: Status) -> Samples:
+    def _samples(self, volts: Array, counts: NDArray[np.int64], passes: NDArray[np.int64], status: Status) -> Samples:
         n, first = len(counts), self._next
         voltage, self._command = self._command[:n], self._command[n:]
         if len(voltage) < n:  # the timed command has ended: the coil is at 0 V
             voltage = np.concatenate([voltage, np.zeros(n - len(voltage))])
         self._next, self.status = first + n, status
+        if not (status.homed and self.aligned):
+            passes = passes[:0]  # what they are counted from is not certain yet
         if status.homed and not self.aligned:
             self._align(counts, status)
         self.aligned = status.homed
@@ -176,6 +190,7 @@ class Acquisition:
             counts,
             voltage,
             status,
+            passes - round(calibration.middle),
         )
 
     def _align(self, counts: NDArray[np.int64], status: Status) -> None:
@@ -189,14 +204,14 @@ class Acquisition:
 
     def _judge(self, samples: Samples, waiting: float) -> None:
         warm = self.warmth.take(samples)
+        if samples.status.state is State.FAULT:  # the cause; what the interlock sees then may be its consequence
+            raise RigFault(f"the Uno stopped the table: {fault_in_words(samples.status.faults)}", "firmware")
         if self.interlock is not None:
             trip = self.interlock.judge(samples, waiting)
             if samples.temperature is None:
                 trip = self.interlock.estimate(warm, float(samples.time[-1]))
             if trip:
                 raise RigFault(f"the interlock stopped the rig: {trip}", "interlock")
-        if samples.status.state is State.FAULT:
-            raise RigFault(f"the Uno stopped the table: {fault_in_words(samples.status.faults)}", "firmware")
 
     def _feed(self) -> None:
         if self.player:
@@ -244,12 +259,14 @@ class Acquisition:
     def home(self, here: bool) -> None:
         """Home the table where it stands, which is the middle, or begin to look for the index."""
         with self.lock:
+            self._index.clear()
             if here:
                 self.uno.disarm()
                 self.uno.home(HERE, 0)
                 self.uno.arm()
             else:
-                self.uno.home(INDEX, round(self.rig.encoder.index / self.rig.encoder.count))
+                self._index[0] = round(self.rig.encoder.index / self.rig.encoder.count)
+                self.uno.home(INDEX, self._index[0])
             self.aligned = False  # the Uno may be homed anew between two blocks
 
     def settle(self, seconds: float = SETTLED) -> None:
@@ -260,14 +277,17 @@ class Acquisition:
                 return
 
     def halt(self, why: RigFault) -> RigFault:
-        """Brake the table and take the coil to 0 V, now; every step is tried whatever fails. The first reason is kept."""
+        """Take the coil to 0 V and brake the table, now; every step is tried whatever fails. The first reason is kept.
+
+        The coil comes first: it needs no serial wire, on which a request may wait for a reply that never comes.
+        """
         with self.lock:
             self.stopped = self.stopped or why
             self.player = None
-            for step in (self.uno.abort, self.cut):
+            for step in (self.cut, self.uno.abort):
                 try:
                     step()
-                except RigFault as problem:
+                except Exception as problem:  # whatever it is, the next step is tried
                     self.stopped.add_note(str(problem))
             return self.stopped
 

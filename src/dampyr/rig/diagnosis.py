@@ -13,7 +13,7 @@ from dampyr.errors import DampyrError
 from dampyr.rig.acquisition import fault_in_words
 from dampyr.rig.calibration import NAME, doubt, load_calibration
 from dampyr.rig.connect import open_rig
-from dampyr.rig.firmware.protocol import Fault, State
+from dampyr.rig.firmware.protocol import HIGH_END, LOW_END, PRESSED, Fault, State
 from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings, load_settings
 
@@ -53,6 +53,7 @@ def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
     lines = "the Uno's enable line cuts the coil" if rig.supply.enable_line else "no enable line"
     repair = "wire the supply through pin 8 of the Uno: without it a dead host leaves the coil live"
     yield Finding("coil", lines, None if rig.supply.enable_line else repair)
+    yield from _switches(rig)
     if rig.wires.serial:
         calibration = load_calibration(Path(path).parent) if path else None
         words = (
@@ -65,6 +66,18 @@ def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
         )
         if calibration is not None and (far := doubt(calibration.scale, rig.load_cell.scale)):
             yield Finding("load cell's scale", far, "calibrate it again, or correct load_cell.scale")
+
+
+def _switches(rig: RigSettings) -> Iterator[Finding]:
+    """Which of the encoder's guards are wired."""
+    wires = rig.wires
+    ends = "wire one before each end to pins 5 and 6 of the Uno and set wires.end_switches: without them nothing but force and "
+    ends += "the damper's own stops ends a motion while the table is not homed or its encoder is dead"
+    stop = "wire one to pin 11 of the Uno and into the supplies of motor and coil, and set wires.emergency_stop"
+    index = "wire the encoder's Z to the board and name its counter and input in wires.index, such as ctr1/PFI9"
+    yield Finding("end switches", "wired" if wires.end_switches else "none", None if wires.end_switches else ends)
+    yield Finding("emergency stop", "wired" if wires.emergency_stop else "none", None if wires.emergency_stop else stop)
+    yield Finding("encoder's index", wires.index or "not read by the board", None if wires.index else index)
 
 
 def _instruments(rig: RigSettings, path: str | Path | None, in_process: bool) -> Iterator[Finding]:
@@ -91,6 +104,14 @@ def _uno(rig: Rig) -> Iterator[Finding]:
     expected = status.state is State.IDLE or status.faults is Fault.RESTARTED
     yield Finding("its state", words, None if expected else "arming clears it, once its cause is gone")
     yield Finding("encoder", "homed" if status.homed else "not homed; a campaign homes it first")
+    wires = rig.settings.wires
+    if wires.end_switches and status.inputs & (LOW_END | HIGH_END):
+        both = status.inputs & LOW_END and status.inputs & HIGH_END
+        where = "both open" if both else ("the lower one open" if status.inputs & LOW_END else "the upper one open")
+        repair = "look at their wires" if both else "homing or a jog moves the table away from it"
+        yield Finding("end switches now", where, repair)
+    if wires.emergency_stop and status.inputs & PRESSED:
+        yield Finding("emergency stop now", "open", "release it, or look at its wire")
 
 
 def _board(rig: Rig) -> Iterator[Finding]:

@@ -271,6 +271,12 @@ class RemoteLoop(Acquisition):
         """The next sample that will be read."""
         return int(self.process.ask("next"))
 
+    @property
+    def index(self) -> dict[int, int]:
+        """Where the encoder's index is passed, counts from the middle."""
+        places: dict[int, int] = self.process.ask("index")
+        return places
+
     def blocks(self) -> Iterator[Samples]:
         """Blocks as they arrive, without end."""
         while True:

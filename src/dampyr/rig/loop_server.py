@@ -49,6 +49,7 @@ class LoopServer:
         self.loop: Acquisition | None = None
         self.rig: RigSettings | None = None
         self.uno: Any = None
+        self.index: dict[int, int] = {}
         self.board: Any = None
         self.release_gc: Callable[[], None] = lambda: None
 
@@ -96,7 +97,7 @@ class LoopServer:
         """Make a loop for a rig that is about to be armed; the Uno's status."""
         assert self.rig is not None
         freeze_objects()
-        interlock = Interlock(self.rig) if interlocked else None
+        interlock = Interlock(self.rig, index=self.index) if interlocked else None
         warmth = Warmth(self.rig, temperature)
         self.loop = Acquisition(self.rig, self.uno, self.board, calibration, interlock, warmth, True, (), self.clock)
         return self.loop.status
@@ -125,6 +126,10 @@ class LoopServer:
     def do_next(self) -> int:
         """The next sample that will be read."""
         return self._loop().next
+
+    def do_index(self) -> dict[int, int]:
+        """Where the encoder's index is passed."""
+        return dict(self._loop().index)
 
     def do_play(self, drive: Drive) -> int:
         """Play a drive; the sample with which it begins."""
@@ -175,7 +180,7 @@ class LoopServer:
         loop = self.loop
         steps: list[Any] = []
         if loop is not None and not loop.over:
-            steps += [loop.end_drive, loop.cut, self.uno.stop, loop.end, lambda: loop.settle(SETTLED), self.uno.disarm]
+            steps += [loop.cut, loop.end_drive, self.uno.stop, loop.end, lambda: loop.settle(SETTLED), self.uno.disarm]
         if self.board is not None:
             steps += [self.board.stop, self.board.close]
         if self.uno is not None:

@@ -42,10 +42,10 @@ class Player:
         return slice(min(max(begin - first, 0), n), min(max(end - first, 0), n))
 
     def voltage(self, first: int, n: int) -> Array:
-        """The coil's voltage for n samples from ``first`` on."""
+        """The coil's voltage for n samples from ``first`` on; 0 V after the last set point."""
         time = (np.arange(first, first + n) - self.start) / self.rig.board.rate
         at = np.clip(np.floor(time / self.drive.period + 1e-9).astype(int), 0, self.drive.n - 1)
-        return self.drive.voltage[at]
+        return np.where(time > self.drive.duration + 1e-9, 0.0, self.drive.voltage[at])
 
     def feed(self, now: int, status: Status) -> None:
         """Start at its time, keep the queue filled, detect the end; ``now`` is the next sample to be read."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
@@ -17,24 +18,28 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.representation import Representation, Summary
-from dampyr.rig.acquisition import SETTLED, Acquisition
+from dampyr.rig.acquisition import SETTLED, Acquisition, fault_in_words
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
 from dampyr.rig.damper_temperature import load_temperature, save_temperature
 from dampyr.rig.drive import Drive
-from dampyr.rig.firmware.protocol import State
+from dampyr.rig.firmware.control_core import SLOW
+from dampyr.rig.firmware.protocol import Fault, State
 from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.ni_board import Board
 from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
+from dampyr.rig.signal_deferral import deferred_signals
 from dampyr.rig.thermal_model import Warmth
 
 Array = NDArray[np.float64]
 GENTLE = 0.010  # m/s, the mean speed on the way to the start of a test
 ARRIVED = 5e-4  # m: from there on a drive's first step is one that the table follows
 QUICK = 0.2  # s of work during which the board's buffer is enough
-HOMING = 120.0  # s that the search for the index may take
+HOMING = 240.0  # s that the search for the index may take: to and fro over a stroke at 2 mm/s
+BACK = 0.4  # s of a jog on the way back from outside of the limits, renewed before its 0.5 s are over
+PAST_INDEX = 2.5e-4  # m on both sides of the index between which it is passed
 
 
 @dataclass(repr=False)
@@ -62,6 +67,11 @@ class Rig(Representation):
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     damper_persists: bool = True
     warmth: Warmth = field(init=False)
+    was_armed: bool = field(init=False, default=False)
+    """Whether it has been armed since it was connected: before, nothing has moved."""
+    index: dict[int, int] = field(init=False, default_factory=dict)
+    """Where the encoder's index is passed; see `Interlock`. Empty: its next pass tells."""
+    _taken_over: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
         saved = load_calibration(self.folder) if self.folder else None
@@ -88,24 +98,24 @@ class Rig(Representation):
 
     @contextmanager
     def armed(self) -> Iterator[Table]:
-        """Arm the rig: a `Table` that can be moved. On leaving: stop, coil to 0 V, rest, disarm, in this order."""
+        """Arm the rig: a `Table` that can be moved. On leaving: coil to 0 V, stop, rest, disarm, in this order.
+
+        Signals that would end the process wait meanwhile: a second Ctrl-C does not cut the way out short.
+        """
         if self.threaded:
             freeze_objects()
-        self.uno.hello()
-        if self.uno.heartbeat().state is not State.IDLE:
-            self.uno.disarm()
-        if self.uno.heartbeat().state is State.FAULT:
-            self.uno.clear()
+        self._take_over()
         self.uno.configure(self.settings)
         table = Table(self)
+        self.was_armed = True
         try:
             table.begin()
             yield table
         except BaseException as problem:
-            table.disarm(problem)
+            _leave(table, problem)
             raise
         else:
-            table.disarm(None)
+            _leave(table, None)
         finally:
             self.save_temperature()
 
@@ -116,6 +126,22 @@ class Rig(Representation):
                 save_temperature(self.folder, self.warmth.temperature)
             except FileError as problem:
                 warnings.warn(f"the damper's temperature was not saved: {problem}", DampyrWarning, stacklevel=2)
+
+    def _take_over(self) -> None:
+        """The Uno to IDLE, however it is met; what an earlier host left is said by name, once, before it is forgotten."""
+        self.uno.hello()
+        status = self.uno.heartbeat()
+        if status.state not in (State.IDLE, State.FAULT):
+            words = f"the Uno was left in state {status.state.name} by another host, or by one that was killed; it is disarmed"
+            warnings.warn(words, DampyrWarning, stacklevel=4)
+            self.uno.disarm()
+            status = self.uno.heartbeat()
+        if status.state is State.FAULT:
+            if not self._taken_over and status.faults & ~(Fault.RESTARTED | Fault.ABORTED):
+                words = f"the Uno had stopped by itself before this host came: {fault_in_words(status.faults)}"
+                warnings.warn(words, DampyrWarning, stacklevel=4)
+            self.uno.clear()
+        self._taken_over = True
 
     def listen(self, seconds: float = 1.0) -> tuple[Array, NDArray[np.int64]]:
         """What the board reads while nothing is armed: volts (channels, n) and counts (n,); the command is 0 V."""
@@ -132,21 +158,53 @@ class Rig(Representation):
         return f"{self.board.identity()}, Uno firmware {self.uno.hello().firmware}"
 
     def close(self) -> None:
-        """Close the instruments."""
+        """Close the instruments; each is tried, and the first failure is raised."""
+        self._close(None)
+
+    def _close(self, problem: BaseException | None) -> None:
+        """Close the instruments; failures are noted on ``problem``, or the first is raised where there is none."""
+        failed: list[Exception] = []
         for close in (self.uno.close, self.board.close, *self.on_close):
-            close()
+            try:
+                close()
+            except Exception as trouble:  # whatever it is, the next one is closed
+                failed.append(trouble)
+        self.on_close.clear()
+        _report(failed, problem)
 
     def __enter__(self) -> Rig:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, _: object, problem: BaseException | None, __: object) -> None:
+        self._close(problem)
+
+
+def _leave(table: Table, problem: BaseException | None) -> None:
+    """Disarm, whatever interrupts it; ``problem`` is what ended the block."""
+    try:
+        with deferred_signals(discard=problem is not None):
+            table.disarm(problem)
+    except (KeyboardInterrupt, SystemExit) as interruption:  # just before the deferral, or right after it
+        with deferred_signals(discard=True):
+            table.disarm(problem or interruption)
+        raise
+
+
+def _report(failed: Sequence[Exception], problem: BaseException | None) -> None:
+    """Note failures on ``problem``, the first reason; without one, raise the first of them."""
+    if failed and problem is None:
+        for each in failed[1:]:
+            failed[0].add_note(str(each))
+        raise failed[0]
+    if problem is not None:
+        for each in failed:
+            problem.add_note(str(each))
 
 
 def acquisition(rig: Rig) -> Acquisition:
     """The loop that reads a rig in this process."""
     assert rig.calibration is not None
-    guard = Interlock(rig.settings) if rig.interlocked else None
+    guard = Interlock(rig.settings, index=rig.index) if rig.interlocked else None
     return Acquisition(
         rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
     )
@@ -162,6 +220,8 @@ class Table(Representation):
         self.rig = rig
         self.loop = rig.acquisition(rig) if rig.acquisition is not None else acquisition(rig)
         self.check: Callable[[], None] = no_check
+        steps = (self.loop.cut, self._stop, self.loop.end, self.loop.settle, self._disarm_uno, self._stop_board)
+        self._way_out: deque[Callable[[], None]] = deque(steps)
 
     def _summary(self) -> Summary:
         return f"Table of {self.rig.settings.name!r}, armed", [
@@ -181,21 +241,22 @@ class Table(Representation):
         self._align()
 
     def disarm(self, problem: BaseException | None) -> None:
-        """Stop, coil to 0 V, rest, disarm; each is tried; failures are noted on ``problem`` or raised."""
+        """Coil to 0 V, stop, rest, disarm; each is tried; failures are noted on ``problem`` or raised.
+
+        Called again, it goes on after the last step that was made.
+        """
         failed: list[Exception] = []
-        loop, uno = self.loop, self.rig.uno
-        loop.end_drive()
-        for step in (self._stop, loop.cut, loop.end, loop.settle, uno.disarm, self.rig.board.stop):
+        with suppress(RigFault):  # one of a process that has ended plays nothing
+            self.loop.end_drive()
+        while self._way_out:
+            step = self._way_out[0]
             try:
-                with loop.lock if step in (self._stop, uno.disarm) else nullcontext():
+                with self.loop.lock if step in (self._stop, self._disarm_uno) else nullcontext():
                     step()
             except Exception as trouble:  # whatever it is, the next step is tried
                 failed.append(trouble)
-        if failed and problem is None:
-            raise failed[0]
-        if problem is not None:
-            for each in failed:
-                problem.add_note(str(each))
+            self._way_out.popleft()
+        _report(failed, problem)
 
     def _stop(self) -> None:
         """Decelerate, or brake where that fails."""
@@ -204,6 +265,12 @@ class Table(Representation):
         except RigFault:
             self.rig.uno.abort()
             raise
+
+    def _disarm_uno(self) -> None:
+        self.rig.uno.disarm()
+
+    def _stop_board(self) -> None:
+        self.rig.board.stop()
 
     @property
     def position(self) -> float:
@@ -222,6 +289,8 @@ class Table(Representation):
 
     def home(self, here: bool = False) -> None:
         """Find the middle of the stroke by the index mark; ``here``: the table is in it."""
+        if self.loop.status.outside and not here:
+            self.come_back()
         self.loop.home(here)
         for samples in self._for(HOMING):
             if samples.status.state is State.ARMED:
@@ -230,6 +299,39 @@ class Table(Representation):
                     return
                 break
         raise RigFault("no index mark was found; look at the encoder, or home by hand in the middle")
+
+    def come_back(self) -> None:
+        """Move a homed table that stands outside of its limits slowly back to within them; nothing where it is within."""
+        count = self.rig.settings.encoder.count
+        out = abs(self.position) - self.rig.settings.travel
+        for _ in range(math.ceil(max(out, 0.0) / (SLOW * count * BACK)) + 5):
+            if not self.loop.status.outside:
+                break
+            with self.loop.lock:
+                self.rig.uno.jog(-SLOW if self.position > 0.0 else SLOW, round(1000 * (BACK + 0.1)))
+            self.rest(BACK)
+        self.stop()
+        if self.loop.status.outside:
+            raise RigFault(
+                f"the table stands at {self.position * 1e3:.2f} mm, outside of its limits, and does not come back; look at "
+                "the motor, its driver and the screw",
+                "check",
+            )
+
+    def verify_index(self) -> None:
+        """Pass the encoder's index slowly, where it lies within the travel: :class:`RigFault` where it has moved by more than
+        2 counts, for then the positions since its last pass were wrong.
+        """
+        place = self.loop.index.get(0)
+        if place is None or not self.homed:
+            return
+        at, count = self.position, self.rig.settings.encoder.count
+        side = PAST_INDEX if at <= place * count else -PAST_INDEX
+        if abs(place * count) + PAST_INDEX > self.rig.settings.travel:
+            return
+        if abs(at - place * count) < PAST_INDEX:
+            self.go(place * count - side)
+        self.go(place * count + side)
 
     def _align(self) -> None:
         """Align the board's counts with the Uno's, at rest: in a block in which the table moves, they are read at
@@ -284,6 +386,8 @@ class Table(Representation):
 
     def go(self, displacement: float) -> None:
         """Move slowly to ``displacement`` [m] and stop there; :class:`RigFault` where the table did not follow."""
+        if self.loop.status.outside:
+            self.come_back()
         path = displacement - self.position
         seconds = max(1.875 * abs(path) / GENTLE, 0.1)  # a minimum-jerk path's peak speed is 15/8 of its mean
         n = math.ceil(seconds / 0.01) + 1
@@ -322,6 +426,17 @@ class Table(Representation):
                 self.stop()
                 return
             if samples.first + samples.n >= player.end and player.finished:
+                break
+        else:
+            return
+        self._stand()
+
+    def _stand(self) -> None:
+        """Read on until the table stands, so that what the interlock compares at rest has been compared."""
+        still = 0
+        for samples in self._for(SETTLED):
+            still = still + 1 if samples.status.speed == 0 and np.ptp(samples.counts) == 0 else 0
+            if still == 2:
                 return
 
     def _early(self, drive: Drive, samples: Samples) -> bool:
@@ -341,15 +456,16 @@ class Table(Representation):
                 return
 
     def soft_stop(self) -> None:
-        """Decelerate and cut the coil, whatever fails; `disarm` follows."""
-        self.loop.end_drive()
+        """Cut the coil and decelerate, whatever fails; `disarm` follows."""
+        with suppress(RigFault):
+            self.loop.end_drive()
         with self.loop.lock:
-            for step in (self.rig.uno.stop, self.loop.cut):
+            for step in (self.loop.cut, self.rig.uno.stop):
                 with suppress(RigFault):
                     step()
 
     def abort(self, why: str = "it was asked for") -> None:
-        """Brake and cut the coil, now; from any thread. Whoever waits for blocks gets a :class:`RigFault`."""
+        """Cut the coil and brake, now; from any thread. Whoever waits for blocks gets a :class:`RigFault`."""
         self.loop.halt(RigFault(f"aborted: {why}", "operator"))
 
     def _for(self, seconds: float) -> Iterator[Samples]:

@@ -37,6 +37,11 @@ class Wires:
     temperature: Annotated[str, "analogue input of the thermocouple's amplifier; empty without one"] = ""
     position: Annotated[str, "counter of the linear encoder"] = "ctr0"
     command: Annotated[str, "analogue output to the damper's supply"] = "ao0"
+    index: Annotated[str, "counter and input that latch the position at the encoder's index; empty without"] = (
+        "ctr1/PFI9"
+    )
+    end_switches: Annotated[bool, "whether both end switches are wired to the Uno; the original rig had none"] = False
+    emergency_stop: Annotated[bool, "whether an emergency stop is wired to the Uno; the original rig had none"] = False
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,7 @@ class Table:
     """The sliding table."""
 
     friction: Annotated[float, Quantity("N", low=0.0), "assumed: linear guides, before the load cell"] = 15.0
+    end_switch: Annotated[float, Length, "simulated, where wired: each end switch, from the middle"] = 0.03675
 
 
 @dataclass(frozen=True)
@@ -117,6 +123,7 @@ class Specimen:
     ] = ""
     data_sheet: Annotated[str, "whose promises a fit is held against: RD-8041-1 (Table A.1), or empty"] = "RD-8041-1"
     free_play: Annotated[float, Metre, "simulated: the play of the pins"] = 0.0
+    stroke: Annotated[float, Metre, "simulated: from stop to stop; 0 for limits.stroke"] = 0.0
     heat_capacity: Annotated[float, Quantity("J/K", low=0.0, open_low=True), "assumed: 0.9 kg of steel and fluid"] = (
         450.0
     )
@@ -147,6 +154,9 @@ class Limits:
     """The limits of every test: the limits of all three safety layers."""
 
     stroke: Annotated[float, Length, "Table A.1: peak to peak, about the middle"] = 0.074
+    braking: Annotated[
+        float, Metre, "measured, simulated: the path of braking, by which travel ends before stroke does"
+    ] = 0.0005
     force: Annotated[float, Force, "Table A.2: the least of actuator, load cell and damper"] = 4500.0
     speed: Annotated[float, Speed, "assumed: half as much again as the actuator's free speed"] = 0.120
     temperature: Annotated[float, Quantity("degC"), "Table A.1"] = 71.0
@@ -199,6 +209,11 @@ class RigSettings(Representation):
         return 1.0 / (2.0 * pi * self.load_cell.bandwidth)
 
     @property
+    def travel(self) -> float:
+        """m from the middle to which the table may go: half of the stroke, less the path that braking takes."""
+        return round(0.5 * self.limits.stroke - self.limits.braking, 9)  # nm: so that a difference of decimals is one
+
+    @property
     def block_samples(self) -> int:
         """Samples of a block."""
         return max(1, round(self.board.rate * self.board.block))
@@ -227,6 +242,11 @@ def check(rig: RigSettings) -> None:
         least = min(rig.encoder.range, rig.actuator.stroke)
         raise InputError(
             f"limits.stroke = {limits.stroke * 1e3:g} mm is longer than the parts allow; give at most {least * 1e3:g} mm"
+        )
+    if rig.travel <= 0.0:
+        raise InputError(
+            f"limits.braking = {limits.braking * 1e3:g} mm leaves nothing of limits.stroke = {limits.stroke * 1e3:g} mm; "
+            f"give less than {limits.stroke * 500:g} mm"
         )
     if limits.speed > rig.encoder.max_speed:
         raise InputError(

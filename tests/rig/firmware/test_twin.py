@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -22,17 +23,18 @@ from dampyr.rig.firmware.protocol import (
 )
 from dampyr.rig.firmware.twin import Twin
 
-LIMITS = (-7000, 7000, 24000, 100, 255, 500)
+LIMITS = (-7000, 7000, 24000, 100, 255, 500, 0)
 RAMP = [20 * k for k in range(30)]
 
 
 class Bench:
-    """A twin with a motor that moves as told: ``speed`` counts per duty and second, or the position itself."""
+    """A twin with a motor that moves as it is driven: ``gain`` counts/s for each duty beyond the dead one, between ``ends``."""
 
     def __init__(self) -> None:
         self.twin, self.reader, self.number = Twin(), Reader(), 0
-        self.counts, self.place, self.gain, self.latched, self.glitch = 0, 0.0, 60.0, False, False
-        self.index = 10**9
+        self.counts, self.place, self.gain, self.latched, self.glitch = 0, 0.0, 65.0, False, False
+        self.index, self.inputs, self.ends = 10**9, 0, (-(10**9), 10**9)
+        self.dead = self.swapped = False  # the encoder
 
     def ask(self, kind: Request, *values: int) -> Frame:
         self.number = (self.number + 1) % 256
@@ -61,20 +63,26 @@ class Bench:
         for k in range(ms):
             if beat and k % 20 == 0:
                 self.ask(Request.HEARTBEAT)
-            old, self.place = self.place, self.place + self.gain * int(self.twin.registers[c.R_DUTY]) / 1000
+            duty = int(self.twin.registers[c.R_DUTY])
+            speed = self.gain * max(0, abs(duty) - c.DEAD_DUTY) * (1 if duty > 0 else -1)
+            old, low, high = self.place, *self.ends
+            self.place = max(min(low, old), min(old + speed / 1000, max(high, old)))
             latched = min(old, self.place) < self.index <= max(old, self.place)
-            self.counts = int(self.place // 1)
-            c.tick(self.twin.registers, self.counts, latched, self.index, self.glitch)
+            if not self.dead:
+                self.counts += (int(self.place // 1) - int(old // 1)) * (-1 if self.swapped else 1)
+            index = self.index - int(self.place // 1) + self.counts
+            c.tick(self.twin.registers, self.counts, latched, index, self.glitch, self.inputs)
 
     def at(self, place: float) -> None:
-        """Put the table somewhere, slowly enough."""
+        """Put the table somewhere, where it stays."""
+        self.counts += int(place // 1) - int(self.place // 1)
         self.place, self.gain = place, 0.0
 
 
 @pytest.fixture
 def idle() -> Bench:
     bench = Bench()
-    bench.ask(Request.HELLO, 1)
+    bench.ask(Request.HELLO, 2)
     bench.done(Request.CLEAR)
     return bench
 
@@ -111,16 +119,16 @@ def into(bench: Bench, state: State) -> Bench:
 
 def test_it_starts_in_fault_and_says_so() -> None:
     bench = Bench()
-    assert bench.ask(Request.HELLO, 1).values == (1, 0x0100, 1000, 64)
+    assert bench.ask(Request.HELLO, 2).values == (2, 0x0200, 1000, 64)
     status = bench.status
     assert (status.state, status.faults) == (State.FAULT, Fault.RESTARTED)
     assert (status.enabled, status.homed, status.limited) == (False, False, False)
 
 
-@pytest.mark.parametrize("version", [0, 2, 255])
+@pytest.mark.parametrize("version", [0, 1, 255])
 def test_another_version_may_only_stop(version: int) -> None:
     bench = Bench()
-    assert bench.refused(Request.HEARTBEAT) == Reason.VERSION  # before any HELLO
+    assert bench.refused(Request.HEARTBEAT) == Reason.NO_HELLO
     assert bench.ask(Request.HELLO, version).kind == Reply.HELLO
     for kind, body in BODIES.items():
         if isinstance(kind, Request) and kind not in (Request.HELLO, Request.STOP, Request.ABORT, Request.DISARM):
@@ -152,10 +160,10 @@ def test_noise_is_counted_and_dropped(idle: Bench) -> None:
 @pytest.mark.parametrize(
     "limits",
     [
-        (-37001, 7000, 24000, 100, 255, 500), (-7000, 37001, 24000, 100, 255, 500), (10, 10, 24000, 100, 255, 500),
-        (-7000, 7000, 40001, 100, 255, 500), (-7000, 7000, 0, 100, 255, 500), (-7000, 7000, 24000, 49, 255, 500),
-        (-7000, 7000, 24000, 201, 255, 500), (-7000, 7000, 24000, 100, 0, 500), (-7000, 7000, 24000, 100, 255, 99),
-        (-7000, 7000, 24000, 100, 255, 1001),
+        (-37001, 7000, 24000, 100, 255, 500, 0), (-7000, 37001, 24000, 100, 255, 500, 0), (10, 10, 24000, 100, 255, 500, 0),
+        (-7000, 7000, 40001, 100, 255, 500, 0), (-7000, 7000, 0, 100, 255, 500, 0), (-7000, 7000, 24000, 49, 255, 500, 0),
+        (-7000, 7000, 24000, 201, 255, 500, 0), (-7000, 7000, 24000, 100, 0, 500, 0), (-7000, 7000, 24000, 100, 255, 99, 0),
+        (-7000, 7000, 24000, 100, 255, 1001, 0),
     ],
 )  # fmt: skip
 def test_limits_beyond_its_own_are_refused(idle: Bench, limits: tuple[int, ...]) -> None:
@@ -169,8 +177,6 @@ def test_arming_needs_limits_a_heartbeat_and_a_place_within_them(idle: Bench) ->
     idle.run(101, beat=False)
     assert idle.refused(Request.ARM) == Reason.NO_HEARTBEAT
     idle.ask(Request.HEARTBEAT)
-    idle.done(Request.HOME, 0, 7001)
-    assert idle.refused(Request.ARM) == Reason.RANGE
     idle.done(Request.HOME, 0, 7000)
     idle.done(Request.ARM)
     assert idle.status.enabled
@@ -252,7 +258,7 @@ def test_limits_of_place_and_speed(armed: Bench) -> None:
         armed.done(Request.HOME, 0, 0)
         armed.done(Request.ARM)
     armed.run(12)
-    armed.place = float(armed.counts + 241)  # 24100 counts/s over 10 ms
+    armed.at(armed.place + 241)  # 24100 counts/s over 10 ms
     armed.run(1)
     assert armed.twin.faults == Fault.SPEED
 
@@ -295,13 +301,13 @@ def test_a_queue_that_runs_empty_and_a_table_left_behind_are_faults(armed: Bench
     assert armed.twin.faults == Fault.UNDERRUN
     armed.done(Request.CLEAR)
     armed.done(Request.ARM)
-    armed.at(armed.place)
+    armed.gain = 1.0  # too weak to follow
     here = armed.status.position
     feed(armed, [here, here + 1100])
     armed.done(Request.FOLLOW, 220, 2)
     armed.run(200)
     assert armed.twin.state == State.FOLLOWING
-    armed.run(3)
+    armed.run(19)
     assert armed.twin.faults == Fault.FOLLOWING
 
 
@@ -367,6 +373,9 @@ def test_the_index_is_found_on_either_side_and_gives_the_place(idle: Bench) -> N
 
 
 def test_a_search_without_an_index_gives_up(armed: Bench) -> None:
+    armed.done(Request.DISARM)
+    armed.done(Request.LIMITS, -1300, 1300, *LIMITS[2:])
+    armed.done(Request.ARM)
     armed.done(Request.HOME, 1, 0)
     reached = []
     for _ in range(1400):
@@ -376,7 +385,10 @@ def test_a_search_without_an_index_gives_up(armed: Bench) -> None:
             break
     assert armed.twin.state == State.ARMED
     assert not armed.status.homed
-    assert max(map(abs, reached)) < 7000
+    assert (
+        max(map(abs, reached)) <= 1300 + c.SPARE + 50
+    )  # half of the limits' distance, for it may stand at one of them
+    assert min(reached) == pytest.approx(-1500, abs=50)
 
 
 def test_reversals_rise_pause_and_fall(armed: Bench) -> None:
@@ -398,7 +410,7 @@ def test_reversals_rise_pause_and_fall(armed: Bench) -> None:
 
 def test_what_it_asks_for_never_passes_the_limit_of_duty(armed: Bench) -> None:
     armed.done(Request.DISARM)
-    armed.done(Request.LIMITS, -7000, 7000, 24000, 100, 60, 500)
+    armed.done(Request.LIMITS, -7000, 7000, 24000, 100, 60, 500, 0)
     armed.done(Request.ARM)
     assert armed.refused(Request.REVERSE, 61, 100, 0, 1) == Reason.RANGE
     armed.done(Request.JOG, 20000, 500)
@@ -418,6 +430,10 @@ def safe(twin: Twin) -> None:
     assert twin.enabled or twin.registers[c.R_DUTY] == 0
     assert 0 <= twin.free <= c.QUEUE
     assert (twin.state == State.FAULT) == bool(twin.faults)
+    r = twin.registers
+    if not r[c.R_HOMED] or r[c.R_OUTSIDE]:
+        assert abs(r[c.R_DUTY]) <= c.SLOW_DUTY
+        assert twin.state not in (State.FOLLOWING, State.REVERSING)
 
 
 @settings(max_examples=60, deadline=None)
@@ -425,7 +441,7 @@ def safe(twin: Twin) -> None:
 def test_no_bytes_harm_it(blocks: list[bytes], awake: bool) -> None:
     bench = Bench()
     if awake:
-        bench.ask(Request.HELLO, 1)
+        bench.ask(Request.HELLO, 2)
         bench.done(Request.CLEAR)
     for block in blocks:
         bench.twin.receive(block + b"\0")
@@ -442,7 +458,7 @@ def requests() -> st.SearchStrategy[tuple[Request, tuple[int, ...]]]:
         st.integers(0, 255),
     )
     bodies: dict[Request, st.SearchStrategy[tuple[int, ...]]] = {
-        Request.HELLO: st.tuples(st.just(1) | u8), Request.LIMITS: st.just(LIMITS) | st.tuples(i32, i32, u32, u16, u8, u16),
+        Request.HELLO: st.tuples(st.just(2) | u8), Request.LIMITS: st.just(LIMITS) | st.tuples(i32, i32, u32, u16, u8, u16, u8),
         Request.HOME: st.tuples(st.integers(0, 2), i32), Request.JOG: st.tuples(i32, u16), Request.FOLLOW: st.tuples(u16, u32),
         Request.REVERSE: st.tuples(u8, u16, u16, u16),
         Request.SETPOINTS: st.tuples(u32, i32) | st.tuples(st.just(0), *[st.integers(-90, 90)] * 16),
@@ -457,7 +473,7 @@ def test_no_sequence_of_requests_harms_it(
 ) -> None:
     bench = Bench()
     if ready:
-        bench.ask(Request.HELLO, 1)
+        bench.ask(Request.HELLO, 2)
         bench.done(Request.CLEAR)
         bench.done(Request.LIMITS, *LIMITS)
         bench.done(Request.HOME, 0, 0)
@@ -472,3 +488,338 @@ def test_no_sequence_of_requests_harms_it(
         safe(bench.twin)
         bench.run(ms, beat and bench.twin.handshake_done)
         safe(bench.twin)
+
+
+# the stroke has ends without homing, too
+
+
+def unhomed(idle: Bench, wired: int = 0, half: int = 7000) -> Bench:
+    idle.done(Request.LIMITS, -half, half, *LIMITS[2:-1], wired)
+    idle.ask(Request.HEARTBEAT)
+    idle.done(Request.ARM)
+    return idle
+
+
+def until(bench: Bench, state: State, ms: int = 400000) -> list[float]:
+    """Run until a state; the places of the table."""
+    places = []
+    for _ in range(ms // 20):
+        bench.run(20)
+        places.append(bench.place)
+        if bench.twin.state == state:
+            return places
+    raise AssertionError(f"{bench.twin.state!r}, {bench.twin.faults!r}")
+
+
+@pytest.mark.parametrize("switches", [True, False])
+@pytest.mark.parametrize("start", [-1399, -1390, -800, 100, 600, 1399])
+@pytest.mark.parametrize("index", [200, -900])
+def test_a_search_from_anywhere_stays_between_the_ends_and_ends_at_the_index(
+    idle: Bench, start: int, index: int, switches: bool
+) -> None:
+    idle.place, idle.index, idle.ends = float(start), index, (-1400.0, 1400.0)
+    run = idle.run
+
+    def with_switches(ms: int, beat: bool = True) -> None:
+        for k in range(ms):
+            idle.inputs = (idle.place <= -1350) | (idle.place >= 1350) << 1
+            if k % 20 == 0 and beat:
+                idle.ask(Request.HEARTBEAT)
+            run(1, False)
+
+    idle.run = with_switches if switches else run  # type: ignore[method-assign]
+    unhomed(idle, int(switches), 1300).done(Request.HOME, 1, index)
+    places = until(idle, State.ARMED)
+    assert idle.status.homed
+    assert idle.status.position == pytest.approx(idle.place, abs=2)
+    if switches:
+        assert max(map(abs, places)) <= max(1360, abs(start))
+
+
+def test_a_search_between_end_switches_without_an_index_gives_up(idle: Bench) -> None:
+    idle.ends = (-1400.0, 1400.0)
+    unhomed(idle, half=1300).done(Request.HOME, 1, 0)
+    until(idle, State.ARMED)
+    assert not idle.status.homed
+
+
+def test_a_search_that_cannot_move_is_a_stall(idle: Bench) -> None:
+    idle.gain = 0.0
+    unhomed(idle).done(Request.HOME, 1, 0)
+    until(idle, State.FAULT)
+    assert idle.twin.faults == Fault.STALL
+
+
+@pytest.mark.parametrize("kind", [Request.JOG, Request.HOME])
+def test_a_dead_encoder_is_seen_within_two_millimetres(idle: Bench, kind: Request) -> None:
+    idle.dead = True
+    unhomed(idle).done(kind, *((400, 500) if kind == Request.JOG else (1, 0)))
+    for _ in range(100):
+        if idle.twin.state == State.FAULT:
+            break
+        idle.run(20)
+        if kind == Request.JOG and idle.twin.state in (State.ARMED, State.JOGGING):
+            idle.done(Request.JOG, 400, 500)
+        assert abs(idle.place) <= c.FREE_TRAVEL + 60
+    assert idle.twin.faults == Fault.STALL
+
+
+def test_a_dead_encoder_is_seen_on_a_stroke_too(armed: Bench) -> None:
+    feed(armed, [60 * k for k in range(60)])
+    armed.done(Request.FOLLOW, 40, 60)
+    armed.run(1000)
+    armed.dead, before = True, armed.place
+    armed.run(1000)
+    assert armed.twin.faults == Fault.STALL
+    assert armed.place - before < c.FREE_TRAVEL + 160
+
+
+def test_a_load_that_holds_the_table_near_a_resting_set_point_is_no_stall(armed: Bench) -> None:
+    armed.gain = 0.0
+    feed(armed, [10] * 60)
+    armed.done(Request.FOLLOW, 100, 60)
+    armed.run(5000)
+    assert (armed.twin.state, armed.twin.registers[c.R_DUTY] > c.DEAD_DUTY) == (State.FOLLOWING, True)
+
+
+@pytest.mark.parametrize("kind", [Request.JOG, Request.HOME, Request.FOLLOW])
+def test_swapped_leads_are_seen_at_once(idle: Bench, kind: Request) -> None:
+    idle.swapped = True
+    unhomed(idle)
+    if kind == Request.FOLLOW:
+        idle.done(Request.DISARM)
+        idle.done(Request.HOME, 0, 0)
+        idle.done(Request.ARM)
+        feed(idle, RAMP)
+        idle.done(Request.FOLLOW, 50, 30)
+    else:
+        idle.done(kind, *((400, 500) if kind == Request.JOG else (1, 0)))
+    idle.run(400)
+    assert idle.twin.faults & Fault.DIRECTION
+    assert abs(idle.place) < 100
+
+
+@pytest.mark.parametrize("stalled", [100, 150, 190])
+def test_slow_is_kept_when_a_motor_that_stood_comes_free(idle: Bench, stalled: int) -> None:
+    unhomed(idle).done(Request.JOG, 400, 500)
+    gain, idle.gain = idle.gain, 0.0
+    idle.run(stalled)
+    idle.gain = gain
+    fastest, before = 0.0, idle.place
+    for _ in range(300):
+        idle.run(10)
+        fastest, before = max(fastest, abs(idle.place - before) * 100), idle.place
+    assert fastest <= 1.5 * c.SLOW_FAULT  # a motor without inertia; 7.5 mm/s for 10 ms
+    assert idle.twin.faults in (Fault(0), Fault.SPEED)
+
+
+def test_jogging_ends_a_stroke_from_where_it_began(idle: Bench) -> None:
+    """It does not help to arm anew."""
+    unhomed(idle, half=1000)
+    while idle.twin.state != State.FAULT:
+        idle.done(Request.JOG, 400, 500)
+        idle.run(480)
+        if idle.twin.state == State.JOGGING and idle.place % 3 < 1:
+            idle.done(Request.DISARM)
+            idle.done(Request.ARM)
+        assert idle.place < 2500
+    assert idle.twin.faults == Fault.HIGH
+    assert idle.place == pytest.approx(2400, abs=20)
+    assert not idle.status.homed
+
+
+# switches
+
+
+def test_inputs_are_shown_whether_they_are_wired_or_not(armed: Bench) -> None:
+    armed.inputs = 5
+    armed.run(1)
+    assert (armed.status.inputs, armed.twin.state) == (5, State.ARMED)
+
+
+@pytest.mark.parametrize(("speed", "inputs"), [(-400, 1), (400, 2)])
+def test_an_end_switch_stops_and_lets_the_table_go_back(armed: Bench, speed: int, inputs: int) -> None:
+    armed.done(Request.DISARM)
+    armed.done(Request.LIMITS, *LIMITS[:-1], 1)
+    armed.done(Request.ARM)
+    armed.done(Request.JOG, speed, 500)
+    armed.run(100)
+    armed.inputs = inputs
+    armed.run(1)
+    assert armed.twin.faults == Fault.END
+    armed.done(Request.CLEAR)
+    armed.run(20)
+    armed.done(Request.ARM)
+    assert armed.refused(Request.JOG, speed, 500) == Reason.END
+    armed.done(Request.JOG, -speed, 500)
+    armed.run(100)
+    assert armed.twin.state == State.JOGGING
+    armed.inputs = 3  # a broken wire
+    armed.run(1)
+    assert armed.twin.faults == Fault.END
+    armed.done(Request.CLEAR)
+    assert armed.refused(Request.ARM) == Reason.END
+
+
+@pytest.mark.parametrize("state", list(MOVING))
+def test_an_emergency_stop_is_a_fault_everywhere(armed: Bench, state: State) -> None:
+    armed.done(Request.DISARM)
+    armed.done(Request.LIMITS, *LIMITS[:-1], 2)
+    armed.done(Request.ARM)
+    into(armed, state)
+    armed.inputs = 4
+    armed.run(1)
+    assert armed.twin.faults == Fault.EMERGENCY
+    armed.done(Request.CLEAR)
+    assert armed.refused(Request.ARM) == Reason.EMERGENCY
+    armed.inputs = 0
+    armed.run(1)
+    armed.done(Request.ARM)
+
+
+# the index
+
+
+def pass_index(bench: Bench, at: int) -> None:
+    """One tick in which the index is seen at a count."""
+    c.tick(bench.twin.registers, bench.counts, True, at, False)
+
+
+@pytest.mark.parametrize("by_hand", [True, False])
+@pytest.mark.parametrize("shift", [-3, -2, 0, 2, 3])
+def test_the_index_is_compared_at_each_pass(idle: Bench, shift: int, by_hand: bool) -> None:
+    unhomed(idle)
+    if by_hand:
+        idle.done(Request.DISARM)
+        idle.done(Request.HOME, 0, 1000)
+        idle.done(Request.ARM)
+    else:
+        idle.done(Request.HOME, 1, 400)
+        idle.run(20)
+    pass_index(idle, 77)
+    idle.run(20 if by_hand else 80)
+    assert idle.twin.state == State.ARMED
+    pass_index(idle, 77 + shift)
+    status = idle.status
+    assert (status.index_shift, status.index_passes) == (shift, 2)
+    moved = abs(shift) > 2
+    assert idle.twin.faults == (Fault.INDEX if moved else Fault(0))
+    assert status.homed != moved
+
+
+def test_an_index_that_moved_while_nothing_was_armed_ends_the_homing(armed: Bench) -> None:
+    pass_index(armed, 77)
+    armed.done(Request.DISARM)
+    pass_index(armed, 100)
+    assert (armed.twin.state, armed.status.homed) == (State.IDLE, False)
+
+
+# outside of the limits
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_there_is_a_way_back_from_outside(idle: Bench, side: int) -> None:
+    idle.done(Request.LIMITS, *LIMITS)
+    idle.ask(Request.HEARTBEAT)
+    idle.done(Request.HOME, 0, side * 7300)
+    idle.done(Request.ARM)
+    assert idle.status.outside
+    assert idle.refused(Request.JOG, side * 100, 500) == Reason.OUTSIDE
+    assert idle.refused(Request.JOG, -side * 401, 500) == Reason.OUTSIDE
+    assert idle.refused(Request.HOME, 1, 0) == Reason.OUTSIDE
+    assert idle.refused(Request.FOLLOW, 10, 5) == Reason.OUTSIDE
+    assert idle.refused(Request.REVERSE, 100, 100, 0, 1) == Reason.OUTSIDE
+    for _ in range(5):
+        idle.done(Request.JOG, -side * 400, 500)
+        idle.run(400)
+    idle.run(300)
+    status = idle.status
+    assert (status.state, status.outside) == (State.ARMED, False)
+    assert abs(status.position) < 7000
+    while idle.twin.state != State.FAULT:
+        idle.done(Request.JOG, side * 400, 500)
+        idle.run(400)
+    assert idle.twin.faults == (Fault.HIGH if side > 0 else Fault.LOW)  # and none out again
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_outside_it_goes_no_farther_out(idle: Bench, side: int) -> None:
+    idle.done(Request.LIMITS, *LIMITS)
+    idle.ask(Request.HEARTBEAT)
+    idle.done(Request.HOME, 0, side * 7300)
+    idle.done(Request.ARM)
+    idle.at(idle.place + side * 100)
+    idle.run(1)
+    assert idle.twin.state == State.ARMED
+    idle.at(idle.place + side)
+    idle.run(1)
+    assert idle.twin.faults == (Fault.HIGH if side > 0 else Fault.LOW)
+
+
+# what a stranger who writes the firmware in C may do otherwise
+
+
+def test_whole_numbers_are_divided_as_in_c() -> None:
+    assert [c.quotient(a, 3) for a in (7, -7, 6, -6, 2, -2, 0)] == [2, -2, 2, -2, 0, 0, 0]
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_between_set_points_both_directions_are_alike(armed: Bench, sign: int) -> None:
+    armed.gain = 0.0
+    feed(armed, [0, sign * 10])
+    armed.done(Request.FOLLOW, 7, 2)
+    targets = []
+    for _ in range(6):
+        armed.run(1)
+        targets.append(sign * int(armed.twin.registers[c.R_TARGET]))
+    assert targets == [1, 2, 4, 5, 7, 8]
+
+
+def test_set_points_faster_than_the_limit_are_a_fault(armed: Bench) -> None:
+    feed(armed, [0, 241])
+    armed.done(Request.FOLLOW, 10, 2)
+    armed.run(1)
+    assert armed.twin.faults == Fault.SPEED
+
+
+def test_a_hello_of_another_version_stops_what_moves(armed: Bench) -> None:
+    into(armed, State.JOGGING).ask(Request.HELLO, 1)
+    assert armed.twin.faults == Fault.ABORTED
+    assert armed.refused(Request.HEARTBEAT) == Reason.VERSION
+
+
+def test_all_numbers_fit_into_32_bits(armed: Bench) -> None:
+    """The largest set points at the shortest period."""
+    armed.done(Request.DISARM)
+    armed.done(Request.LIMITS, -37000, 37000, 40000, 200, 255, 1000, 0)
+    armed.done(Request.ARM)
+    largest = max(37000 * 2 * 1000, (40000 + c.GAIN * (c.AWAY + 40)) * 240, 255 * 60000, 37000 * c.RATE)
+    assert largest < 2**31
+    feed(armed, [0, 37000])
+    armed.done(Request.FOLLOW, 1000, 2)
+    while armed.twin.state == State.FOLLOWING:
+        armed.run(1)
+        assert np.abs(armed.twin.registers).max() < 2**31
+
+
+def test_speed_is_zero_until_ten_positions_are_there() -> None:
+    bench = Bench()
+    bench.ask(Request.HELLO, 2)
+    for k in range(12):
+        bench.at(100.0 * (k + 1))
+        bench.run(1, beat=False)
+        assert bench.status.speed == (0 if k < 10 else 100 * 1000)
+
+
+def test_empty_frames_are_no_bad_frames(idle: Bench) -> None:
+    bad = idle.status.bad_frames
+    idle.twin.receive(b"\0\0\0")
+    assert idle.status.bad_frames == bad
+    idle.twin.receive(b"\x01" * 400 + b"\0")  # longer than any frame: one bad frame
+    assert idle.status.bad_frames == bad + 1
+
+
+def test_a_repeat_is_known_by_type_and_number_alone(armed: Bench) -> None:
+    first = armed.twin.receive(encode(Frame(Request.JOG, 9, (300, 20))))
+    assert armed.twin.receive(encode(Frame(Request.JOG, 9, (-300, 500)))) == first
+    assert armed.twin.registers[c.R_RATE] == 300

@@ -13,7 +13,7 @@ from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
 
-LIMITS = (-7400, 7400, 24000, 150, 255, 500)
+LIMITS = (-7400, 7400, 24000, 150, 255, 500, 0)
 
 
 class Host:
@@ -42,7 +42,7 @@ class Host:
         assert self.beat
 
     def arm(self, place: int = 0, limits: Sequence[int] = LIMITS) -> None:
-        self.ask(Request.HELLO, 1)
+        self.ask(Request.HELLO, 2)
         self.done(Request.CLEAR)
         self.done(Request.LIMITS, *limits)
         self.done(Request.HOME, 0, place)

@@ -45,6 +45,7 @@ def held_at(kernel, duty):
         )
         registers[[c.R_HALF, c.R_PAUSE, c.R_PHASE, c.R_HEARTBEAT, c.R_MAX_SPEED]] = 2, 10**9, 1, 10**9, 10**9
         registers[[c.R_LIMITED, c.R_MAX_DUTY, c.R_STALL]] = 1, 255, 10**9
+        registers[[c.R_HOMED, c.R_LOW, c.R_HIGH, c.R_FREE]] = 1, -(10**9), 10**9, -(10**12)
         return kernel(until, m, y, n, z, *rest)
 
     return run
@@ -79,7 +80,7 @@ def friction(force: float) -> Damper:
 def test_a_load_beyond_the_motor_stalls_it_and_the_screw_holds() -> None:
     made, _ = rig(settings(table={"friction": 0.0}), specimen=Damper("spring", {"spring.k0": 4e5}))
     driven(made, 1.0, 255)
-    assert made.truth.force[-1] == pytest.approx(0.078 / 2e-5, rel=2e-3)
+    assert made.truth.force[-1] == pytest.approx(0.078 / 2e-5, rel=3e-3)  # the firmware sees it stand
     made._kernel = held_at(rig(specimen=Damper("spring", {"spring.k0": 4e5}))[0]._kernel, 0)
     made.run_unattended(0.5)
     assert np.ptp(made.truth.position[-400:]) == 0.0
@@ -87,7 +88,7 @@ def test_a_load_beyond_the_motor_stalls_it_and_the_screw_holds() -> None:
 
 @pytest.mark.parametrize("duty", [255, -255])
 def test_the_stroke_ends(duty: int) -> None:
-    made, _ = rig(specimen=NOTHING)
+    made, _ = rig(settings(specimen={"stroke": 1.0}), specimen=NOTHING)
     driven(made, 4.0, duty)
     assert abs(made.truth.position[-1]) == pytest.approx(0.2285, abs=1.1e-5)
     assert made.truth.speed[-1] == 0.0
@@ -321,7 +322,7 @@ def test_samples_come_at_their_times(rate: float) -> None:
 
 def test_home_looks_for_the_index() -> None:
     made, host = rig(position=-0.003)
-    host.ask(Request.HELLO, 1)
+    host.ask(Request.HELLO, 2)
     host.done(Request.CLEAR)
     host.done(Request.LIMITS, *WIDE)
     assert host.beat.limited

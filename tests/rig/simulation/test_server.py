@@ -305,14 +305,14 @@ def test_a_second_client_is_turned_away(serve: Start) -> None:
     other = socket.create_connection(("127.0.0.1", int(served.where["serial"].rpartition(":")[2])))
     assert other.recv(10) == b""
     other.close()
-    assert host.ask(Request.HELLO, 1).values[0] == 1
+    assert host.ask(Request.HELLO, 2).values[0] == 2
 
 
 @pytest.mark.by_hand
 def test_in_real_time_the_walls_clock_moves_it(serve: Start) -> None:
     served = serve("--real-time")
     host = served.host()
-    host.ask(Request.HELLO, 1)
+    host.ask(Request.HELLO, 2)
     before, start = host.beat.time, time.monotonic()
     time.sleep(0.5)
     after, end = host.beat.time, time.monotonic()

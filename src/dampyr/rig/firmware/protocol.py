@@ -1,4 +1,4 @@
-"""The frames between host and Uno, version 1 (docs/reference/protocol.md): COBS, CRC-16/CCITT-FALSE, little-endian bodies."""
+"""The frames between host and Uno, version 2 (docs/reference/protocol.md): COBS, CRC-16/CCITT-FALSE, little-endian bodies."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import struct
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
-VERSION = 1  # of the frames; both ends must speak the same
+VERSION = 2  # of the frames; both ends must speak the same
 MAX_BODY = 70  # bytes: the longest body is that of 16 set points (5 + 4 * 16), with one to spare
 MAX_POINTS = 16  # in one frame: 0.16 s of motion where they are 10 ms apart
 QUEUE = 64  # set points that the Uno holds
@@ -65,6 +65,10 @@ class Fault(IntFlag):
     ENCODER = 128
     ABORTED = 256
     RESTARTED = 512
+    INDEX = 1024
+    END = 2048
+    EMERGENCY = 4096
+    DIRECTION = 8192
 
 
 class Reason(IntEnum):
@@ -78,13 +82,21 @@ class Reason(IntEnum):
     GAP = 6
     VERSION = 7
     NO_HEARTBEAT = 8
+    NO_HELLO = 9
+    OUTSIDE = 10
+    END = 11
+    EMERGENCY = 12
 
 
-ENABLED, HOMED, LIMITED = 1, 2, 4  # flags of a status
+ENABLED, HOMED, LIMITED, OUTSIDE = 1, 2, 4, 8  # flags of a status
+LOW_END, HIGH_END, PRESSED = 1, 2, 4  # inputs that are open; four bits higher in the flags of a status
+INPUTS_AT = 4
+PROVEN = 128
+ENDS_WIRED, EMERGENCY_WIRED = 1, 2  # which inputs LIMITS say are wired
 
 BODIES: dict[Request | Reply, struct.Struct] = {
     Request.HELLO: struct.Struct("<B"),
-    Request.LIMITS: struct.Struct("<iiIHBH"),
+    Request.LIMITS: struct.Struct("<iiIHBHB"),
     Request.HEARTBEAT: struct.Struct("<"),
     Request.ARM: struct.Struct("<"),
     Request.DISARM: struct.Struct("<"),
@@ -98,7 +110,7 @@ BODIES: dict[Request | Reply, struct.Struct] = {
     Reply.HELLO: struct.Struct("<BHHB"),
     Reply.ACK: struct.Struct("<BB"),
     Reply.NAK: struct.Struct("<BB"),
-    Reply.STATUS: struct.Struct("<IBHiihBBIH"),
+    Reply.STATUS: struct.Struct("<IBHiihBBIHhH"),
 }
 """The body of each type; SETPOINTS has one of its own."""
 
@@ -114,7 +126,11 @@ class Frame:
 
 @dataclass(frozen=True)
 class Status:
-    """What the Uno says of itself: time [ms], state, faults, position [counts], speed [counts/s], duty (-255..255)."""
+    """What the Uno says of itself: time [ms], state, faults, position [counts], speed [counts/s], duty (-255..255).
+
+    ``outside`` of the limits, where it was armed; ``inputs`` that are open; ``proven``: it has moved as its duty says;
+    ``index_shift`` counts by which the index was away from its place at the last of ``index_passes``.
+    """
 
     time: int
     state: State
@@ -128,13 +144,23 @@ class Status:
     free: int
     next: int
     bad_frames: int
+    index_shift: int = 0
+    index_passes: int = 0
+    outside: bool = False
+    inputs: int = 0
+    proven: bool = False
 
 
 def status_of(frame: Frame) -> Status:
     """The status in a STATUS reply."""
-    time, state, faults, position, speed, duty, flags, free, nxt, bad = frame.values
-    flag_values = (bool(flags & ENABLED), bool(flags & HOMED), bool(flags & LIMITED))
-    return Status(time, State(state), Fault(faults), position, speed, duty, *flag_values, free, nxt, bad)
+    time, state, faults, position, speed, duty, flags, free, nxt, bad, shift, passes = frame.values
+    enabled, homed, limited = bool(flags & ENABLED), bool(flags & HOMED), bool(flags & LIMITED)
+    moving = (time, State(state), Fault(faults), position, speed, duty)
+    return Status(
+        *moving, enabled, homed, limited, free, nxt, bad,
+        index_shift=shift, index_passes=passes, outside=bool(flags & OUTSIDE), inputs=flags >> INPUTS_AT & 7,
+        proven=bool(flags & PROVEN),
+    )  # fmt: skip
 
 
 def encode(frame: Frame) -> bytes:

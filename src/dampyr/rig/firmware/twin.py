@@ -9,9 +9,15 @@ from numpy.typing import NDArray
 
 from dampyr.rig.firmware import control_core as c
 from dampyr.rig.firmware.protocol import (
+    EMERGENCY_WIRED,
     ENABLED,
+    ENDS_WIRED,
     HOMED,
+    INPUTS_AT,
     LIMITED,
+    OUTSIDE,
+    PRESSED,
+    PROVEN,
     VERSION,
     Fault,
     Frame,
@@ -23,7 +29,7 @@ from dampyr.rig.firmware.protocol import (
     encode,
 )
 
-FIRMWARE = (1, 0)  # major, minor
+FIRMWARE = (2, 0)  # major, minor
 FARTHEST, FASTEST = 37000, 40000  # counts, counts/s: the firmware's own limits
 RESTING = tuple(State)
 ALLOWED: dict[Request, tuple[State, ...]] = {
@@ -55,8 +61,10 @@ class Twin:
         counts = self.registers[c.R_COUNTS]
         self.registers[:] = 0
         self.registers[[c.R_COUNTS, c.R_POSITION]] = counts
+        self.registers[c.R_ORIGIN] = counts
         self.registers[c.R_STATE], self.registers[c.R_FAULTS] = State.FAULT, Fault.RESTARTED
         self.registers[c.R_SINCE] = 1000000
+        self.other_version = False
         self.reader, self.handshake_done, self.last_request, self.last_reply = Reader(), False, (-1, -1), b""
 
     @property
@@ -108,7 +116,7 @@ class Twin:
     def _refused(self, kind: Request, values: tuple[int, ...]) -> Reason | None:
         """Why a request cannot be carried out; the first reason of the order in the document."""
         if not self.handshake_done and kind not in WITHOUT_HELLO:
-            return Reason.VERSION
+            return Reason.VERSION if self.other_version else Reason.NO_HELLO
         allowed = ALLOWED.get(kind, RESTING)
         if kind == Request.HOME:
             allowed = {0: (State.IDLE,), 1: (State.ARMED,)}.get(values[0], RESTING)
@@ -117,25 +125,36 @@ class Twin:
         check: Callable[..., Reason | None] = getattr(self, f"_check_{kind.name.lower()}", lambda *_: None)
         return check(*values)
 
-    def _check_limits(self, low: int, high: int, speed: int, beat: int, duty: int, stall: int) -> Reason | None:
-        fine = -FARTHEST <= low < high <= FARTHEST and 1 <= speed <= FASTEST
+    def _check_limits(
+        self, low: int, high: int, speed: int, beat: int, duty: int, stall: int, wired: int
+    ) -> Reason | None:
+        fine = wired <= ENDS_WIRED | EMERGENCY_WIRED and -FARTHEST <= low < high <= FARTHEST and 1 <= speed <= FASTEST
         return None if fine and 50 <= beat <= 200 and duty >= 1 and 100 <= stall <= 1000 else Reason.RANGE
 
     def _check_arm(self) -> Reason | None:
         r = self.registers
         if not r[c.R_LIMITED]:
             return Reason.NO_LIMITS
-        if r[c.R_HOMED] and not r[c.R_LOW] <= r[c.R_POSITION] <= r[c.R_HIGH]:
-            return Reason.RANGE
+        if r[c.R_WIRED] & EMERGENCY_WIRED and r[c.R_INPUTS] & PRESSED:
+            return Reason.EMERGENCY
+        if c.both_ends(r):
+            return Reason.END
         return Reason.NO_HEARTBEAT if r[c.R_SINCE] > r[c.R_HEARTBEAT] else None
 
     def _check_home(self, how: int, counts: int) -> Reason | None:
-        return None if how in (0, 1) and abs(counts) <= FARTHEST else Reason.RANGE
+        if how not in (0, 1) or abs(counts) > FARTHEST:
+            return Reason.RANGE
+        return Reason.OUTSIDE if how == 1 and self.registers[c.R_OUTSIDE] else None
 
     def _check_jog(self, speed: int, time: int) -> Reason | None:
         if not 1 <= time <= 500 or abs(speed) > self.registers[c.R_MAX_SPEED]:
             return Reason.RANGE
-        return Reason.NOT_HOMED if abs(speed) > c.SLOW and not self.registers[c.R_HOMED] else None
+        if abs(speed) > c.SLOW and not self.registers[c.R_HOMED]:
+            return Reason.NOT_HOMED
+        outside = self.registers[c.R_OUTSIDE]
+        if outside and (abs(speed) > c.SLOW or speed * outside > 0):
+            return Reason.OUTSIDE
+        return Reason.END if c.at_end(self.registers, speed) else None
 
     def _check_setpoints(self, first: int, *points: int) -> Reason | None:
         r = self.registers
@@ -154,6 +173,8 @@ class Twin:
             return Reason.RANGE
         if not r[c.R_HOMED]:
             return Reason.NOT_HOMED
+        if r[c.R_OUTSIDE]:
+            return Reason.OUTSIDE
         if r[c.R_NEXT] == 0:
             return Reason.GAP
         return Reason.RANGE if abs(r[c.R_QUEUE] - r[c.R_POSITION]) > 100 else None
@@ -161,13 +182,17 @@ class Twin:
     def _check_reverse(self, duty: int, half: int, pause: int, n: int) -> Reason | None:
         if not (1 <= duty <= self.registers[c.R_MAX_DUTY] and 20 <= half <= 60000 and pause <= 5000 and n >= 1):
             return Reason.RANGE
-        return None if self.registers[c.R_HOMED] else Reason.NOT_HOMED
+        if not self.registers[c.R_HOMED]:
+            return Reason.NOT_HOMED
+        return Reason.OUTSIDE if self.registers[c.R_OUTSIDE] else None
 
     def _hello(self, version: int) -> None:
-        self.handshake_done = version == VERSION
+        self.handshake_done, self.other_version = version == VERSION, version != VERSION
+        if self.other_version and self.enabled:
+            self._abort()
 
     def _limits(self, *values: int) -> None:
-        self.registers[c.R_LOW : c.R_STALL + 1] = values
+        self.registers[c.R_LOW : c.R_WIRED + 1] = values
         self.registers[c.R_LIMITED] = 1
 
     def _heartbeat(self) -> None:
@@ -175,8 +200,12 @@ class Twin:
         self.on_heartbeat()
 
     def _arm(self) -> None:
-        c.empty(self.registers)
-        self.registers[[c.R_STATE, c.R_STALLED, c.R_DUTY]] = State.ARMED, 0, 0
+        r = self.registers
+        c.empty(r)
+        r[[c.R_STATE, c.R_STALLED, c.R_FREE, c.R_DUTY, c.R_WAY, c.R_OUTSIDE]] = State.ARMED, 0, 0, 0, 0, 0
+        if r[c.R_HOMED] and not r[c.R_LOW] <= r[c.R_POSITION] <= r[c.R_HIGH]:
+            r[c.R_OUTSIDE] = -1 if r[c.R_POSITION] < r[c.R_LOW] else 1
+            r[c.R_EDGE] = r[c.R_POSITION] + r[c.R_OUTSIDE] * c.EDGE
 
     def _disarm(self) -> None:
         if self.state != State.FAULT:
@@ -188,10 +217,14 @@ class Twin:
         if how == 0:
             r[c.R_OFFSET] = counts - r[c.R_COUNTS]
             r[c.R_POSITION], r[c.R_HOMED] = counts, 1
+            r[[c.R_INDEX_SET, c.R_SHIFT, c.R_PASSES]] = 0
             return
+        if r[c.R_HOMED]:
+            c.lose_place(r)
         start = r[c.R_POSITION]
         r[[c.R_INDEX, c.R_START, c.R_TARGET, c.R_TURN]] = counts, start, start * c.RATE, c.FIRST_SWEEP
-        r[[c.R_STATE, c.R_SIGN, c.R_RATE, c.R_HOMED]] = State.HOMING, 1, c.SLOW, 0
+        r[[c.R_STATE, c.R_SIGN, c.R_RATE]] = State.HOMING, 1, c.SLOW
+        r[[c.R_ENDS, c.R_INDEX_SET, c.R_SHIFT, c.R_PASSES]] = 0
         c.empty(r)
 
     def _jog(self, speed: int, time: int) -> None:
@@ -234,6 +267,8 @@ class Twin:
     def _status(self) -> tuple[int, ...]:
         r = self.registers
         flags = ENABLED * self.enabled | HOMED * bool(r[c.R_HOMED]) | LIMITED * bool(r[c.R_LIMITED])
+        flags |= OUTSIDE * bool(r[c.R_OUTSIDE]) | int(r[c.R_INPUTS]) << INPUTS_AT | PROVEN * bool(r[c.R_PROVEN])
         shown = (r[c.R_TIME] & 0xFFFFFFFF, r[c.R_STATE], r[c.R_FAULTS], r[c.R_POSITION], r[c.R_SPEED], r[c.R_DUTY])
-        rest = (flags, self.free, r[c.R_NEXT], self.reader.bad & 0xFFFF)
+        shift = max(-32768, min(int(r[c.R_SHIFT]), 32767))
+        rest = (flags, self.free, r[c.R_NEXT], self.reader.bad & 0xFFFF, shift, r[c.R_PASSES] & 0xFFFF)
         return tuple(int(value) for value in (*shown, *rest))

@@ -15,6 +15,11 @@ Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 T = TypeVar("T")
 BUFFER = 10.0  # s of samples that the board holds for a late host
+LATCHES = 1000  # passes of the index that the board holds
+ENCODER_LINES = {
+    "ctr0": ("PFI8", "PFI10"),
+    "ctr1": ("PFI3", "PFI11"),
+}  # A and B of an M Series board's counters by default
 PATIENCE = 2.0  # s beyond a block's own duration until a read fails
 
 
@@ -26,6 +31,9 @@ class Board(Protocol):
 
     def read(self, n: int) -> tuple[Array, Counts]:
         """The next n samples: volts (channels, n) and counts (n,); waits for them."""
+
+    def index_counts(self) -> Counts:
+        """The counts (k,) at which the encoder's index was passed since the last call, hardware-latched."""
 
     def queue(self, volts: Array) -> None:
         """Append to the command, a sample of it per sample read."""
@@ -68,10 +76,35 @@ class NiBoard:
         self._call(inputs.timing.cfg_samp_clk_timing, rate, **clock)
         self._call(counter.timing.cfg_samp_clk_timing, rate, **shared)
         self._time_output(output, rate, shared, ahead)
+        if self.rig.wires.index:
+            self._latch_index(rate)
         self._analog, self._counter = AnalogMultiChannelReader(inputs.in_stream), CounterReader(counter.in_stream)
         self._analog.verify_array_shape = self._counter.verify_array_shape = False
         for task in (counter, output, inputs):  # whose clock it is comes last
             self._call(task.start)
+
+    def _latch_index(self, rate: float) -> None:
+        """Start the counter that counts the same lines as that of the position, and is sampled at each rising edge of Z."""
+        from nidaqmx.constants import AcquisitionType, EncoderType, LengthUnits
+        from nidaqmx.stream_readers import CounterReader
+
+        wires = self.rig.wires
+        counter, _, mark = wires.index.partition("/")
+        task = self._task("index")
+        channel = self._call(
+            task.ci_channels.add_ci_lin_encoder_chan,
+            f"{wires.board}/{counter}",
+            decoding_type=EncoderType.X_4,
+            units=LengthUnits.TICKS,
+            dist_per_pulse=4 * self.rig.encoder.count,
+        )
+        for name, line in zip("ab", ENCODER_LINES.get(wires.position.lower(), ()), strict=False):
+            self._call(setattr, channel, f"ci_encoder_{name}_input_term", f"/{wires.board}/{line}")
+        clock = {"sample_mode": AcquisitionType.CONTINUOUS, "samps_per_chan": LATCHES}
+        self._call(task.timing.cfg_samp_clk_timing, rate, source=f"/{wires.board}/{mark}", **clock)
+        self._latch = CounterReader(task.in_stream)
+        self._latch.verify_array_shape = False
+        self._call(task.start)
 
     def _time_output(self, output: Any, rate: float, shared: dict[str, Any], ahead: Array) -> None:
         from nidaqmx.constants import RegenerationMode
@@ -107,6 +140,15 @@ class NiBoard:
         self._call(self._analog.read_many_sample, volts, n, wait)
         self._call(self._counter.read_many_sample_uint32, ticks, n, wait)
         return volts, ticks.astype(np.int32).astype(np.int64)  # the counter wraps below 0
+
+    def index_counts(self) -> Counts:
+        """What the index has latched."""
+        task = self._tasks.get("index")
+        n = 0 if task is None else int(self._call(lambda: task.in_stream.avail_samp_per_chan))
+        ticks = np.empty(n, np.uint32)
+        if n:
+            self._call(self._latch.read_many_sample_uint32, ticks, n, PATIENCE)
+        return ticks.astype(np.int32).astype(np.int64)
 
     def queue(self, volts: Array) -> None:
         """Append to the command's buffer."""

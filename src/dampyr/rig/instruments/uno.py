@@ -5,10 +5,13 @@ from __future__ import annotations
 import random
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.firmware.protocol import (
+    EMERGENCY_WIRED,
+    ENDS_WIRED,
     MAX_POINTS,
     VERSION,
     Frame,
@@ -33,8 +36,19 @@ REASONS = {
     Reason.GAP: "set points are missing",
     Reason.VERSION: "its version of the protocol is another one",
     Reason.NO_HEARTBEAT: "it has seen no heartbeat",
+    Reason.NO_HELLO: "it has seen no hello",
+    Reason.OUTSIDE: "the table stands outside of its limits; move it slowly towards the middle",
+    Reason.END: "an end switch is open; is the table at its end, or the switch's wire broken?",
+    Reason.EMERGENCY: "the emergency stop is pressed, or its wire is broken; release it",
 }
 INDEX, HERE = 1, 0  # how to home
+HELLO_INTERVAL = (
+    0.25  # s between two requests to an Uno that has not answered yet: few bytes for a boot loader to misread
+)
+RESTARTED = (
+    "the Uno started anew while it was in use (its power, its reset, its watchdog, or another program opened its port); "
+    "its encoder is no longer homed: home the table again"
+)
 
 
 @dataclass(frozen=True)
@@ -48,10 +62,23 @@ class Hello:
 
 
 class Uno:
-    """The Uno at the end of a wire; every call waits for its answer, ``wait`` s at a time, or raises :class:`RigFault`."""
+    """The Uno at the end of a wire; every call waits for its answer, ``wait`` s at a time, or raises :class:`RigFault`.
 
-    def __init__(self, wire: Wire, wait: float = 0.02, tries: int = 4) -> None:
+    Opening a serial port resets an Uno: the first HELLO waits in silence for as long as ``wire.boot`` says, and is repeated
+    until ``wire.answer`` s after opening. ``clock`` and ``sleep`` as in `time`.
+    """
+
+    def __init__(
+        self,
+        wire: Wire,
+        wait: float = 0.02,
+        tries: int = 4,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], object] = time.sleep,
+    ) -> None:
         self.wait, self.tries = wait, tries
+        self._clock, self._sleep, self._opened = clock, sleep, clock()
+        self._answered = False
         self._wire, self._reader = wire, Reader()
         self._lock = threading.Lock()
         self._number = random.randrange(256)  # so that a new host is not taken for the one before it
@@ -63,7 +90,8 @@ class Uno:
 
     def hello(self) -> Hello:
         """Say hello; :class:`RigFault` where the firmware speaks another version."""
-        version, firmware, rate, queue = self._ask(Request.HELLO, VERSION).values
+        reply = self._ask(Request.HELLO, VERSION) if self._answered else self._first_hello()
+        version, firmware, rate, queue = reply.values
         if version != VERSION:
             raise RigFault(
                 f"the Uno's firmware has version {version} of the protocol and this dampyr {VERSION}; flash it again"
@@ -73,9 +101,10 @@ class Uno:
     def configure(self, rig: RigSettings) -> None:
         """Give the Uno its limits, those of ``rig``."""
         count, limits = rig.encoder.count, rig.limits
-        half = int(limits.stroke / 2 / count)
+        half = int(rig.travel / count)
         heartbeat = round(limits.heartbeat * 1000)
-        self._ask(Request.LIMITS, -half, half, int(limits.speed / count), heartbeat, 255, 300)
+        wired = ENDS_WIRED * rig.wires.end_switches | EMERGENCY_WIRED * rig.wires.emergency_stop
+        self._ask(Request.LIMITS, -half, half, int(limits.speed / count), heartbeat, 255, 300, wired)
 
     def heartbeat(self) -> Status:
         """Send a heartbeat; the Uno's status."""
@@ -127,6 +156,30 @@ class Uno:
         """Close the wire."""
         self._wire.close()
 
+    def _first_hello(self) -> Frame:
+        """The reply to the first HELLO after opening, once the boot loader has left."""
+        with self._lock:
+            quiet = self._opened + self._wire.boot - self._clock()
+            if quiet > 0.0:
+                self._sleep(quiet)
+            self._number = (self._number + 1) % 256
+            request = b"\0" + encode(Frame(Request.HELLO, self._number, (VERSION,)))  # the 0 ends what was sent before
+            wait = max(self.wait, HELLO_INTERVAL) if self._wire.answer else self.wait
+            tries = 0
+            while tries < self.tries or self._clock() < self._opened + self._wire.answer:
+                self._wire.discard()  # a boot loader's bytes, or what an earlier host was sent
+                self._reader = Reader()
+                self._wire.send(request)
+                tries += 1
+                reply = self._reply(wait)
+                if reply is not None:
+                    self._answered = True
+                    return self._checked(Request.HELLO, reply)
+            raise RigFault(
+                f"the Uno does not answer HELLO, asked {tries} times in {self._clock() - self._opened:.1f} s; check its "
+                "cable, its power and its firmware"
+            )
+
     def _ask(self, kind: Request, *values: int) -> Frame:
         with self._lock:  # one question at a time: an abort comes from any thread
             return self._exchange(kind, *values)
@@ -136,24 +189,28 @@ class Uno:
         request = encode(Frame(kind, self._number, values))
         for _ in range(self.tries):
             self._wire.send(request)
-            reply = self._reply()
+            reply = self._reply(self.wait)
             if reply is not None:
                 return self._checked(kind, reply)
         raise RigFault(f"the Uno does not answer {kind.name}, asked {self.tries} times; check its cable and its power")
 
-    def _reply(self) -> Frame | None:
-        until = time.monotonic() + self.wait
+    def _reply(self, wait: float) -> Frame | None:
+        until = self._clock() + wait
         while True:
             data = self._wire.receive()
             for frame in self._reader.feed(data):
                 if frame.number == self._number and isinstance(frame.kind, Reply):
                     return frame
-            if time.monotonic() >= until:
+            if self._clock() >= until:
                 return None
 
     def _checked(self, kind: Request, reply: Frame) -> Frame:
         if reply.kind is not Reply.NAK:
             return reply
+        if (
+            reply.values[1] in (Reason.VERSION, Reason.NO_HELLO) and kind is not Request.HELLO
+        ):  # HELLO was answered: it has forgotten it
+            raise RigFault(RESTARTED, "firmware")
         reason = (
             REASONS.get(Reason(reply.values[1])) if reply.values[1] in list(Reason) else f"reason {reply.values[1]}"
         )

@@ -9,10 +9,23 @@ from typing import Any, Protocol
 from dampyr.errors import RigFault
 
 PATIENCE = 0.02  # s of waiting for a reply: the Uno answers within a few ms
+BOOT = (
+    2.2  # s: opening a port resets an Uno, and its boot loader (0.5 to 2 s) takes what is sent meanwhile for a program
+)
+ANSWER = 6.0  # s after opening until an Uno has answered: more than 3 s of asking after the slowest boot loader
 
 
 class Wire(Protocol):
-    """Bytes to the Uno and back."""
+    """Bytes to the Uno and back.
+
+    ``boot``: s after opening in which nothing is to be sent; ``answer``: s after opening for which a first HELLO is repeated.
+    """
+
+    boot: float
+    answer: float
+
+    def discard(self) -> None:
+        """Drop what has come."""
 
     def send(self, data: bytes) -> None:
         """Send, or raise :class:`RigFault` where nothing is connected."""
@@ -25,14 +38,20 @@ class Wire(Protocol):
 
 
 class InProcess:
-    """A simulated rig in this process: ``answer`` gives the bytes that the Uno sends back."""
+    """A simulated rig in this process: ``serial`` gives the bytes that the Uno sends back."""
 
-    def __init__(self, answer: Callable[[bytes], bytes]) -> None:
-        self._answer, self._waiting = answer, b""
+    boot = answer = 0.0  # it answers at once or never
+
+    def __init__(self, serial: Callable[[bytes], bytes]) -> None:
+        self._serial, self._waiting = serial, b""
+
+    def discard(self) -> None:
+        """Drop the answer."""
+        self._waiting = b""
 
     def send(self, data: bytes) -> None:
         """Send, and take the answer."""
-        self._waiting += self._answer(data)
+        self._waiting += self._serial(data)
 
     def receive(self) -> bytes:
         """The answer."""
@@ -44,7 +63,9 @@ class InProcess:
 
 
 class Tcp:
-    """``socket://host:port``: the simulated rig's process, or a serial server."""
+    """``socket://host:port``: the simulated rig's process, or a serial server, which may reset the Uno as a port does."""
+
+    boot, answer = 0.0, ANSWER
 
     def __init__(self, address: str) -> None:
         host, _, port = address.removeprefix("socket://").rpartition(":")
@@ -55,6 +76,9 @@ class Tcp:
             raise RigFault(f"{address}: cannot be reached ({problem}); is the rig's process running?") from problem
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._socket.settimeout(PATIENCE)
+
+    def discard(self) -> None:
+        """Nothing: a new connection has nothing of an old one."""
 
     def send(self, data: bytes) -> None:
         """Send all of it."""
@@ -83,6 +107,8 @@ class Tcp:
 class Serial:
     """A serial port, by pyserial."""
 
+    boot, answer = BOOT, ANSWER
+
     def __init__(self, port: str, baud: int) -> None:
         self.port = port
         try:
@@ -93,6 +119,13 @@ class Serial:
             self._serial: Any = serial.Serial(port, baud, timeout=PATIENCE, write_timeout=0.5, exclusive=True)
         except (OSError, ValueError) as problem:
             raise RigFault(f"{port}: the serial port cannot be opened ({problem}); is the Uno plugged in?") from problem
+
+    def discard(self) -> None:
+        """Drop what has come: a boot loader's bytes, or replies to another host."""
+        try:
+            self._serial.reset_input_buffer()
+        except OSError as problem:
+            raise RigFault(f"{self.port}: the connection to the Uno is lost ({problem}); check its cable") from problem
 
     def send(self, data: bytes) -> None:
         """Send all of it."""

@@ -46,4 +46,8 @@ def constants_of(settings: RigSettings, specimen: Damper, dt: float) -> Constant
         pulse=settings.encoder.count,
         mark=floor(settings.encoder.index / settings.encoder.count),
         bandwidth=2.0 * pi * settings.load_cell.bandwidth,
+        end=0.5 * (body.stroke or settings.limits.stroke),
+        switch=settings.table.end_switch,
+        ends_wired=settings.wires.end_switches,
+        emergency_wired=settings.wires.emergency_stop,
     )

@@ -43,6 +43,7 @@ class DaqTask:
     pulse: float = 1.0
     initial: float = 0.0
     max_voltage: float = 10.0
+    latched: bool = False  # sampled by the encoder's index, not by the inputs' clock
     rows: list[NDArray[Any]] = field(default_factory=list)
 
     def take(self, n: int) -> NDArray[Any]:
@@ -89,6 +90,13 @@ class Identity(service.NiDAQmxServicer):
             self.clock.log(f"board error {code}")
             context.set_trailing_metadata((("ni-error", str(code)), *counted))
             context.abort(grpc.StatusCode.UNKNOWN, MESSAGES[code])
+
+    def take_latched(self) -> None:
+        """Give the counts at the passes of the index to the tasks that it samples."""
+        latched = [task for task in self.tasks.values() if task.running and task.latched]
+        passes = self.clock.rig.index_counts() if latched else None
+        for task in latched:
+            task.rows.append(np.asarray(passes)[None])
 
     # what it is
 
@@ -166,9 +174,10 @@ class Identity(service.NiDAQmxServicer):
 
     def GetReadAttributeUInt32(self, request: Any, context: Any) -> Any:
         with self.grpc_errors(context, request.task.name) as task:
+            self.take_latched()
             said = {
                 pb.READ_ATTRIBUTE_NUM_CHANS: len(task.channels),
-                pb.READ_ATTRIBUTE_AVAIL_SAMP_PER_CHAN: task.waiting + self.clock.rig.waiting,
+                pb.READ_ATTRIBUTE_AVAIL_SAMP_PER_CHAN: task.waiting + (0 if task.latched else self.clock.rig.waiting),
             }
             if request.attribute_raw not in said:
                 raise NotImplementedError("of a read the simulated board says its channels and their number only")

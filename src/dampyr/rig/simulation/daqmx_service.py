@@ -50,7 +50,8 @@ class Board(Identity):
         return pb.CreateAOVoltageChanResponse()
 
     def CreateCILinEncoderChan(self, request: Any, context: Any) -> Any:
-        self._add(request.task, "ci", request.counter, [self.settings.wires.position], context)
+        counters = [self.settings.wires.position, self.settings.wires.index.partition("/")[0]]
+        self._add(request.task, "ci", request.counter, counters, context)
         with self.grpc_errors(context, request.task.name) as task:
             if request.decoding_type_raw != X4 or request.units_raw not in (METERS, TICKS) or request.zidx_enable:
                 raise NotImplementedError(
@@ -72,9 +73,23 @@ class Board(Identity):
                 task.channels.append(name)
 
     def CfgSampClkTiming(self, request: Any, context: Any) -> Any:
+        wires = self.settings.wires
+        mark = f"/{wires.board}/{wires.index.partition('/')[2]}".lower()
         with self.grpc_errors(context, request.task.name) as task:
             task.rate = request.rate
+            task.latched = task.kind == "ci" and bool(wires.index) and request.source.lower() == mark
         return pb.CfgSampClkTimingResponse()
+
+    def SetChanAttributeString(self, request: Any, context: Any) -> Any:
+        with self.grpc_errors(context, request.task.name) as task:
+            lines = {
+                pb.CHANNEL_ATTRIBUTE_CI_ENCODER_A_INPUT_TERM: "pfi8",
+                pb.CHANNEL_ATTRIBUTE_CI_ENCODER_B_INPUT_TERM: "pfi10",
+            }
+            wired = f"/{self.settings.wires.board}/{lines.get(request.attribute_raw)}".lower()
+            if task.kind != "ci" or request.value.lower() != wired:
+                raise NotImplementedError("the simulated encoder's lines are A on PFI8 and B on PFI10; ask for these")
+        return pb.SetChanAttributeStringResponse()
 
     def StartTask(self, request: Any, context: Any) -> Any:
         with self.grpc_errors(context, request.task.name) as task:
@@ -168,7 +183,9 @@ class Board(Identity):
         return samples
 
     def _read_clocked(self, task: DaqTask, request: Any) -> NDArray[Any]:
-        """Samples on the sample clock."""
+        """Samples on the sample clock, or those that the index has latched."""
+        if task.latched:
+            return self._read_latched(task, request.num_samps_per_chan)
         if not task.running and task.kind == "ai":
             self._start(task)
         if not (task.running and self.clock.rig.sampling):
@@ -177,6 +194,13 @@ class Board(Identity):
         missing = self.clock.rig.waiting if wanted == ALL else wanted - task.waiting
         if missing > 0:
             self._distribute(self.clock.read(missing, request.timeout))
+        return task.take(task.waiting if wanted == ALL else wanted) if task.rows else np.empty((1, 0))
+
+    def _read_latched(self, task: DaqTask, wanted: int) -> NDArray[Any]:
+        """Counts at passes of the index; a simulated host does not wait for one."""
+        self.take_latched()
+        if wanted != ALL and task.waiting < wanted:
+            raise BoardError(TIMEOUT)
         return task.take(task.waiting if wanted == ALL else wanted) if task.rows else np.empty((1, 0))
 
     def _read_unclocked(self, task: DaqTask, wanted: int) -> NDArray[Any]:
@@ -197,7 +221,7 @@ class Board(Identity):
         for task in self.tasks.values():
             if task.running and task.kind == "ai":
                 task.rows.append(volts[self._channel_rows(task)])
-            if task.running and task.kind == "ci":
+            if task.running and task.kind == "ci" and not task.latched:
                 task.rows.append(counts[None])
 
     def WriteAnalogScalarF64(self, request: Any, context: Any) -> Any:

@@ -33,6 +33,11 @@ class InProcessBoard:
         """The next n samples."""
         return _call(lambda: self.simulator.read(n))
 
+    def index_counts(self) -> NDArray[np.int64]:
+        """The counts at which the index was passed since the last call."""
+        passes = self.simulator.index_counts()
+        return passes if self.simulator.settings.wires.index else passes[:0]
+
     def queue(self, volts: Array) -> None:
         """Append to the command."""
         _call(lambda: self.simulator.queue(volts))

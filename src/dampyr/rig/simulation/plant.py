@@ -11,6 +11,9 @@ would give. The table follows the screw with its backlash (a play operator), has
 The coil is :math:`L \dot i = u - R(T) i`; the specimen's input is the current, or the voltage R i that would
 drive it when cool. The specimen takes up the work done on it and :math:`i^2 R`, and cools to the room.
 
+At the ends of its stroke the damper has stops, stiff springs. End switches and the emergency stop, where they are wired,
+open the Uno's inputs; the latter cuts the bridge's supply and the coil's by itself.
+
 The play operator as in Krasnosel'skii and Pokrovskii (1989), Systems with Hysteresis; the numbers in `dampyr.rig.settings`.
 """
 
@@ -22,6 +25,7 @@ from typing import Any, NamedTuple
 from dampyr.rig.firmware import control_core
 
 R_DUTY, R_STATE, R_FAULTS = control_core.R_DUTY, control_core.R_STATE, control_core.R_FAULTS
+LOW_END, HIGH_END, PRESSED = control_core.LOW_END, control_core.HIGH_END, control_core.PRESSED
 BRAKING = 0.4  # lag of the shorted motor over that of the driven one: no supply and leads in its circuit
 STATIC_SHARE = 0.3  # of the static force that slows the motor: in the records the two directions differ by so little
 COPPER = 0.0039  # 1/K, temperature coefficient of copper's resistance
@@ -33,11 +37,16 @@ COPPER_AT = 20.0  # degC at which the coil has its resistance
     Y_REST, Y_WORK, Y_RUBBED, Y_TAKEN, Y_HEATED, Y_COOLED,
 ) = range(17)  # fmt: skip
 PLANT = Y_COOLED + 1
-# counters: steps made; counts of the Uno and of the board less those of the encoder; the last count; the index; samples
-N_STEP, N_UNO, N_NI, N_SHOWN, N_PASSED, N_TAKEN, N_HELD = range(7)
-NUMBERS = N_HELD + 1
+# counters: steps made; counts of the Uno and of the board less those of the encoder; the last count; the index; samples;
+# whether the specimen's laws are held; how often the board saw the index
+N_STEP, N_UNO, N_NI, N_SHOWN, N_PASSED, N_TAKEN, N_HELD, N_LATCHED = range(8)
+N_LATCH = 8  # the board's counts at the last passes of the index, the k-th at k % LATCHES
+LATCHES = 64
+NUMBERS = N_LATCH + LATCHES
 # active faults
-Z_STALLED, Z_UNO, Z_NI, Z_GLITCH = range(4)
+Z_STALLED, Z_UNO, Z_NI, Z_GLITCH, Z_SWAPPED, Z_PRESSED = range(6)
+FLAGS = Z_PRESSED + 1
+STOP_STIFFNESS = 1e7  # N/m of the stops at the ends of the damper's stroke: steel on steel
 TRUTH = (
     "time", "position", "speed", "force", "voltage", "current", "temperature", "enable", "state", "faults", "duty", "held",
 )  # fmt: skip
@@ -71,6 +80,10 @@ class Constants(NamedTuple):
     pulse: float
     mark: int
     bandwidth: float
+    end: float
+    switch: float
+    ends_wired: bool
+    emergency_wired: bool
 
 
 def _unbound(*_: Any) -> Any:
@@ -94,14 +107,15 @@ def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, 
     while n[N_STEP] < until:
         before = y[Y_MOTOR]
         drive_motor(m, y, z, r)
-        update_coil(m, y, r)
+        update_coil(m, y, z, r)
         cell = y[Y_CELL]
         x = move_table(m, y, n, s, p, table, static, past, before)
         n[N_STEP] += 1
         update_counts(m, y, n, z, x)
         take_samples(m, y, n, x, cell, start, period, forces, counts)
         if n[N_STEP] % m.per_tick == 0:
-            tick(r, n[N_SHOWN] + n[N_UNO], n[N_PASSED] != 0, m.mark + n[N_UNO], z[Z_GLITCH] != 0)
+            inputs = open_inputs(m, y, z)
+            tick(r, n[N_SHOWN] + n[N_UNO], n[N_PASSED] != 0, m.mark + n[N_UNO], z[Z_GLITCH] != 0, inputs)
             n[N_PASSED] = 0
             write_truth(m, y, n, r, truth[rows])
             rows += 1
@@ -110,7 +124,8 @@ def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, 
 
 def drive_motor(m, y, z, r):
     """The motor's speed after a step."""
-    duty, v, load = r[R_DUTY] / 255.0, y[Y_MOTOR], y[Y_FORCE] - (1.0 - STATIC_SHARE) * y[Y_REST]
+    duty = 0.0 if emergency(m, z) else r[R_DUTY] / 255.0
+    v, load = y[Y_MOTOR], y[Y_FORCE] - (1.0 - STATIC_SHARE) * y[Y_REST]
     if y[Y_V] != 0.0:
         load += m.friction if y[Y_V] > 0.0 else -m.friction
     size = max(0.0, abs(duty) - m.dead_band) / (1.0 - m.dead_band)
@@ -127,9 +142,26 @@ def drive_motor(m, y, z, r):
     y[Y_MOTOR] = v
 
 
-def update_coil(m, y, r):
+def emergency(m, z):
+    """Whether the emergency stop is wired and pressed: its own contacts cut the bridge's supply and the coil's."""
+    return m.emergency_wired and z[Z_PRESSED] != 0.0
+
+
+def open_inputs(m, y, z):
+    """Which inputs of the Uno are open: a switch that is pressed, and those that are not wired."""
+    inputs = 0
+    if not m.ends_wired or y[Y_X] <= -m.switch:
+        inputs |= LOW_END
+    if not m.ends_wired or y[Y_X] >= m.switch:
+        inputs |= HIGH_END
+    if not m.emergency_wired or z[Z_PRESSED] != 0.0:
+        inputs |= PRESSED
+    return inputs
+
+
+def update_coil(m, y, z, r):
     """The coil's current after a step at its voltage, and the heat in it."""
-    enabled = control_enabled(r[R_STATE]) or not m.cut
+    enabled = (control_enabled(r[R_STATE]) or not m.cut) and not emergency(m, z)
     y[Y_COIL] = m.gain * y[Y_COMMAND] if enabled else 0.0
     R = m.resistance * (1.0 + COPPER * (y[Y_TEMPERATURE] - COPPER_AT))
     end = y[Y_COIL] / R
@@ -160,6 +192,7 @@ def move_table(m, y, n, s, p, table, static, past, before):
     advance(0, s, x0, x1, v0, v1, m.dt, p)
     f1 = force(0, s, x1, v1, (v1 - v0) / m.dt, p)
     f1 = rest + (f1 - rest) * max(0.0, 1.0 - m.softening * (y[Y_TEMPERATURE] - m.ambient_temperature))
+    f1 += STOP_STIFFNESS * (max(0.0, x1 - m.end) + min(0.0, x1 + m.end))
     y[Y_X], y[Y_V], y[Y_FORCE] = x1, v1, delay_force(m, n, p, past, f1)
     y[Y_REST] = rest
     update_energy(m, y, x1 - x0, f0, rest)
@@ -206,12 +239,15 @@ def update_counts(m, y, n, z, x0):
     """The encoder's count after a step, for both counters; a stuck one misses the counts of its time."""
     shown = floor(y[Y_X] / m.pulse)
     change = shown - n[N_SHOWN]
-    if z[Z_UNO] != 0.0:
-        n[N_UNO] -= change
-    elif min(shown, n[N_SHOWN]) < m.mark <= max(shown, n[N_SHOWN]):
+    passed = min(shown, n[N_SHOWN]) < m.mark <= max(shown, n[N_SHOWN])
+    missed = 2 * change if z[Z_SWAPPED] != 0.0 else 0
+    n[N_UNO] -= change if z[Z_UNO] != 0.0 else missed
+    n[N_NI] -= change if z[Z_NI] != 0.0 else missed
+    if passed and z[Z_UNO] == 0.0:
         n[N_PASSED] = 1
-    if z[Z_NI] != 0.0:
-        n[N_NI] -= change
+    if passed and z[Z_NI] == 0.0:
+        n[N_LATCH + n[N_LATCHED] % LATCHES] = m.mark + n[N_NI]
+        n[N_LATCHED] += 1
     n[N_SHOWN] = shown
 
 

@@ -91,6 +91,7 @@ class Simulator:
         self.twin = Twin(self._on_heartbeat)
         self.truth_log = TruthLog(on_event)
         self._task: Task | None = None
+        self._index_taken = 0
         self.timed: TimedCommand | None = None
         self._commanded = 0.0
         self._wander = settings.load_cell.wander * float(self.wander_rng.standard_normal())
@@ -108,7 +109,7 @@ class Simulator:
         self.plant, self.counters, self.fault_flags = (
             np.zeros(plant.PLANT),
             np.zeros(plant.NUMBERS, np.int64),
-            np.zeros(4),
+            np.zeros(plant.FLAGS),
         )
         self.plant[[plant.Y_SCREW, plant.Y_X]] = position
         self.plant[plant.Y_TEMPERATURE] = m.ambient_temperature
@@ -150,7 +151,7 @@ class Simulator:
         if not 0.0 < rate <= 250000.0:
             raise InputError(f"rate = {rate:g} Hz is not allowed; it must be greater than 0 and at most 250000")
         self.counters[plant.N_NI] = -self.counters[plant.N_SHOWN]
-        self._task = Task(self.time, 1.0 / rate)
+        self._task, self._index_taken = Task(self.time, 1.0 / rate), int(self.counters[plant.N_LATCHED])
 
     def stop(self) -> None:
         """Stop the sampled task, if one runs; samples not read are lost."""
@@ -181,7 +182,7 @@ class Simulator:
         """Volts (channels,) and the count of now, without a clock and without moving it; BoardError as for `read`."""
         self._apply_faults()
         self._apply_board_faults(Task(self.time, 1.0))
-        cell_faults = self._active_fault("broken-cell"), self._active_fault("drifting-cell")
+        cell_faults = self._cell_faults()
         volts = self._volts(Task(self.time, 0.0), self.plant[[plant.Y_CELL]], *cell_faults)
         return volts[:, 0], int(self.counters[plant.N_SHOWN] + self.counters[plant.N_NI])
 
@@ -194,6 +195,13 @@ class Simulator:
         late = self._active_fault("late-samples")
         if late is not None:
             self.delay_read(late.size)
+
+    def index_counts(self) -> NDArray[np.int64]:
+        """The board's counts at the passes of the encoder's index since the last call, at most `plant.LATCHES` of them."""
+        last = int(self.counters[plant.N_LATCHED])
+        first = max(self._index_taken, last - plant.LATCHES)
+        self._index_taken = last
+        return self.counters[plant.N_LATCH + np.arange(first, last) % plant.LATCHES].copy()
 
     @property
     def waiting(self) -> int:
@@ -262,7 +270,7 @@ class Simulator:
         forces, counts = np.empty(wanted), np.empty(wanted, np.int64)
         rows = np.empty(((until // self.constants.per_tick) - (here // self.constants.per_tick), len(plant.TRUTH)))
         self.counters[plant.N_TAKEN] = 0
-        cell_faults = self._active_fault("broken-cell"), self._active_fault("drifting-cell")
+        cell_faults = self._cell_faults()
         given = (self.states, self.parameters, self.table, self.static, self.past, self.twin.registers)
         self._kernel(
             until,
@@ -293,13 +301,26 @@ class Simulator:
         task.volts = volts if task.volts is None else np.concatenate((task.volts, volts), axis=1)
         task.counts = counts if task.counts is None else np.concatenate((task.counts, counts))
 
-    def _volts(self, task: Task, forces: Array, broken: FaultSpec | None, drifting: FaultSpec | None) -> Array:
+    def _cell_faults(self) -> tuple[FaultSpec | None, ...]:
+        """The active faults of the load cell, as `_volts` takes them."""
+        return tuple(map(self._active_fault, ("broken-cell", "drifting-cell", "inverted-cell")))
+
+    def _volts(
+        self,
+        task: Task,
+        forces: Array,
+        broken: FaultSpec | None,
+        drifting: FaultSpec | None,
+        inverted: FaultSpec | None,
+    ) -> Array:
         """The analogue inputs (channels, n) of samples with the filtered forces given."""
         noisy = forces + self.settings.load_cell.noise * self.noise_rng.standard_normal(forces.size)
         noisy += self._wander_samples(forces.size, task.period)
         if drifting is not None:
             time = task.start + (task.taken + 1 + np.arange(forces.size)) * task.period
             noisy += drifting.size * (time - drifting.at)
+        if inverted is not None:
+            noisy = -noisy
         volts = volts_of_force(self.settings, noisy)
         if broken is not None:
             volts = np.full_like(volts, broken.size)
@@ -347,6 +368,8 @@ class Simulator:
         self.fault_flags[plant.Z_UNO] = self._active_fault("stuck-encoder", "stuck-encoder-uno") is not None
         self.fault_flags[plant.Z_NI] = self._active_fault("stuck-encoder", "stuck-encoder-board") is not None
         self.fault_flags[plant.Z_GLITCH] = self._active_fault("glitching-encoder") is not None
+        self.fault_flags[plant.Z_SWAPPED] = self._active_fault("swapped-encoder") is not None
+        self.fault_flags[plant.Z_PRESSED] = self._active_fault("emergency-stop") is not None
         for fault in self.faults:
             if fault not in self._started_faults and fault.at <= self.time + 1e-9:
                 self._started_faults.add(fault)
@@ -355,6 +378,8 @@ class Simulator:
                     self.plant[plant.Y_TEMPERATURE] += fault.size
                 if fault.kind == "restarted-uno":
                     self.twin.restart()
+                if fault.kind == "slipped-encoder":
+                    self.counters[[plant.N_UNO, plant.N_NI]] += round(fault.size / self.constants.pulse)
 
     def _transmit(self, data: bytes) -> bytes:
         """The bytes that arrive at the other end of the serial wire."""

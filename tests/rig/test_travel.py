@@ -1,0 +1,333 @@
+"""Travel has ends, homed or not, from wherever the table stands; and the encoder's index is looked at again and again."""
+
+# ruff: noqa: PT012, PT017, SIM117 - a fault may end a motion in any of its blocks
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dampyr.errors import RigFault
+from dampyr.rig import Drive, Reversals, Rig, RigSettings, Table
+from dampyr.rig.diagnosis import diagnose
+from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.settings_file import write_settings
+from dampyr.rig.simulation.in_process import InProcessBoard
+from dampyr.rig.simulation.simulator import Simulator, parse_faults
+
+STOP = 0.037  # m: the damper's
+CONTACT = 1.5e-4  # m that its stop gives under the 800 N of a slow motor
+PLACES = [-0.0369, -0.036, -0.030, -0.020, -0.005, 0.0, 0.003, 0.018, 0.019, 0.020, 0.025, 0.036, 0.0369]
+
+
+def settings(switches: bool = False, stop: bool = False, **more: object) -> RigSettings:
+    base = RigSettings()
+    return replace(base, wires=replace(base.wires, end_switches=switches, emergency_stop=stop, **more))
+
+
+def standing_at(position: float, *faults: str, rig: RigSettings | None = None) -> tuple[Rig, Simulator]:
+    simulator = Simulator(rig or RigSettings(), faults=parse_faults(faults), position=position)
+    return host(simulator), simulator
+
+
+def host(simulator: Simulator) -> Rig:
+    return Rig(simulator.settings, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False)
+
+
+def begin_fault(simulator: Simulator, text: str) -> None:
+    simulator.faults = (*simulator.faults, *parse_faults([text.replace("@now", f"@{simulator.time + 0.001:.3f}s")]))
+
+
+def check_within(simulator: Simulator, switches: bool = False, speed: float = 0.005) -> None:
+    """The table has never been farther than its ends, never fast, and never pushed hard."""
+    truth = simulator.truth
+    begin = np.abs(truth.position[0])
+    assert np.abs(truth.position).max() <= max(begin, 0.03675 + 6e-5 if switches else STOP + CONTACT)
+    assert np.abs(truth.speed).max() <= speed
+    assert np.abs(truth.force).max() <= 1000.0
+
+
+@pytest.mark.parametrize("switches", [False, True])
+@pytest.mark.parametrize("position", PLACES)
+def test_homing_from_anywhere_stays_within_the_stroke(position: float, switches: bool) -> None:
+    rig, simulator = standing_at(position, rig=settings(switches))
+    with rig.armed() as table:
+        table.home()
+        assert table.position == pytest.approx(simulator.truth.position[-1], abs=1.1e-5)
+    check_within(simulator, switches)
+    with rig.armed() as table:
+        table.go(-0.010)
+        assert simulator.truth.position[-1] == pytest.approx(-0.010, abs=1e-4)
+
+
+@pytest.mark.parametrize("position", [-0.036, 0.0, 0.030])
+@pytest.mark.parametrize("way", [-1, 1])
+@pytest.mark.parametrize("switches", [False, True])
+def test_jogging_a_table_that_is_not_homed_ends_at_the_stroke(position: float, way: int, switches: bool) -> None:
+    rig, simulator = standing_at(position, rig=settings(switches))
+
+    def jog(table: Table) -> None:
+        for _ in range(100):
+            table.jog(way * 0.002, 0.5, wait=False)
+            table.rest(0.44)
+
+    with pytest.raises(RigFault) as raised, rig.armed() as table:
+        jog(table)
+    assert raised.value.ring == "firmware"
+    assert ("end switch" if switches else "nothing moved") in str(raised.value)
+    check_within(simulator, switches)
+    with rig.armed() as table:  # and back it goes
+        table.home()
+
+
+@pytest.mark.parametrize("stalled", [0.05, 0.1, 0.15, 0.19, 0.3, 0.45])
+@pytest.mark.parametrize("position", [-0.02, 0.03])
+def test_a_motor_that_comes_free_stays_slow(position: float, stalled: float) -> None:
+    rig, simulator = standing_at(position)
+    with rig.armed() as table:
+        table.jog(0.002, 0.5, wait=False)
+        table.rest(0.12)
+        begin_fault(simulator, f"stalled-motor@now for {stalled:g}s")
+        try:
+            for _ in range(4):
+                table.jog(0.002, 0.5, wait=False)
+                table.rest(0.4)
+        except RigFault as problem:
+            assert "nothing moved" in str(problem) or "too fast" in str(problem)
+    assert np.abs(simulator.truth.speed).max() <= 0.006
+
+
+@pytest.mark.parametrize("fault", ["stuck-encoder", "stuck-encoder-uno", "swapped-encoder"])
+@pytest.mark.parametrize("how", ["home", "jog"])
+@pytest.mark.parametrize("position", [-0.030, 0.0, 0.034])
+def test_an_encoder_that_is_dead_or_swapped_ends_a_slow_motion_within_millimetres(
+    position: float, how: str, fault: str
+) -> None:
+    rig, simulator = standing_at(position, f"{fault}@0s")
+
+    def move(table: Table) -> None:
+        if how == "home":
+            table.home()
+        for _ in range(5):
+            table.jog(0.002, 0.5, wait=False)
+            table.rest(0.4)
+
+    with pytest.raises(RigFault) as raised, rig.armed() as table:
+        move(table)
+    assert any(words in str(raised.value) for words in ("nothing moved", "swapped", "speed"))  # which the board sees
+    moved = np.abs(simulator.truth.position - position).max()
+    assert moved < (5e-4 if fault == "swapped-encoder" else 2.5e-3)
+    assert np.abs(simulator.truth.speed).max() < 0.017
+
+
+@pytest.mark.parametrize("here", [True, False])
+def test_a_swapped_encoder_of_a_table_that_was_homed_by_hand_ends_its_first_motion(here: bool) -> None:
+    rig, simulator = standing_at(0.004, "swapped-encoder@0s")
+    with pytest.raises(RigFault, match="swapped"), rig.armed() as table:
+        table.home(here=here)
+        table.go(0.010)
+    assert np.abs(simulator.truth.position - 0.004).max() < 1e-3
+
+
+@pytest.mark.parametrize("speed", [0.001, 0.01, 0.06])
+def test_a_dead_encoder_in_a_test_ends_it_within_its_stop(speed: float) -> None:
+    """Towards the end of the stroke, the worst place."""
+    rig, simulator = standing_at(0.0, rig=settings(switches=True))
+    with pytest.raises(RigFault), rig.armed() as table:
+        table.home()
+        table.go(0.030 if speed < 0.05 else 0.0)
+        begin, end = table.position, 0.036
+        n = round((end - begin) / speed / 0.01) + 1
+        path = np.linspace(begin, end, n)
+        for k, _ in enumerate(table.play(Drive(0.01, path, np.zeros(n)))):
+            if k == 8:
+                begin_fault(simulator, "stuck-encoder@now")
+    assert np.abs(simulator.truth.position).max() < STOP
+    assert not simulator.twin.enabled
+
+
+def test_at_full_speed_the_limit_is_a_braking_path_before_the_stop() -> None:
+    rig, simulator = standing_at(-0.010)
+    rest = np.zeros(500)
+    with pytest.raises(RigFault, match="the upper end of the stroke"), rig.armed() as table:
+        table.home()
+        table.go(-0.020)
+        for _ in table.play(Drive(0.01, rest, rest, reversals=Reversals(1.0, 3.0, 0.0, 1))):
+            pass
+    assert np.abs(simulator.truth.speed).max() > 0.06
+    assert simulator.truth.position.max() < STOP
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("out", [0.0002, 0.0004])
+def test_a_table_outside_of_its_limits_comes_back(side: int, out: float) -> None:
+    """Such as after braking from full speed at the end of the stroke."""
+    rig, simulator = standing_at(0.0)
+    with rig.armed() as table:
+        table.home()
+        table.go(side * 0.030)
+    travel = rig.settings.travel
+    simulator.plant[[0, 2]] += side * (travel - 0.030 + out)  # somebody turned the screw: both counters saw it
+    simulator.run_unattended(0.1)
+    with rig.armed() as table:
+        assert table.loop.status.outside
+        before = simulator.time
+        table.go(side * 0.020)
+        truth = simulator.truth
+        assert simulator.truth.position[-1] == pytest.approx(side * 0.020, abs=1e-4)
+    outside = np.abs(truth.position[truth.time > before]) > travel
+    assert np.abs(truth.speed[truth.time > before][outside]).max() <= 0.005
+    with rig.armed() as table:
+        assert not table.loop.status.outside
+
+
+def test_an_emergency_stop_ends_everything_and_is_said_by_name() -> None:
+    rig, simulator = standing_at(0.002, rig=settings(stop=True))
+    with pytest.raises(RigFault, match="the emergency stop was pressed"), rig.armed() as table:
+        table.home()
+        begin_fault(simulator, "emergency-stop@now for 3s")
+        table.go(0.010)
+    with pytest.raises(RigFault, match="the emergency stop is pressed, or its wire is broken; release it"), rig.armed():
+        pass
+    simulator.run_unattended(3.0)
+    with rig.armed() as table:
+        assert table.homed
+        table.go(-0.005)
+
+
+# the index
+
+
+def strokes(cycles: int = 3, amplitude: float = 0.010) -> Drive:
+    t = np.arange(round(cycles / 0.01) + 1) * 0.01
+    return Drive(0.01, amplitude * np.sin(2 * np.pi * t) * np.minimum(1, np.minimum(t, t[-1] - t)), np.zeros(t.size))
+
+
+@pytest.mark.parametrize("place", [-0.020, 0.004, 0.030])
+@pytest.mark.parametrize("counts", [3, 20, -3, -100])
+def test_a_slip_of_the_encoder_ends_the_test_at_the_next_pass(place: float, counts: int) -> None:
+    rig, simulator = standing_at(place)
+    with rig.armed() as table:
+        table.home()
+    with pytest.raises(RigFault, match="index was not where homing put it"), rig.armed() as table:
+        table.go(0.0)
+        for k, _ in enumerate(table.play(strokes())):
+            if k == 35:
+                begin_fault(simulator, f"slipped-encoder={counts * 5e-6:g}m@now")
+    with rig.armed() as table:
+        assert not table.homed
+        table.home()
+        assert table.position == pytest.approx(simulator.truth.position[-1], abs=1.1e-5)
+
+
+def test_two_counts_are_none() -> None:
+    rig, simulator = standing_at(0.010)
+    with rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        begin_fault(simulator, "slipped-encoder=10um@now")
+        for _ in table.play(strokes()):
+            pass
+        assert table.loop.status.index_shift == 2
+
+
+def test_the_board_sees_the_index_by_itself() -> None:
+    """The Uno is not asked: its fault is left out."""
+    from dampyr.rig.firmware import control_core as c
+
+    rig, simulator = standing_at(0.010)
+    with pytest.raises(RigFault, match="shift of the encoder's index 30 counts passed its limit of 2 counts") as raised:
+        with rig.armed() as table:
+            table.home()
+            table.go(0.0)
+            for k, _ in enumerate(table.play(strokes())):
+                simulator.twin.registers[c.R_INDEX_SET] = 0
+                if k == 60:
+                    begin_fault(simulator, "slipped-encoder=150um@now")
+    assert raised.value.ring == "interlock"
+
+
+def test_a_mark_has_two_edges_and_no_third() -> None:
+    from tests.rig.test_uno import block
+
+    from dampyr.rig.interlock import Interlock
+
+    guard = Interlock(RigSettings(), index={0: 400})
+    for place, shift in ((402, 0), (398, 0), (404, 2), (396, 2), (399, 1), (407, 7), (300, 100)):
+        samples = replace(block(RigSettings(), np.zeros(40), 0.0, 0.0), index=np.array([place]))
+        assert guard._index_shift(samples) == shift, place
+
+
+def test_counts_that_are_lost_after_the_last_pass_are_seen_before_the_test_is_complete() -> None:
+    rig, simulator = standing_at(-0.010)
+    with rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        for k, _ in enumerate(table.play(strokes())):
+            if k == 70:  # in the last quarter
+                begin_fault(simulator, "slipped-encoder=0.2mm@now")
+        with pytest.raises(RigFault, match="index"):
+            table.verify_index()
+
+
+@pytest.mark.parametrize("place", [-0.030, 0.0, 0.00195, 0.002, 0.00205, 0.025])
+def test_verifying_the_index_passes_it_from_wherever_the_table_stands(place: float) -> None:
+    rig, _ = standing_at(0.001)
+    with rig.armed() as table:
+        table.home()
+        table.go(place)
+        before = table.loop.status.index_passes
+        table.verify_index()
+        assert table.loop.status.index_passes > before
+
+
+@pytest.mark.parametrize("which", ["board", "uno"])
+@pytest.mark.parametrize("ms", [20, 40, 100])
+def test_board_and_uno_are_compared_at_each_rest(which: str, ms: int) -> None:
+    """Less than the 1 mm by which they may differ in motion, more than 2 counts."""
+    rig, simulator = standing_at(0.015)
+    with pytest.raises(RigFault, match=r"at rest|distance of the board's") as raised, rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        for k, _ in enumerate(table.play(strokes(amplitude=0.001))):
+            if k == 39:  # the table passes its middle at 6 mm/s
+                begin_fault(simulator, f"stuck-encoder-{which}@now for {ms}ms")
+    assert raised.value.ring == "interlock"
+
+
+def test_a_rig_over_the_wires_latches_the_index() -> None:
+    from dampyr.rig import simulated
+
+    with simulated(faults=["slipped-encoder=0.1mm@8s"]) as rig, rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        seen = []
+        with pytest.raises(RigFault, match="index"):
+            for _ in range(4):
+                for block, _ in table.play(strokes()):
+                    seen += block.index.tolist()
+    assert seen[:3] == [400, 400, 400]
+
+
+# what doctor says
+
+
+def test_a_rig_without_switches_is_told_so(tmp_path) -> None:
+    for wired in (False, True):
+        path = write_settings(settings(wired, wired, index="ctr1/PFI9" if wired else ""), tmp_path / "rig.toml")
+        repairs = {each.what: each.repair for each in diagnose(path, in_process=True)}
+        for what in ("end switches", "emergency stop", "encoder's index"):
+            assert (repairs[what] is None) == wired
+    assert "end switches now" not in repairs
+
+
+def test_old_rig_files_have_no_switches(tmp_path) -> None:
+    (tmp_path / "rig.toml").write_text('name = "old"\n[limits]\nstroke = 0.074\n')
+    from dampyr.rig import load_settings
+
+    old = load_settings(tmp_path / "rig.toml")
+    assert not old.wires.end_switches
+    assert old.travel == pytest.approx(0.0365)

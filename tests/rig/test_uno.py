@@ -1,0 +1,261 @@
+"""The first words with an Uno: its boot loader after the port is opened; an Uno armed, restarted, of another version."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+from dampyr.errors import DampyrWarning, RigFault
+from dampyr.rig import Rig, RigSettings
+from dampyr.rig.firmware.protocol import VERSION, Fault, Frame, Reply, Request, State, Status, encode
+from dampyr.rig.firmware.twin import Twin
+from dampyr.rig.instruments import wire as wires
+from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.instruments.wire import InProcess, Serial
+from dampyr.rig.interlock import Interlock, Samples
+from dampyr.rig.simulation.in_process import InProcessBoard
+from dampyr.rig.simulation.simulator import Simulator, parse_faults
+
+
+class Booting:
+    """A serial port in simulated time: ``boot`` s of a boot loader after opening, then the firmware.
+
+    A boot loader swallows what it gets, answers it with its own bytes, or is held by it: each byte keeps it ``hold`` s longer.
+    """
+
+    boot, answer = Serial.boot, Serial.answer
+
+    def __init__(self, boots: float, chatter: bytes = b"", hold: float = 0.0, stale: bytes = b"") -> None:
+        self.now, self.ready, self.chatter, self.hold = 100.0, 100.0 + boots, chatter, hold
+        self.twin, self.input, self.early = Twin(), stale, 0
+
+    def clock(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+    def discard(self) -> None:
+        self.input = b""
+
+    def send(self, data: bytes) -> None:
+        if self.now < self.ready:
+            self.early += 1
+            self.input += self.chatter
+            self.ready = max(self.ready, self.now + self.hold)
+        else:
+            self.input += self.twin.receive(data)
+
+    def receive(self) -> bytes:
+        self.now += 0.02
+        data, self.input = self.input, b""
+        return data
+
+    def close(self) -> None:
+        pass
+
+
+def uno_of(port: Booting) -> Uno:
+    return Uno(port, clock=port.clock, sleep=port.sleep)
+
+
+@pytest.mark.parametrize("boots", [0.0, 0.5, 1.6, 2.0, 2.6, 5.0])
+@pytest.mark.parametrize("chatter", [b"", b"\x14\x10", b"\x00\xff\x03"])
+def test_an_uno_is_met_after_its_boot_loader(boots: float, chatter: bytes) -> None:
+    port = Booting(boots, chatter, stale=encode(Frame(Reply.ACK, 7, (1, 1))) + b"\x05half")
+    assert uno_of(port).hello().version == VERSION
+    assert port.now - 100.0 < max(boots, Serial.boot) + 0.3
+    if boots <= 2.0:
+        assert port.early == 0  # what comes during the boot may be taken for a program
+
+
+def test_a_boot_loader_that_traffic_would_hold_is_left_in_peace() -> None:
+    port = Booting(2.0, b"\x15", hold=2.0)
+    assert uno_of(port).hello().version == VERSION
+
+
+def test_a_dead_uno_is_given_up_after_three_seconds_of_asking() -> None:
+    port = Booting(1e9)
+    with pytest.raises(
+        RigFault, match=r"does not answer HELLO, asked \d+ times in 6\.\d s; check its cable, its power"
+    ):
+        uno_of(port).hello()
+    assert port.now - 100.0 >= Serial.boot + 3.0
+    assert port.early <= 20  # sensible spacing
+
+
+def test_only_the_first_hello_waits() -> None:
+    port = Booting(0.5)
+    uno = uno_of(port)
+    uno.hello()
+    before = port.now
+    uno.hello()
+    assert port.now - before < 0.1
+
+
+def test_nothing_is_waited_for_where_no_port_is_opened() -> None:
+    simulator = Simulator(RigSettings())
+    slept: list[float] = []
+    Uno(InProcess(simulator.serial), sleep=slept.append).hello()
+    silent, start = Uno(InProcess(lambda _: b""), sleep=slept.append), time.monotonic()
+    with pytest.raises(RigFault, match="asked 4 times"):
+        silent.hello()
+    assert time.monotonic() - start < 1.0
+    assert slept == []
+    assert wires.Tcp.boot == 0.0
+
+
+@contextmanager
+def arduino(boots: float) -> Iterator[str]:
+    """A pseudo-terminal with an Uno at its end, just reset: a boot loader that answers rubbish, then the firmware."""
+    import pty
+    import select
+    import tty
+
+    near, far = pty.openpty()
+    tty.setraw(near)
+    over, twin, ready = threading.Event(), Twin(), time.monotonic() + boots
+
+    def run() -> None:
+        os.write(near, b"\x00\x14boot")
+        while not over.is_set():
+            if not select.select([near], [], [], 0.02)[0]:
+                continue
+            data = os.read(near, 256)
+            os.write(near, b"\x15\x00" if time.monotonic() < ready else twin.receive(data))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield os.ttyname(far)
+    finally:
+        over.set()
+        thread.join()
+        os.close(near)
+        os.close(far)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals")
+@pytest.mark.parametrize("boots", [1.6, *(pytest.param(each, marks=pytest.mark.prove) for each in (0.5, 2.0, 3.0))])
+def test_a_serial_port_whose_uno_boots(boots: float) -> None:
+    with arduino(boots) as port:
+        uno = Uno(Serial(port, 250000))
+        hello = uno.hello()
+        status = uno.heartbeat()
+        uno.close()
+    assert hello.version == VERSION
+    assert (status.state, status.faults) == (State.FAULT, Fault.RESTARTED)
+
+
+# an Uno that is not as a new host expects it
+
+
+def host(simulator: Simulator) -> Rig:
+    return Rig(simulator.settings, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False)
+
+
+def left_armed(simulator: Simulator) -> None:
+    rig = host(simulator)
+    rig.uno.hello()
+    rig.uno.clear()
+    rig.uno.configure(rig.settings)
+    rig.uno.heartbeat()
+    rig.uno.arm()
+
+
+def test_an_uno_that_was_left_armed_is_said_by_name_and_taken_over() -> None:
+    simulator = Simulator(RigSettings(), position=0.004)
+    left_armed(simulator)
+    rig = host(simulator)
+    with pytest.warns(DampyrWarning, match="left in state ARMED by another host"), rig.armed() as table:
+        table.home()
+    with rig.armed() as table:
+        assert table.homed
+
+
+def test_an_uno_that_had_stopped_is_said_by_name_and_taken_over() -> None:
+    simulator = Simulator(RigSettings(), position=-0.003)
+    left_armed(simulator)
+    simulator.run_unattended(0.5)
+    words = "stopped by itself before this host came: the host was silent for too long"
+    with pytest.warns(DampyrWarning, match=words), host(simulator).armed() as table:
+        table.home()
+
+
+def test_an_uno_that_restarts_is_said_by_name() -> None:
+    simulator = Simulator(RigSettings())
+    rig = host(simulator)
+    with rig.armed() as table:
+        table.home()
+        simulator.faults = parse_faults([f"restarted-uno@{simulator.time + 0.5:.3f}s"])
+        with pytest.raises(RigFault, match=r"started anew while it was in use.*home the table again") as raised:
+            table.rest(2.0)
+    assert raised.value.ring == "firmware"
+    with rig.armed() as table:
+        assert not table.homed
+        table.home()
+
+
+def test_firmware_of_another_version_is_said_by_name() -> None:
+    def other(_: bytes) -> bytes:
+        return b"".join(encode(Frame(Reply.HELLO, number, (VERSION + 1, 0x0300, 1000, 64))) for number in range(256))
+
+    with pytest.raises(RigFault, match=rf"version {VERSION + 1} of the protocol and this dampyr {VERSION}; flash it"):
+        Uno(InProcess(other)).hello()
+    assert Request.HELLO == 1  # of every version: HELLO is how the two find out
+
+
+# a cause before its consequences
+
+
+def block(settings: RigSettings, x: np.ndarray, position: float, speed: float) -> Samples:
+    count, n = settings.encoder.count, x.size
+    status = Status(
+        0, State.FOLLOWING, Fault(0), round(position / count), round(speed / count), 0, True, True, True, 0, 0, 0
+    )
+    zero, counts = np.zeros(n), np.round(x / count).astype(np.int64)
+    return Samples(0, np.arange(n) * 1e-3, x, zero, None, np.zeros((1, n)), counts, zero, status)
+
+
+@pytest.mark.parametrize(("waiting", "words"), [(0.06, None), (0.17, "age of the samples")])
+def test_a_late_host_does_not_blame_the_encoder(waiting: float, words: str | None) -> None:
+    """At 60 mm/s the table has moved on by the time at which the Uno is asked."""
+    settings = RigSettings()
+    x = 0.060 * np.arange(40) * 1e-3
+    trip = Interlock(settings).judge(block(settings, x, x[-1] + 0.060 * (waiting + 0.02), 0.060), waiting)
+    assert (trip and trip.what) == words
+
+
+def test_positions_that_differ_are_still_seen() -> None:
+    settings = RigSettings()
+    trip = Interlock(settings).judge(block(settings, np.zeros(40), 0.0011, 0.0))
+    assert trip is not None
+    assert trip.what == "distance of the board's and the Uno's position"
+
+
+def test_a_stop_of_the_uno_comes_before_what_follows_from_it() -> None:
+    """The host was away: the watchdog's stop is the cause, the distance between two readings its consequence."""
+    simulator = Simulator(RigSettings())
+    rig = host(simulator)
+    with rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        rig.uno.jog(8000, 500)
+        next(table.loop.blocks())
+        ask = rig.uno.heartbeat
+
+        def late() -> Status:
+            simulator.run_unattended(0.3)
+            return ask()
+
+        rig.uno.heartbeat = late  # type: ignore[method-assign]
+        with pytest.raises(RigFault, match="the host was silent for too long"):
+            next(table.loop.blocks())
+        rig.uno.heartbeat = ask  # type: ignore[method-assign]
