@@ -8,7 +8,7 @@ from dampyr.cli import _progress
 def test_a_log_hears_of_each_stage_and_of_long_ones_again(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    clock = iter((100.0, 100.0, 110.0, 125.0, 130.0, 150.0, 150.0))
+    clock = iter((100.0, 100.0, 110.0, 125.0, 128.0, 150.0, 150.0))
     monkeypatch.setattr(_progress.time, "monotonic", lambda: next(clock))
     monkeypatch.setattr(_progress.sys.stderr, "isatty", lambda: False, raising=False)
     with _progress.stages() as progress:

@@ -72,7 +72,7 @@ def test_the_coil_is_cut_before_the_uno_is_asked(how: str, monkeypatch: pytest.M
     assert simulator.command == 0.0
 
 
-@pytest.mark.parametrize("at", ["cut", "_stop", "_settle", "end"])
+@pytest.mark.parametrize("at", ["cut", "_stop", "settle", "end"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_second_interrupt_does_not_cut_the_way_out_short(at: str, number: int) -> None:
     rig, simulator = made(WITHOUT_ENABLE)

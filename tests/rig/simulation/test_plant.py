@@ -15,7 +15,7 @@ from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.specimen import original_specimen
 
 NOTHING = Damper("spring", {"spring.k0": 0.0})
-WIDE = (-30000, 30000, 40000, 150, 255, 1000)
+WIDE = (-30000, 30000, 40000, 150, 255, 1000, 0)
 
 
 def settings(**parts: dict[str, float]) -> RigSettings:
