@@ -232,9 +232,14 @@ class Table(Representation):
     def begin(self) -> None:
         """Start sampling and arm; the board and the Uno are aligned where the table rests."""
         self.loop.begin()
-        with self.loop.lock:
-            self.rig.uno.heartbeat()
-            self.rig.uno.arm()
+        try:
+            with self.loop.lock:
+                self.rig.uno.heartbeat()
+                self.rig.uno.arm()
+        except RigFault:
+            if self.loop.stopped:  # what stopped it meanwhile is why it cannot be armed
+                raise self.loop.stopped from None
+            raise
         for samples in self._for(SETTLED):  # without the lock: the thread that reads needs it for a block
             if samples.status.speed == 0:
                 break
