@@ -6,6 +6,8 @@ With ``CI`` set, a skip for any other reason fails the run: a proof that silentl
 """
 
 import os
+import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -29,6 +31,20 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="long campaigns in full length and the bench in real time, on a machine with nothing else to do; "
         "writes docs/reference/endurance.md",
     )
+
+
+@pytest.fixture
+def terminal_signals() -> Iterator[None]:
+    """SIGINT and SIGHUP as a command in a terminal has them: a run behind nohup, or in the background, ignores them."""
+    usual = {"SIGINT": signal.default_int_handler, "SIGHUP": signal.SIG_DFL}
+    before = {
+        getattr(signal, name): signal.signal(getattr(signal, name), handler)
+        for name, handler in usual.items()
+        if hasattr(signal, name)
+    }
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 @pytest.fixture

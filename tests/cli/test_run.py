@@ -323,6 +323,7 @@ def test_exit_codes_of_a_rig_that_fails(tmp_path: Path, fault: str, code: int, w
     assert words in stderr
 
 
+@pytest.mark.usefixtures("terminal_signals")
 @pytest.mark.parametrize(("how", "code"), [
     ("stop", 130), ("abort", 130), (signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (OSError(28, "full"), 4),
 ])  # fmt: skip

@@ -15,6 +15,8 @@ from dampyr.rig import Drive, Rig, RigSettings, Table, simulated
 from dampyr.rig.signal_deferral import deferred_signals
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 
+pytestmark = pytest.mark.usefixtures("terminal_signals")
+
 WITHOUT_ENABLE = replace(RigSettings(), supply=replace(RigSettings().supply, enable_line=False))
 
 
