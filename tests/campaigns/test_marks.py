@@ -1,5 +1,6 @@
 """Faults of the measurement that a test shows by itself: told of a bad one, and not of a good one."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -55,7 +56,8 @@ def with_volts(measured: Measured, volts: np.ndarray) -> Measured:
 
 
 def test_a_good_test_has_no_mark() -> None:
-    assert marks_of(sine()) == []
+    good = sine()
+    assert marks_of(lambda _: good, good.time.size) == []
 
 
 @pytest.mark.parametrize("volts", [5.0, 1.0, 0.0])
@@ -115,7 +117,27 @@ def test_a_force_at_the_rail_is_marked() -> None:
 
 def test_a_test_without_samples_has_no_marks() -> None:
     empty = np.empty(0)
-    assert marks_of(Measured(empty, empty, empty, empty, 0.0, RIG)) == []
+    assert marks_of(lambda _: Measured(empty, empty, empty, empty, 0.0, RIG), 0) == []
+
+
+def test_a_long_test_is_looked_at_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A force that stands is one of a piece, and a drift one of the whole, of which every k-th sample is looked at."""
+    monkeypatch.setattr(sys.modules["dampyr.campaigns.marks"], "PIECE", 2500)
+    drifting = sine(drift=20.0)
+    volts = drifting.volts.copy()
+    volts[8000:9000] = volts[8000]
+    spoiled, read = with_volts(drifting, volts), []
+
+    def some(rows: slice) -> Measured:
+        read.append(rows)
+        names = ("time", "displacement", "force", "volts")
+        return Measured(*(getattr(spoiled, name)[rows] for name in names), 0.0, RIG)
+
+    flat, drift = marks_of(some, spoiled.time.size)
+    assert flat.spoils
+    assert "the force stands at" in flat.text
+    assert "the force's zero drifts" in drift.text
+    assert all(len(range(*rows.indices(spoiled.time.size))) <= 2500 for rows in read)
 
 
 @pytest.fixture

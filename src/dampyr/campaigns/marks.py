@@ -1,7 +1,7 @@
 """Marks: faults of the measurement that a finished test shows by itself, each a sentence that its record keeps.
 
-A check is a function of what was measured that gives the marks it sees; `CHECKS` lists them. A mark that ``spoils`` its test
-ends the campaign, and the test is not complete: what was measured is not the damper.
+A check is a function of what was measured that gives the marks it sees; `CHECKS` and `CHECKS_OF_WHOLE` list them. A mark
+that ``spoils`` its test ends the campaign, and the test is not complete: what was measured is not the damper.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.rig.interlock import RAIL
 from dampyr.rig.settings import RigSettings
 
+PIECE = 2**17  # samples that are looked at at a time: two minutes at 1 kHz
 WINDOW = 0.02  # s in which a reading is looked at: 20 samples at 1 kHz, which the noise of a live cell leaves
 ABRUPT = 0.05  # s about a reversal or a change of the voltage, within which the force may leap
 FLAT = 2.0  # steps of the converter that a reading may stray and still stand: the noise of a live cell is several
@@ -56,11 +57,26 @@ class Measured:
 Check = Callable[[Measured], Iterator[Mark]]
 
 
-def marks_of(measured: Measured) -> list[Mark]:
-    """The marks of a test; none of one with too few samples for a record."""
-    if len(measured.time) < MIN_SAMPLES:
+def marks_of(read: Callable[[slice], Measured], rows: int) -> list[Mark]:
+    """The marks of a test, in which ``read`` gives some of its ``rows`` samples; none of one with too few for a record.
+
+    A long test is looked at in pieces, and the first mark of each check is given; as a whole it is looked at in every k-th
+    sample, so that a test of any length takes the same memory.
+    """
+    if rows < MIN_SAMPLES:
         return []
-    return [mark for check in CHECKS for mark in check(measured)]
+    marks: dict[Check, Mark] = {}
+    count = -(-rows // PIECE)
+    for k in range(count):
+        piece = read(slice(rows * k // count, rows * (k + 1) // count))
+        for check in CHECKS:
+            if check not in marks:
+                marks.update((check, mark) for mark in check(piece))
+    whole = read(slice(0, rows, count))
+    return [
+        *(marks[check] for check in CHECKS if check in marks),
+        *(m for check in CHECKS_OF_WHOLE for m in check(whole)),
+    ]
 
 
 def flat_force(measured: Measured) -> Iterator[Mark]:
@@ -194,5 +210,7 @@ def force_at_rail(measured: Measured) -> Iterator[Mark]:
         )
 
 
-CHECKS: tuple[Check, ...] = (flat_force, drifting_zero, force_at_rail)
-"""Every check, in the order in which their marks stand in a record."""
+CHECKS: tuple[Check, ...] = (flat_force, force_at_rail)
+"""The checks of every stretch of a test, in the order in which their marks stand in a record."""
+CHECKS_OF_WHOLE: tuple[Check, ...] = (drifting_zero,)
+"""The checks of a test as a whole, whose marks follow."""

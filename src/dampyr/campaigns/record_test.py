@@ -93,7 +93,7 @@ def ended(recording: Recording, table: Table, started: dict[str, str], marks: li
 
 def _finish(recording: Recording, rig: RigSettings, outcome: dict[str, str]) -> list[Mark]:
     """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks."""
-    marks = marks_of(measured(recording, rig))
+    marks = marks_of(lambda rows: measured(recording, rig, rows), recording.rows)
     texts = tuple(mark.text for mark in marks)
     if any(mark.spoils for mark in marks):
         recording.finish(outcome | reason(_spoiled(marks)), complete=False, marks=texts)
@@ -109,15 +109,15 @@ def _spoiled(marks: list[Mark]) -> RigFault:
     return RigFault(f"the test is spoiled: {'; '.join(mark.text for mark in marks if mark.spoils)}", "check")
 
 
-def measured(recording: Recording, rig: RigSettings) -> Measured:
+def measured(recording: Recording, rig: RigSettings, rows: slice) -> Measured:
     """What was measured, as `dampyr.campaigns.marks` looks at it."""
     voltage = recording.header.constants.get("voltage")
     return Measured(
-        recording.read("calibrated/time"),
-        recording.read("calibrated/displacement"),
-        recording.read("calibrated/force"),
-        recording.read("raw/force"),
-        recording.read("calibrated/voltage") if voltage is None else voltage,
+        recording.read("calibrated/time", rows),
+        recording.read("calibrated/displacement", rows),
+        recording.read("calibrated/force", rows),
+        recording.read("raw/force", rows),
+        recording.read("calibrated/voltage", rows) if voltage is None else voltage,
         rig,
     )
 

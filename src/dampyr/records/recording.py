@@ -29,6 +29,7 @@ from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.new_file import new_file, reserve
 from dampyr.records.record import CHANNELS, GROUPS, Array, Label, Record, Role
 
+ALL = slice(None)
 SYNC_EVERY = 1.0  # s
 STRUCTURE = 2**16  # bytes of a file besides samples and texts: 20 to 40 KiB were seen
 REFUSALS = {
@@ -120,10 +121,15 @@ class Recording:
         self.rows += n
         return self.rows
 
-    def read(self, name: str) -> Array:
-        """All acknowledged samples of a dataset, such as ``calibrated/force``, (rows,)."""
+    def read(self, name: str, rows: slice = ALL) -> Array:
+        """Acknowledged samples of a dataset, such as ``calibrated/force``, all (rows,) or some of them."""
+        begin, end, step = rows.indices(self.rows)
+        several = max(step, PIECE // step * step)  # samples that are in memory at a time
         with self._translate_errors("cannot be read"):
-            return self._data[name][:]
+            if step == 1:
+                return self._data[name][begin:end]
+            parts = [self._data[name][k : min(k + several, end)][::step] for k in range(begin, end, several)]
+        return np.concatenate(parts)
 
     def _sync(self) -> None:
         if time.monotonic() - self._synced >= SYNC_EVERY:
