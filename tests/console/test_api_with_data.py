@@ -144,8 +144,13 @@ def exercise(full_console, operation, examples):
 
     one()
     for job in full_console.client.get("/api/jobs", headers=HERE).json():
-        if job["state"] == "waiting":  # nobody serves the queue, and it is not long
-            full_console.client.post(f"/api/jobs/{job['id']}/cancel", headers=HERE)
+        if (
+            job["state"] == "waiting"
+        ):  # nobody serves the queue, and it is not long; nor are those that have ended, of which
+            full_console.client.post(
+                f"/api/jobs/{job['id']}/cancel", headers=HERE
+            )  # the oldest are the ones that are asked for
+            full_console.client.delete(f"/api/jobs/{job['id']}", headers=HERE)
     return statuses
 
 
