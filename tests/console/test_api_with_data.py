@@ -144,12 +144,9 @@ def exercise(full_console, operation, examples):
 
     one()
     for job in full_console.client.get("/api/jobs", headers=HERE).json():
-        if (
-            job["state"] == "waiting"
-        ):  # nobody serves the queue, and it is not long; nor are those that have ended, of which
-            full_console.client.post(
-                f"/api/jobs/{job['id']}/cancel", headers=HERE
-            )  # the oldest are the ones that are asked for
+        # nobody serves the queue, which is not long; of jobs that have ended the oldest are forgotten, and are asked for here
+        if job["state"] == "waiting":
+            full_console.client.post(f"/api/jobs/{job['id']}/cancel", headers=HERE)
             full_console.client.delete(f"/api/jobs/{job['id']}", headers=HERE)
     return statuses
 
