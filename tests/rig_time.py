@@ -19,13 +19,17 @@ from numpy.typing import NDArray
 
 from dampyr.console.rigs import rig_file
 from dampyr.rig import Rig, RigSettings, load_settings, simulated
+from dampyr.rig.acquisition import Acquisition
 from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.session import acquisition
 from dampyr.rig.simulation.in_process import InProcessBoard
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 from dampyr.rig.specimen import specimen_of
 
 STEP = 0.05  # s that pass between two looks at a condition
+BACKLOG = 10  # blocks that may wait for a host before time waits for it
+SLOWEST = 5.0  # s of the wall clock that it waits for one that takes none
 HANG = 120.0  # s of the wall clock after which what does not come is taken to hang
 
 
@@ -69,6 +73,7 @@ class SimulatedTime(RealTime):
         self._changed = threading.Condition()
         self._now, self._allowed, self._next = 0.0, 0.0, 0.0
         self._sampling = self._waits = False
+        self._loop: Acquisition | None = None
 
     def __call__(self) -> float:
         return self._now
@@ -82,7 +87,23 @@ class SimulatedTime(RealTime):
         """A rig in this process whose time is this one."""
         simulator = Simulator(settings, 0, parse_faults(self.faults), specimen_of(settings, folder))
         board = _Board(InProcessBoard(simulator), self)
-        return Rig(settings, Uno(InProcess(board.locked(simulator.serial))), board, folder=folder, clock=self)
+        uno = Uno(InProcess(board.locked(simulator.serial)))
+        return Rig(settings, uno, board, folder=folder, clock=self, acquisition=self._read)
+
+    def _read(self, rig: Rig) -> Acquisition:
+        self._loop = acquisition(rig)
+        return self._loop
+
+    def _wait_for_host(self) -> None:
+        """Let the host take the blocks that wait: however slow its disk is, simulated time does not run away from it."""
+        until = time.monotonic() + SLOWEST
+        while (
+            self._loop is not None
+            and not (self._loop.over or self._loop.stopped)
+            and self._loop.waiting.qsize() > BACKLOG
+            and time.monotonic() < until
+        ):
+            time.sleep(0.001)
 
     def begin(self, sampling: bool) -> None:
         """Sampling starts, or stops; called by the board."""
@@ -92,6 +113,7 @@ class SimulatedTime(RealTime):
 
     def take(self, seconds: float) -> None:
         """Take a block's time, once it is allowed to pass; called by the thread that reads."""
+        self._wait_for_host()
         with self._changed:
             self._next, self._waits = self._now + seconds - 1e-9, True
             self._changed.notify_all()
