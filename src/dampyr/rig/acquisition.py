@@ -85,7 +85,8 @@ class Acquisition:
         self._next = 0
         self.stopped: RigFault | None = None
         self.status: Status = uno.heartbeat()
-        self._command = np.zeros(0)  # coil volts of samples not read yet
+        self._command = np.zeros(0)  # coil volts of samples not read yet, for a coil at 20 degC
+        self._factors = np.zeros(0)  # by how much more was output, for the coil's warmth
         self._ahead = rig.block_samples * (AHEAD_OF_CLOCK if threaded else AHEAD)
         self._timed = False
         self._late = Lateness(rig.board.rate)
@@ -97,7 +98,7 @@ class Acquisition:
         """Start sampling with the coil at 0 V; the board counts from 0, wherever the table stands."""
         self.calibration = replace(self.calibration, middle=0.0)
         self.warmth.restart()
-        self._command = np.zeros(self._ahead)
+        self._command, self._factors = np.zeros(self._ahead), np.ones(self._ahead)
         self.board.start(self.rig.board.rate, self._command)
         self._timed = True
         if self._thread:
@@ -171,8 +172,13 @@ class Acquisition:
     def _samples(self, volts: Array, counts: NDArray[np.int64], passes: NDArray[np.int64], status: Status) -> Samples:
         n, first = len(counts), self._next
         voltage, self._command = self._command[:n], self._command[n:]
+        factors, self._factors = self._factors[:n], self._factors[n:]
         if len(voltage) < n:  # the timed command has ended: the coil is at 0 V
             voltage = np.concatenate([voltage, np.zeros(n - len(voltage))])
+            factors = np.concatenate([factors, np.ones(n - len(factors))])
+        command, readings = voltage * factors, dict(zip(self.rig.inputs, volts, strict=True))
+        if "coil_voltage" in readings:
+            voltage = readings["coil_voltage"] * self.rig.supply.voltage_scale / factors
         self._next, self.status = first + n, status
         if not (status.homed and self.aligned):
             passes = passes[:0]  # what they are counted from is not certain yet
@@ -185,12 +191,13 @@ class Acquisition:
             np.arange(first, first + n) / self.rig.board.rate,
             calibration.displacement(counts),
             calibration.force(volts[0]),
-            calibration.temperature(volts[1]) if len(volts) > 1 else None,
+            calibration.temperature(readings["temperature"]) if "temperature" in readings else None,
             volts,
             counts,
             voltage,
             status,
             passes - round(calibration.middle),
+            command,
         )
 
     def _align(self, counts: NDArray[np.int64], status: Status) -> None:
@@ -220,13 +227,14 @@ class Acquisition:
             n = self._ahead - len(self._command)
             volts = self.player.voltage(self.queued, n) if self.player else np.zeros(n)
             if n > 0:
-                self.board.queue(self._compensated(volts) / self.rig.supply.gain)
+                factor = self.warmth.resistance if self.rig.supply.compensated else 1.0
+                self.board.queue(self._checked(volts * factor) / self.rig.supply.gain)
                 self._command = np.concatenate([self._command, volts])
+                self._factors = np.concatenate([self._factors, np.full(n, factor)])
 
-    def _compensated(self, volts: Array) -> Array:
-        """The coil's voltage that drives the current which ``volts`` would drive through a cold coil."""
+    def _checked(self, needed: Array) -> Array:
+        """The coil's voltage, which drives the current that a cold coil would have, where the supply can give it."""
         supply = self.rig.supply
-        needed = volts * self.warmth.resistance if supply.compensated else volts
         if needed.max(initial=0.0) > supply.max_voltage * (1 + 1e-9):
             raise RigFault(
                 f"the coil at {self.warmth.temperature:.0f} degC needs {needed.max():.3g} V, the supply gives "
@@ -294,7 +302,7 @@ class Acquisition:
     def cut(self) -> None:
         """The coil to 0 V."""
         with self.lock:
-            self._timed, self._command = False, np.zeros(0)
+            self._timed, self._command, self._factors = False, np.zeros(0), np.zeros(0)
             self.board.write(0.0)
 
     def end(self) -> None:

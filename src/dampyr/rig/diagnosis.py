@@ -18,6 +18,7 @@ from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings, load_settings
 
 LOUD = 3.0  # N rms of a load cell at rest
+AT_ZERO = {"V": 0.05, "A": 0.01}  # what the coil's readings may say while it is off
 LIBRARIES = {"pyserial": "the Uno", "nidaqmx": "the NI board", "grpcio": "the wires of the simulated rig"}
 
 
@@ -53,6 +54,13 @@ def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
     lines = "the Uno's enable line cuts the coil" if rig.supply.enable_line else "no enable line"
     repair = "wire the supply through pin 8 of the Uno: without it a dead host leaves the coil live"
     yield Finding("coil", lines, None if rig.supply.enable_line else repair)
+    read = [name for name in ("coil_voltage", "coil_current") if name in rig.inputs]
+    guards = (
+        "what a record says of the coil is what was commanded, so that a dead supply or a broken wire is not seen; "
+    )
+    guards += "wire its voltage and a shunt to free inputs, and name them in wires.coil_voltage and wires.coil_current"
+    words = " and ".join(name.partition("_")[2] for name in read)
+    yield Finding("coil's readings", words or "none", None if len(read) == 2 else guards)
     yield from _switches(rig)
     if rig.wires.serial:
         calibration = load_calibration(Path(path).parent) if path else None
@@ -124,5 +132,14 @@ def _board(rig: Rig) -> Iterator[Finding]:
     loud = f"its noise is {force.std():.2g} N rms; look at its shield and ground" if force.std() > LOUD else None
     repair = "its signal is at the end of the range; look at its wire and its supply" if rail else loud
     yield Finding("load cell now", f"{force.mean():+.1f} N, {force.std():.2g} N rms", repair)
-    if len(volts) > 1:
-        yield Finding("thermocouple", f"{calibration.temperature(volts[1]).mean():.1f} degC")
+    readings = dict(zip(rig.settings.inputs, volts, strict=True))
+    if "temperature" in readings:
+        yield Finding("thermocouple", f"{calibration.temperature(readings['temperature']).mean():.1f} degC")
+    supply = rig.settings.supply
+    for name, scale, unit in (("coil_voltage", supply.voltage_scale, "V"), ("coil_current", supply.current_scale, "A")):
+        if name in readings:
+            value, dead = float(readings[name].mean()) * scale, AT_ZERO[unit]
+            repair = f"it is not 0 while the coil is off; look at the input's wires and at supply.{name[5:]}_scale"
+            yield Finding(
+                name.replace("_", " ") + " now", f"{value:+.3f} {unit}", repair if abs(value) > dead else None
+            )

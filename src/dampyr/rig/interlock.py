@@ -28,7 +28,9 @@ LATE = 4  # blocks that may be waiting when one is read: at 40 ms each, the reac
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """One block on one clock: time s, displacement m, force N, temperature degC or None, volts and counts as read."""
+    """One block on one clock: time s, displacement m, force N, temperature degC or None, volts (channels, n) and counts as
+    read; ``voltage`` V is that of a coil at 20 degC, read back where the rig reads it, else as commanded.
+    """
 
     first: int
     time: Array
@@ -41,6 +43,8 @@ class Samples:
     status: Status
     index: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     """Counts from the middle at which the board has seen the encoder's index in this block."""
+    command: Array = field(default_factory=lambda: np.empty(0))
+    """The command [V at the coil] that was output: `voltage` as asked for, more by the warmth of the coil."""
 
     @property
     def n(self) -> int:

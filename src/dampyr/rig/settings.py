@@ -37,6 +37,10 @@ class Wires:
     temperature: Annotated[str, "analogue input of the thermocouple's amplifier; empty without one"] = ""
     position: Annotated[str, "counter of the linear encoder"] = "ctr0"
     command: Annotated[str, "analogue output to the damper's supply"] = "ao0"
+    coil_voltage: Annotated[
+        str, "analogue input of the coil's voltage; empty: it is taken to be what was commanded"
+    ] = ""
+    coil_current: Annotated[str, "analogue input of a shunt in the coil's circuit; empty without one"] = ""
     index: Annotated[str, "counter and input that latch the position at the encoder's index; empty without"] = (
         "ctr1/PFI9"
     )
@@ -104,6 +108,16 @@ class Supply:
     resistance: Annotated[float, Quantity("ohm", low=0.0, open_low=True), "measured: 0.495 A at 2.178 V"] = 4.4
     inductance: Annotated[float, Quantity("H", low=0.0), "assumed: 10 ms with the resistance"] = 0.044
     max_voltage: Annotated[float, Quantity("V", low=0.0, open_low=True), "1 A of Table A.1 through the coil"] = 4.4
+    voltage_scale: Annotated[
+        float,
+        Quantity("V/V", low=0.0, open_low=True),
+        "assumed, where wired: volts at the coil per volt at the board's input",
+    ] = 1.0
+    current_scale: Annotated[
+        float,
+        Quantity("A/V", low=0.0, open_low=True),
+        "assumed, where wired: a shunt of 0.1 ohm and an amplifier of 10",
+    ] = 1.0
     compensated: Annotated[
         bool, "whether the command rises with the coil's warmth, so that the current is that of a coil at 20 degC"
     ] = True
@@ -202,6 +216,19 @@ class RigSettings(Representation):
                 or f"the original damper, {self.specimen.data_sheet or 'no data sheet'}",
             ),
         ]
+
+    @property
+    def inputs(self) -> dict[str, str]:
+        """The analogue inputs that are wired, in the order in which they are read: force, temperature, coil_voltage and
+        coil_current, each with its terminal."""
+        wires = self.wires
+        terminals = {
+            "force": wires.force,
+            "temperature": wires.temperature,
+            "coil_voltage": wires.coil_voltage,
+            "coil_current": wires.coil_current,
+        }
+        return {name: terminal for name, terminal in terminals.items() if terminal}
 
     @property
     def force_delay(self) -> float:

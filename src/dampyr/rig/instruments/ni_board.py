@@ -30,7 +30,7 @@ class Board(Protocol):
         """Start sampling at ``rate`` [Hz]; the command begins with the volts in ``ahead``."""
 
     def read(self, n: int) -> tuple[Array, Counts]:
-        """The next n samples: volts (channels, n) and counts (n,); waits for them."""
+        """The next n samples: volts (channels, n), in the order of the rig's ``inputs``, and counts (n,); waits for them."""
 
     def index_counts(self) -> Counts:
         """The counts (k,) at which the encoder's index was passed since the last call, hardware-latched."""
@@ -120,7 +120,7 @@ class NiBoard:
         from nidaqmx.constants import EncoderType, LengthUnits, TerminalConfiguration
 
         wires, span = self.rig.wires, self.rig.board.range
-        for name in filter(None, (wires.force, wires.temperature)):
+        for name in self.rig.inputs.values():
             inputs.ai_channels.add_ai_voltage_chan(
                 f"{wires.board}/{name}", terminal_config=TerminalConfiguration.DIFF, min_val=-span, max_val=span
             )
@@ -134,8 +134,7 @@ class NiBoard:
 
     def read(self, n: int) -> tuple[Array, Counts]:
         """The next n samples of both tasks."""
-        channels = 2 if self.rig.wires.temperature else 1
-        volts, ticks = np.empty((channels, n)), np.empty(n, np.uint32)
+        volts, ticks = np.empty((len(self.rig.inputs), n)), np.empty(n, np.uint32)
         wait = PATIENCE + n / self.rig.board.rate
         self._call(self._analog.read_many_sample, volts, n, wait)
         self._call(self._counter.read_many_sample_uint32, ticks, n, wait)

@@ -40,7 +40,7 @@ class Board(Identity):
         return pb.CreateTaskResponse(task=_session(name), new_session_initialized=True)
 
     def CreateAIVoltageChan(self, request: Any, context: Any) -> Any:
-        allowed = [self.settings.wires.force, self.settings.wires.temperature]
+        allowed = list(self.settings.inputs.values())
         self._add(request.task, "ai", request.physical_channel, allowed, context)
         return pb.CreateAIVoltageChanResponse()
 
@@ -212,7 +212,7 @@ class Board(Identity):
 
     def _channel_rows(self, task: DaqTask) -> list[int]:
         """The rows of the rig's analogue inputs that are a task's channels."""
-        inputs = [each for each in (self.settings.wires.force, self.settings.wires.temperature) if each]
+        inputs = list(self.settings.inputs.values())
         return [inputs.index(channel.rpartition("/")[2]) for channel in task.channels]
 
     def _distribute(self, samples: tuple[NDArray[np.float64], NDArray[np.int64]]) -> None:

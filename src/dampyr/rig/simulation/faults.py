@@ -35,6 +35,11 @@ KINDS: dict[str, Kind] = {
     "emergency-stop": Kind("the emergency stop is pressed, where one is wired"),
     "broken-cell": Kind("the load cell's wire is broken: its input floats to this voltage", 10.0, "V", 10.0),
     "drifting-cell": Kind("the load cell's zero drifts at this rate", 50.0, "N/s"),
+    "shunted-cell": Kind(
+        "a shunt across the load cell's bridge is switched in: before its filter the force is more by this", 200.0, "N", 5e3
+    ),
+    "dead-supply": Kind("the supply gives no voltage, whatever it is commanded"),
+    "open-coil": Kind("the coil's wire is broken: no current flows"),
     "stalled-motor": Kind("the motor does not turn"),
     "hot-specimen": Kind("the specimen, with its coil, is suddenly warmer by this difference", 60.0, "K"),
     "board-timeout": Kind("the board's samples do not arrive: DAQmx error -200284"),

@@ -43,9 +43,9 @@ N_STEP, N_UNO, N_NI, N_SHOWN, N_PASSED, N_TAKEN, N_HELD, N_LATCHED = range(8)
 N_LATCH = 8  # the board's counts at the last passes of the index, the k-th at k % LATCHES
 LATCHES = 64
 NUMBERS = N_LATCH + LATCHES
-# active faults
-Z_STALLED, Z_UNO, Z_NI, Z_GLITCH, Z_SWAPPED, Z_PRESSED = range(6)
-FLAGS = Z_PRESSED + 1
+# active faults; the shunt across the load cell's bridge as the force [N] that it simulates
+Z_STALLED, Z_UNO, Z_NI, Z_GLITCH, Z_SWAPPED, Z_PRESSED, Z_DEAD, Z_OPEN, Z_SHUNT = range(9)
+FLAGS = Z_SHUNT + 1
 STOP_STIFFNESS = 1e7  # N/m of the stops at the ends of the damper's stroke: steel on steel
 TRUTH = (
     "time", "position", "speed", "force", "voltage", "current", "temperature", "enable", "state", "faults", "duty", "held",
@@ -95,13 +95,14 @@ tick = control_core.tick
 BOUND_WITH = (control_core.__name__,)  # the firmware's control is compiled with the plant
 
 
-def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, counts, truth):
+def run(until, m, y, n, z, s, p, table, static, past, r, start, period, readings, counts, truth):
     """Step the plant until step number ``until``, and return how many rows of ``truth`` were written.
 
     ``m`` the `Constants`, ``y`` the plant's state, ``n`` its counters, ``z`` the active faults, ``s`` the specimen's
     states, ``p`` its parameters, overwritten, ``table`` (K, P) these over its input, ``static`` (P,) 1 where a static force,
     ``past`` the forces of the last steps for a specimen that delays, ``r`` the firmware's registers. While samples are wanted,
-    ``forces`` [N, filtered] and ``counts`` take those at ``start`` + (k + 1)*``period`` s.
+    ``readings`` (3, N), the filtered force [N] and the coil's voltage [V] and current [A], and ``counts`` take those at
+    ``start`` + (k + 1)*``period`` s.
     """
     rows = 0
     while n[N_STEP] < until:
@@ -109,10 +110,10 @@ def run(until, m, y, n, z, s, p, table, static, past, r, start, period, forces, 
         drive_motor(m, y, z, r)
         update_coil(m, y, z, r)
         cell = y[Y_CELL]
-        x = move_table(m, y, n, s, p, table, static, past, before)
+        x = move_table(m, y, n, z, s, p, table, static, past, before)
         n[N_STEP] += 1
         update_counts(m, y, n, z, x)
-        take_samples(m, y, n, x, cell, start, period, forces, counts)
+        take_samples(m, y, n, x, cell, start, period, readings, counts)
         if n[N_STEP] % m.per_tick == 0:
             inputs = open_inputs(m, y, z)
             tick(r, n[N_SHOWN] + n[N_UNO], n[N_PASSED] != 0, m.mark + n[N_UNO], z[Z_GLITCH] != 0, inputs)
@@ -162,9 +163,9 @@ def open_inputs(m, y, z):
 def update_coil(m, y, z, r):
     """The coil's current after a step at its voltage, and the heat in it."""
     enabled = (control_enabled(r[R_STATE]) or not m.cut) and not emergency(m, z)
-    y[Y_COIL] = m.gain * y[Y_COMMAND] if enabled else 0.0
+    y[Y_COIL] = m.gain * y[Y_COMMAND] if enabled and z[Z_DEAD] == 0.0 else 0.0
     R = m.resistance * (1.0 + COPPER * (y[Y_TEMPERATURE] - COPPER_AT))
-    end = y[Y_COIL] / R
+    end = y[Y_COIL] / R if z[Z_OPEN] == 0.0 else 0.0
     old = y[Y_CURRENT]
     y[Y_CURRENT] = end + (old - end) * (exp(-m.dt * R / m.inductance) if m.inductance > 0.0 else 0.0)
     y[Y_HEATED] += R * 0.5 * (old * old + y[Y_CURRENT] * y[Y_CURRENT]) * m.dt
@@ -178,7 +179,7 @@ def control_enabled(state):
     return 1 <= state <= 6
 
 
-def move_table(m, y, n, s, p, table, static, past, before):
+def move_table(m, y, n, z, s, p, table, static, past, before):
     """Screw, table and specimen over a step, the motor's speed ``before`` it given; return where the table was."""
     x0, v0, f0 = y[Y_X], y[Y_V], y[Y_FORCE]
     y[Y_SCREW] += 0.5 * (before + y[Y_MOTOR]) * m.dt
@@ -195,7 +196,7 @@ def move_table(m, y, n, s, p, table, static, past, before):
     f1 += STOP_STIFFNESS * (max(0.0, x1 - m.end) + min(0.0, x1 + m.end))
     y[Y_X], y[Y_V], y[Y_FORCE] = x1, v1, delay_force(m, n, p, past, f1)
     y[Y_REST] = rest
-    update_energy(m, y, x1 - x0, f0, rest)
+    update_energy(m, y, z, x1 - x0, f0, rest)
     return x0
 
 
@@ -222,7 +223,7 @@ def delay_force(m, n, p, past, f):
     return late + (early - late) * (back - whole)
 
 
-def update_energy(m, y, dx, f0, rest):
+def update_energy(m, y, z, dx, f0, rest):
     """Work, temperature, and the load cell's filter after a step."""
     work = 0.5 * (f0 + y[Y_FORCE]) * dx
     cooled = m.cooling * (y[Y_TEMPERATURE] - m.ambient_temperature) * m.dt
@@ -231,7 +232,7 @@ def update_energy(m, y, dx, f0, rest):
     y[Y_WORK] += work + m.friction * abs(dx)
     y[Y_COOLED] += cooled
     y[Y_TEMPERATURE] += (work - rest * dx - cooled) / m.heat_capacity
-    mean = 0.5 * (f0 + y[Y_FORCE])
+    mean = 0.5 * (f0 + y[Y_FORCE]) + z[Z_SHUNT]
     y[Y_CELL] = mean + (y[Y_CELL] - mean) * exp(-m.bandwidth * m.dt)
 
 
@@ -251,15 +252,16 @@ def update_counts(m, y, n, z, x0):
     n[N_SHOWN] = shown
 
 
-def take_samples(m, y, n, x0, cell0, start, period, forces, counts):
+def take_samples(m, y, n, x0, cell0, start, period, readings, counts):
     """The samples that fall into the step just made."""
     now = n[N_STEP] * m.dt
-    while n[N_TAKEN] < forces.size:
+    while n[N_TAKEN] < counts.size:
         due = start + (n[N_TAKEN] + 1) * period
         if due > now + 1e-9:
             break
         part = min(1.0, max(0.0, 1.0 - (now - due) / m.dt))
-        forces[n[N_TAKEN]] = cell0 + part * (y[Y_CELL] - cell0)
+        readings[0, n[N_TAKEN]] = cell0 + part * (y[Y_CELL] - cell0)
+        readings[1, n[N_TAKEN]], readings[2, n[N_TAKEN]] = y[Y_COIL], y[Y_CURRENT]
         counts[n[N_TAKEN]] = floor((x0 + part * (y[Y_X] - x0)) / m.pulse) + n[N_NI]
         n[N_TAKEN] += 1
 

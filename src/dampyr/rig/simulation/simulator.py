@@ -160,8 +160,7 @@ class Simulator:
     def read(self, n: int) -> tuple[Array, NDArray[np.int64]]:
         """The next ``n`` samples, volts (channels, n) and counts (n,), counted from where the task was started.
 
-        Advances the clock until they exist. Channels: force, and the temperature where the rig has one. BoardError as the
-        board gives it.
+        Advances the clock until they exist. Channels: the rig's ``inputs``, in their order. BoardError as the board gives it.
         """
         task = self._task
         if task is None:
@@ -183,7 +182,8 @@ class Simulator:
         self._apply_faults()
         self._apply_board_faults(Task(self.time, 1.0))
         cell_faults = self._cell_faults()
-        volts = self._volts(Task(self.time, 0.0), self.plant[[plant.Y_CELL]], *cell_faults)
+        readings = self.plant[[plant.Y_CELL, plant.Y_COIL, plant.Y_CURRENT]].reshape(3, 1)
+        volts = self._volts(Task(self.time, 0.0), readings, *cell_faults)
         return volts[:, 0], int(self.counters[plant.N_SHOWN] + self.counters[plant.N_NI])
 
     def _apply_board_faults(self, task: Task) -> None:
@@ -267,7 +267,7 @@ class Simulator:
         here, task = int(self.counters[plant.N_STEP]), self._task
         start, period, wanted = (0.0, 1.0, 0) if task is None else (task.start, task.period, self._due(task, until))
         start += 0.0 if task is None else task.taken * task.period
-        forces, counts = np.empty(wanted), np.empty(wanted, np.int64)
+        readings, counts = np.empty((3, wanted)), np.empty(wanted, np.int64)
         rows = np.empty(((until // self.constants.per_tick) - (here // self.constants.per_tick), len(plant.TRUTH)))
         self.counters[plant.N_TAKEN] = 0
         cell_faults = self._cell_faults()
@@ -281,14 +281,14 @@ class Simulator:
             *given,
             start,
             period,
-            forces,
+            readings,
             counts,
             rows,
         )
         self.truth_log.add(rows)
         if task is not None and wanted:
             taken = self.counters[plant.N_TAKEN]
-            self._buffer(task, self._volts(task, forces[:taken], *cell_faults), counts[:taken])
+            self._buffer(task, self._volts(task, readings[:, :taken], *cell_faults), counts[:taken])
 
     def _due(self, task: Task, until: int) -> int:
         """The number of samples of ``task`` in the steps up to ``until``, or one more."""
@@ -308,12 +308,13 @@ class Simulator:
     def _volts(
         self,
         task: Task,
-        forces: Array,
+        readings: Array,
         broken: FaultSpec | None,
         drifting: FaultSpec | None,
         inverted: FaultSpec | None,
     ) -> Array:
-        """The analogue inputs (channels, n) of samples with the filtered forces given."""
+        """The analogue inputs (channels, n) of samples with these filtered forces [N], coil voltages and currents."""
+        forces, settings = readings[0], self.settings
         noisy = forces + self.settings.load_cell.noise * self.noise_rng.standard_normal(forces.size)
         noisy += self._wander_samples(forces.size, task.period)
         if drifting is not None:
@@ -324,10 +325,13 @@ class Simulator:
         volts = volts_of_force(self.settings, noisy)
         if broken is not None:
             volts = np.full_like(volts, broken.size)
-        rows = [volts]
-        if self.settings.wires.temperature:
-            rows.append(np.full_like(volts, self.plant[plant.Y_TEMPERATURE] / DEGREES_PER_VOLT))
-        return converted(self.settings, np.stack(rows))
+        rows = {
+            "force": volts,
+            "temperature": np.full_like(volts, self.plant[plant.Y_TEMPERATURE] / DEGREES_PER_VOLT),
+            "coil_voltage": readings[1] / settings.supply.voltage_scale,
+            "coil_current": readings[2] / settings.supply.current_scale,
+        }
+        return converted(settings, np.stack([rows[name] for name in settings.inputs]))
 
     def _wander_samples(self, n: int, period: float) -> Array:
         """Slow errors of the load cell: an Ornstein-Uhlenbeck process, stationary from the start."""
@@ -370,6 +374,10 @@ class Simulator:
         self.fault_flags[plant.Z_GLITCH] = self._active_fault("glitching-encoder") is not None
         self.fault_flags[plant.Z_SWAPPED] = self._active_fault("swapped-encoder") is not None
         self.fault_flags[plant.Z_PRESSED] = self._active_fault("emergency-stop") is not None
+        self.fault_flags[plant.Z_DEAD] = self._active_fault("dead-supply") is not None
+        self.fault_flags[plant.Z_OPEN] = self._active_fault("open-coil") is not None
+        shunted = self._active_fault("shunted-cell")
+        self.fault_flags[plant.Z_SHUNT] = 0.0 if shunted is None else shunted.size
         for fault in self.faults:
             if fault not in self._started_faults and fault.at <= self.time + 1e-9:
                 self._started_faults.add(fault)
