@@ -448,7 +448,8 @@ class Table(Representation):
 
         Raises :class:`InputError` where it does not, before anything moves, and :class:`RigFault` where a safety layer acts.
         """
-        if drive.reversals is None and abs(drive.displacement[0] - self.position) > ARRIVED:
+        driven = drive.reversals is None and not drive.standing
+        if driven and abs(drive.displacement[0] - self.position) > ARRIVED:
             raise InputError(
                 f"the drive begins at {drive.displacement[0] * 1e3:.2f} mm and the table stands at "
                 f"{self.position * 1e3:.2f} mm; call go() first"
