@@ -133,7 +133,7 @@ def step_bandwidth(time: Array, volts: Array) -> tuple[float, float]:
 
     dt = float(time[1] - time[0])
     low, high = (float(np.median(part)) for part in (volts[: len(volts) // 20], volts[-(len(volts) // 20) :]))
-    noise = max(float(np.std(volts[: len(volts) // 20])), 1e-9)
+    noise = max(1.4826 * float(np.median(np.abs(volts[: len(volts) // 20] - low))), 1e-9)  # of white noise, one sigma
     if abs(high - low) < LEAST_STEP * noise:
         raise InputError(
             f"the reading went from {low:.5g} V to {high:.5g} V with a noise of {noise:.2g} V: no step of {LEAST_STEP:g} times "
