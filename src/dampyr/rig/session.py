@@ -39,6 +39,9 @@ ARRIVED = 5e-4  # m: from there on a drive's first step is one that the table fo
 QUICK = 0.2  # s of work during which the board's buffer is enough
 HOMING = 240.0  # s that the search for the index may take: to and fro over a stroke at 2 mm/s
 BACK = 0.4  # s of a jog on the way back from outside of the limits, renewed before its 0.5 s are over
+OVERSHOOT = (
+    1e-4  # m before the ends of the travel to which the table goes: it stops a few counts of 5 um beyond its place
+)
 PAST_INDEX = 2.5e-4  # m on both sides of the index between which it is passed
 
 
@@ -332,7 +335,7 @@ class Table(Representation):
             return
         at, count = self.position, self.rig.settings.encoder.count
         side = PAST_INDEX if at <= place * count else -PAST_INDEX
-        if abs(place * count) + PAST_INDEX > self.rig.settings.travel:
+        if abs(place * count) + PAST_INDEX > self.rig.settings.travel - OVERSHOOT:
             return
         if abs(at - place * count) < PAST_INDEX:
             self.go(place * count - side)
@@ -383,6 +386,11 @@ class Table(Representation):
         """Move at ``speed`` [m/s] for a while, at most 0.5 s; without ``wait`` return at once, so that it can be renewed."""
         if not 0.0 < seconds <= 0.5:
             raise InputError(f"seconds = {seconds:g} is not allowed; a jog lasts at most 0.5 s, and is asked for again")
+        fastest = self.rig.settings.limits.speed
+        if not abs(speed) <= fastest:
+            raise InputError(
+                f"speed = {speed * 1e3:g} mm/s is not allowed; a jog has at most {fastest * 1e3:g} mm/s (limits.speed)"
+            )
         with self.loop.lock:
             self.rig.uno.jog(round(speed / self.rig.settings.encoder.count), round(seconds * 1000))
         for samples in self._for(seconds + 0.2) if wait else ():
@@ -390,7 +398,18 @@ class Table(Representation):
                 return
 
     def go(self, displacement: float) -> None:
-        """Move slowly to ``displacement`` [m] and stop there; :class:`RigFault` where the table did not follow."""
+        """Move slowly to ``displacement`` [m] and stop there; :class:`RigFault` where the table did not follow.
+
+        Raises :class:`InputError`, before anything moves, for a place outside of the travel or a table that is not homed.
+        """
+        farthest = round(self.rig.settings.travel - OVERSHOOT, 9)
+        if not abs(displacement) <= farthest:
+            raise InputError(
+                f"displacement = {displacement * 1e3:g} mm is not allowed; the table goes from {-farthest * 1e3:g} mm to "
+                f"{farthest * 1e3:g} mm"
+            )
+        if not self.homed:
+            raise InputError("the table is not homed, so its middle is not known; home the table first")
         if self.loop.status.outside:
             self.come_back()
         path = displacement - self.position
