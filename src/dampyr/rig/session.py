@@ -74,6 +74,8 @@ class Rig(Representation):
     """Whether it has been armed since it was connected: before, nothing has moved."""
     index: dict[int, int] = field(init=False, default_factory=dict)
     """Where the encoder's index is passed; see `Interlock`. Empty: its next pass tells."""
+    homed_by_hand: bool = field(init=False, default=False)
+    """Whether this host homed it by hand: where its index is passed is not certain then until it has been."""
     _taken_over: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
@@ -300,6 +302,7 @@ class Table(Representation):
         if self.loop.status.outside and not here:
             self.come_back()
         self.loop.home(here)
+        self.rig.homed_by_hand = here
         for samples in self._for(HOMING):
             if samples.status.state is State.ARMED:
                 if samples.status.homed:
@@ -327,19 +330,40 @@ class Table(Representation):
             )
 
     def verify_index(self) -> None:
-        """Pass the encoder's index slowly, where it lies within the travel: :class:`RigFault` where it has moved by more than
-        2 counts, for then the positions since its last pass were wrong.
+        """Pass the encoder's index slowly, where it lies within the travel: :class:`RigFault` where it is not where homing put
+        it, for then the positions since its last pass were wrong.
         """
-        place = self.loop.index.get(0)
-        if place is None or not self.homed:
-            return
+        if not self.pass_index():
+            raise RigFault(
+                "the encoder's index was not passed where homing put it, so counts were lost or the scale has slipped; look "
+                "at the encoder and its wires, and home the table again",
+                "check",
+            )
+
+    def pass_index(self) -> bool:
+        """Pass the encoder's index slowly, where it lies within the travel; whether it was there. Where not, the table is no
+        longer homed, for this host and for the next. :class:`RigFault` where it has moved by more than 2 counts.
+        """
+        if not self.homed:
+            return False
         at, count = self.position, self.rig.settings.encoder.count
+        place = self.loop.index.get(0)
+        if place is None:
+            if self.rig.homed_by_hand:
+                return True
+            place = round(self.rig.settings.encoder.index / count)  # another host has homed it
         side = PAST_INDEX if at <= place * count else -PAST_INDEX
         if abs(place * count) + PAST_INDEX > self.rig.settings.travel - OVERSHOOT:
-            return
+            return True
         if abs(at - place * count) < PAST_INDEX:
             self.go(place * count - side)
+        before = self.loop.status.index_passes
         self.go(place * count + side)
+        if self.loop.status.index_passes != before:
+            return True
+        self.loop.home(here=False)  # a search that is broken off has lost its place
+        self.stop()
+        return False
 
     def _align(self) -> None:
         """Align the board's counts with the Uno's, at rest: in a block in which the table moves, they are read at
