@@ -45,7 +45,7 @@ def test_a_good_campaign_has_no_mark_and_its_voltage_is_read_back(performed: Per
     assert [record.voltage for record in good] == pytest.approx([0.5, 1.98, 0.0], abs=1e-3)
     assert good[0].voltage != 0.5  # a reading, not what was commanded
     assert good[0].provenance["voltage"] == "read back on ai2"
-    assert all(record.uncertainty["force"].parts["shift of the zero"] < 1.0 for record in good)
+    assert all(record.uncertainty["force"].parts["shift of the zero"] < 2.5 for record in good)
     raw = h5.read_raw(tmp_path / "out" / "02-sine-8mm-1Hz-1.98V.h5")
     current = raw["coil_current"].gain * raw["coil_current"].values
     assert np.median(current) == pytest.approx(1.98 / 4.4, rel=2e-3)
