@@ -49,7 +49,7 @@ def command(
     yes: bool,
     as_json: bool,
 ) -> None:
-    """Find the load cell's zero and scale, the amplifier's bandwidth, the coil.
+    """Calibrate load cell, amplifier and coil.
 
     The scale is found by a known load or a shunt; without --load and --shunt only the zero is found. Nothing moves, and without
     --coil the coil stays at 0 V; with it the rig is armed and the coil gets up to half of limits.voltage for three seconds.
