@@ -18,6 +18,7 @@ from threading import Thread
 from dampyr.errors import DampyrError
 from dampyr.models import Damper
 from dampyr.rig.gc_control import freeze_objects
+from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.clock import Clock, EventLog
 from dampyr.rig.simulation.faults import FaultSpec
@@ -101,6 +102,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except DampyrError as problem:
         print(problem, file=sys.stderr)
         return 2
+    if parsed.real_time:
+        raise_priority()  # it stands for hardware, which waits for nobody; before its threads, which inherit it
     from dampyr.rig.simulation.daqmx_service import serve
 
     server, port = serve(clock)
