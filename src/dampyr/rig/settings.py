@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import pi
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
@@ -17,6 +17,11 @@ from dampyr.records.record import as_group
 from dampyr.representation import Representation, Summary
 from dampyr.units import Quantity
 
+FILTERS = (
+    6.425e-6,
+    125e-9,
+)  # s, of an M Series board, the longer one first; its third, 2.55 ms, is longer than any edge
+FILTERS_IN_EDGES = 3.0  # filters between two edges of the encoder at limits.speed: its edges are not evenly spaced
 Metre = Quantity("m", low=0.0)
 Length = Quantity("m", low=0.0, open_low=True)
 Speed = Quantity("m/s", low=0.0, open_low=True)
@@ -161,6 +166,12 @@ class Board:
     ] = 70.0
     bits: Annotated[int, "PCI-6221"] = 16
     range: Annotated[float, Quantity("V", low=0.1, high=10.0), "PCI-6221: +-10 V"] = 10.0
+    encoder_filter: Annotated[
+        float,
+        Quantity("s", low=0.0),
+        "pulses on the encoder's lines that are shorter are ignored; M Series manual p. 7-32: 125 ns, 6.425 us or 2.55 ms; "
+        "0 for none",
+    ] = 6.425e-6
 
 
 @dataclass(frozen=True)
@@ -231,6 +242,11 @@ class RigSettings(Representation):
         return {name: terminal for name, terminal in terminals.items() if terminal}
 
     @property
+    def command_range(self) -> tuple[float, float]:
+        """V that the supply may be commanded, lowest and highest: 0 to supply.max_voltage at the coil, within the board's."""
+        return 0.0, min(self.supply.max_voltage / self.supply.gain, self.board.range)
+
+    @property
     def force_delay(self) -> float:
         """s by which the load cell's filter delays the force: 1/(2 pi f) of its bandwidth f."""
         return 1.0 / (2.0 * pi * self.load_cell.bandwidth)
@@ -250,11 +266,21 @@ def load_settings(path: str | Path) -> RigSettings:
     """The settings in a ``rig.toml``; what it leaves out keeps its default. :class:`FileError` says what is wrong."""
     document = load_toml(path)
     try:
-        return fill(RigSettings, document)
+        return fill(RigSettings, _with_filter(document))
     except FileError:
         raise
     except InputError as problem:
         raise FileError(path, str(problem)) from None
+
+
+def _with_filter(document: dict[str, Any]) -> dict[str, Any]:
+    """A file that does not name the encoder's filter has the shorter one where the default is too long for its edges."""
+    board, encoder, limits = (document.get(name, {}) for name in ("board", "encoder", "limits"))
+    if not all(isinstance(table, dict) for table in (board, encoder, limits)) or "encoder_filter" in board:
+        return document
+    edges = fill(Encoder, encoder, "encoder").count / fill(Limits, limits, "limits").speed
+    fitting = next(width for width in (*FILTERS, 0.0) if edges >= FILTERS_IN_EDGES * width)
+    return document | {"board": board | {"encoder_filter": fitting}}
 
 
 def check(rig: RigSettings) -> None:
@@ -288,6 +314,13 @@ def check(rig: RigSettings) -> None:
         raise InputError(
             f"board.velocity_bandwidth = {rig.board.velocity_bandwidth:g} Hz is too much for "
             f"board.rate = {rig.board.rate:g} Hz; give at most {maximum:g} Hz"
+        )
+    edges = rig.encoder.count / limits.speed
+    if edges < FILTERS_IN_EDGES * rig.board.encoder_filter:
+        raise InputError(
+            f"board.encoder_filter = {rig.board.encoder_filter * 1e6:g} us is too long for edges of the encoder that are "
+            f"{edges * 1e6:.3g} us apart at limits.speed; give at most {edges / FILTERS_IN_EDGES * 1e6:.3g} us, such as "
+            "125 ns, or 0 for none"
         )
     if limits.heartbeat < 2 * rig.board.block:
         raise InputError(

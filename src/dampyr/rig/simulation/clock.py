@@ -97,6 +97,18 @@ class Clock:
                 raise BoardError(TIMEOUT)
         return self.rig.read(n)
 
+    def space(self, size: int, wanted: int, timeout: float) -> int:
+        """The samples that a command's buffer of ``size`` can take; in real time it waits for ``wanted`` of them. The caller
+        holds the lock.
+        """
+        deadline = time.monotonic() + (timeout if timeout >= 0.0 else 1e9)
+        while True:
+            free = size - (0 if self.rig.timed is None else self.rig.timed.held(self.rig.time))
+            left = deadline - time.monotonic()
+            if free >= wanted or not self.real_time or left <= 0.0:
+                return max(0, free)
+            self.advanced.wait(left)
+
     def _defer_delay(self, seconds: float) -> None:
         self._deferred.delay = seconds
 
