@@ -6,6 +6,7 @@ that ``spoils`` its test ends the campaign, and the test is not complete: what w
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -18,6 +19,8 @@ from dampyr.records.quality import motion_start
 from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.rig.interlock import RAIL
 from dampyr.rig.settings import RigSettings
+from dampyr.rig.thermal_model import COLD, COPPER
+from dampyr.rig.uncertainty import Evidence
 
 PIECE = 2**17  # samples that are looked at at a time: two minutes at 1 kHz
 WINDOW = 0.02  # s in which a reading is looked at: 20 samples at 1 kHz, which the noise of a live cell leaves
@@ -31,6 +34,16 @@ SHARE_AT_REST = 0.5  # of half the force's range: in a rest after a motion hyste
 ZERO_OF_CYCLES = 10.0  # N, and
 SHARE_OF_CYCLES = 0.03  # of half the range; the mean of a cycle holds no hysteresis, and strays by 4 N in a good test
 MIN_CYCLES = 4  # inner ones, from which the drift of their mean is taken
+ZERO_OF_PASSES = 6.0  # N by which the force of two slow passes may differ: they agree to 1 N
+ZERO_PER_KELVIN = 1.0  # N/K: a gas charge under 300 N gains a 293rd of its force a kelvin
+COIL_OFF, COIL_SPARE = 0.05, 0.02  # of the largest command, and V, by which the coil's voltage may differ from it
+SPOILED = 0.2  # of the command: a coil that has less is not at the test's voltage
+LEAST_VOLTAGE = 0.2  # V from which a coil's resistance is taken
+COIL_KELVIN = (
+    15.0  # K by which the coil may be warmer than the damper as estimated: it is inside, where the heat arises
+)
+SETTLED_COIL = 8.0  # time constants of the coil after which its current is within 0.03 %
+COIL_STEADY = 0.01  # V: a command that changes less from sample to sample is a slow ramp
 RESTED = 0.25  # s of a rest from which its force is taken
 
 
@@ -52,6 +65,14 @@ class Measured:
     volts: Array
     voltage: Array | float
     rig: RigSettings
+    temperature: float = math.nan
+    """degC of the damper after the test, as estimated or measured."""
+    command: Array | None = None
+    """V at the coil, as commanded; where anything reads the coil."""
+    coil_voltage: Array | None = None
+    """V at the coil, as read back."""
+    coil_current: Array | None = None
+    """A through the coil."""
 
 
 Check = Callable[[Measured], Iterator[Mark]]
@@ -96,14 +117,9 @@ def flat_force(measured: Measured) -> Iterator[Mark]:
     )
 
 
-def _step(rig: RigSettings) -> float:
-    """A step of the converter [V]."""
-    return 2.0 * rig.board.range / 2.0**rig.board.bits
-
-
 def _standing(volts: Array, rig: RigSettings) -> list[slice]:
     """The stretches in which a reading stays within `FLAT` steps."""
-    n, step = max(MIN_SAMPLES, round(WINDOW * rig.board.rate)), _step(rig)
+    n, step = max(MIN_SAMPLES, round(WINDOW * rig.board.rate)), rig.step
     count = len(volts) // n
     windows = volts[: count * n].reshape(count, n)
     flat = np.ptp(windows, axis=1) <= FLAT * step
@@ -130,7 +146,7 @@ def _should_change(measured: Measured, stretch: slice) -> bool:
     x, volts = measured.displacement, measured.volts
     if _reverses(x[stretch]):
         return True
-    leap = LEAP * max(_step(measured.rig), float(np.median(np.abs(np.diff(volts)))))
+    leap = LEAP * max(measured.rig.step, float(np.median(np.abs(np.diff(volts)))))
     ends = [(stretch.start, stretch.start - 1), (stretch.stop - 1, stretch.stop)]
     inside = [(inner, outer) for inner, outer in ends if 0 <= outer < len(volts)]
     return any(abs(volts[inner] - volts[outer]) > leap and not _may_leap(measured, inner) for inner, outer in inside)
@@ -210,7 +226,85 @@ def force_at_rail(measured: Measured) -> Iterator[Mark]:
         )
 
 
-CHECKS: tuple[Check, ...] = (flat_force, force_at_rail)
+def zero_moved(shown: Evidence) -> list[Mark]:
+    """A zero of the force that moved between the slow passes before and after the test, or since the run's first one."""
+    if shown.zero_shift is None:
+        return []
+    before, after = shown.zero_shift
+    for change, rise, since in (
+        (after - before, shown.rise, "in the test"),
+        (after, shown.warming, "since the run began"),
+    ):
+        limit = ZERO_OF_PASSES + ZERO_PER_KELVIN * abs(rise)
+        if abs(change) > limit:
+            return [
+                Mark(
+                    f"the force's zero moved by {change:+.3g} N {since}, by slow passes at 0 V over the same place, "
+                    f"{limit:.3g} N at most; look at the load cell"
+                )
+            ]
+    return []
+
+
+def coil_without_its_voltage(measured: Measured) -> Iterator[Mark]:
+    """A coil that does not have the voltage that was commanded: the supply is off, at its limit, or its enable line is low."""
+    command, read = measured.command, measured.coil_voltage
+    if command is None or read is None:
+        return
+    steady = _steady(command, measured)
+    size = float(np.abs(command).max(initial=0.0))
+    apart = np.abs(read - command)
+    wrong = steady & (apart > COIL_OFF * size + COIL_SPARE)
+    if int(wrong.sum()) < WINDOW * measured.rig.board.rate:
+        return
+    worst = int(np.argmax(np.where(wrong, apart, -1.0)))
+    yield Mark(
+        f"the coil has {read[worst]:.3g} V where {command[worst]:.3g} V were commanded, at {measured.time[worst]:.4g} s, and "
+        f"other than commanded for {wrong.sum() / measured.rig.board.rate:.3g} s: look at the supply, its enable line and "
+        "supply.gain",
+        spoils=float(apart[worst]) > SPOILED * size + COIL_SPARE,
+    )
+
+
+def coil_without_its_current(measured: Measured) -> Iterator[Mark]:
+    """A current that is not the one which the voltage drives through a coil of that temperature."""
+    command, current, rig = measured.command, measured.coil_current, measured.rig
+    if command is None or current is None:
+        return
+    volts = command if measured.coil_voltage is None else measured.coil_voltage
+    steady = _steady(command, measured) & (np.abs(volts) > LEAST_VOLTAGE)
+    if int(steady.sum()) < WINDOW * rig.board.rate:
+        return
+    u, i = volts[steady], current[steady]
+    share = float(u @ i) / float(u @ u) * rig.supply.resistance
+    first = float(measured.time[int(np.argmax(steady))])
+    if share < 1.0 - SPOILED - COPPER * max(0.0, rig.limits.temperature - COLD):
+        yield Mark(
+            f"{np.mean(i):.3g} A flow through the coil at {np.mean(u):.3g} V, from {first:.4g} s, and "
+            f"{np.mean(u) / rig.supply.resistance:.3g} A do at 20 degC: look at the supply and at the coil's wires",
+            spoils=True,
+        )
+        return
+    warm, expected = COLD + (1.0 / share - 1.0) / COPPER, measured.temperature
+    uncertain = COIL_KELVIN + math.hypot(rig.supply.resistance_uncertainty, rig.supply.reading_uncertainty) / COPPER
+    if abs(warm - expected) > uncertain or warm > rig.limits.temperature + uncertain:
+        yield Mark(
+            f"the coil's resistance is {rig.supply.resistance / share:.4g} ohm, that of {warm:.0f} degC, and the damper is at "
+            f"{expected:.0f} degC as estimated: the voltage at 20 degC in the record is off by "
+            f"{abs((1.0 + COPPER * (expected - COLD)) * share - 1.0):.1%}"
+        )
+
+
+def _steady(command: Array, measured: Measured) -> NDArray[np.bool_]:
+    """Where the command has not changed for `SETTLED_COIL` time constants of the coil, and will not at the next sample."""
+    supply = measured.rig.supply
+    n = 2 + round(SETTLED_COIL * supply.inductance / supply.resistance * measured.rig.board.rate)
+    changed = np.abs(np.diff(command, prepend=command[0])) > COIL_STEADY
+    near = np.convolve(changed, np.ones(2 * n + 1), mode="full")[n : n + len(command)] > 0.5
+    return np.asarray(~near)
+
+
+CHECKS: tuple[Check, ...] = (flat_force, force_at_rail, coil_without_its_voltage, coil_without_its_current)
 """The checks of every stretch of a test, in the order in which their marks stand in a record."""
 CHECKS_OF_WHOLE: tuple[Check, ...] = (drifting_zero,)
 """The checks of a test as a whole, whose marks follow."""

@@ -302,6 +302,7 @@ class _Run:
             self._say("preliminary check")
             table.go(float(self.plan.preliminary.displacement[0]))
             self.journal.note("checked", preliminary_check(table, self.plan.preliminary))
+        table.verify()
 
     def _between(self, table: Table, k: int, left: list[PlannedTest]) -> None:
         """Rest between two tests, and while the campaign is paused."""

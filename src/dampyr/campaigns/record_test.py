@@ -17,18 +17,21 @@ import numpy as np
 
 import dampyr
 from dampyr.campaigns.campaign import Campaign
-from dampyr.campaigns.marks import Mark, Measured, marks_of
+from dampyr.campaigns.marks import Mark, Measured, marks_of, zero_moved
 from dampyr.campaigns.plan import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
-from dampyr.records.record import Array, Label, as_group
+from dampyr.records.formats.h5 import PIECE
+from dampyr.records.record import MIN_SAMPLES, Array, Label, as_group
 from dampyr.records.recording import Header, RawChannel, Recording, check_disk_space
+from dampyr.records.uncertainty import Uncertainty
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings
+from dampyr.rig.uncertainty import Evidence, LostCounts, budget
 
 SPARE = 2.0  # s of samples reserved beyond the plan: stopping takes less than 1 s
 
@@ -63,18 +66,36 @@ def take(
         raise
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
     marks: list[Mark] = []
-    with ended(recording, table, started, marks):
-        for samples, selection in table.play(planned.drive):
-            if selection.stop > selection.start:
-                recording.append(values(samples, selection, recording.header))
-            seen(samples)
-        table.verify_index()
+    cool, lost = table.temperature, LostCounts(table.rig.settings.encoder.count)
+    table.rig.watchers.append(lost)
+    try:
+        with ended(recording, table, started, marks, lambda: evidence(table, lost, cool)):
+            for samples, selection in table.play(planned.drive):
+                if selection.stop > selection.start:
+                    recording.append(values(samples, selection, recording.header, table.rig.settings))
+                seen(samples)
+            table.verify()
+    finally:
+        table.rig.watchers.remove(lost)
     return tuple(mark.text for mark in marks)
 
 
+def evidence(table: Table, lost: LostCounts, cool: float) -> Evidence:
+    """What a test has shown of its own measurement; ``cool`` [degC] was the damper at its begin."""
+    zero = table.zero
+    shift = (zero[-2] - zero[0], zero[-1] - zero[0]) if len(zero) > 1 else None
+    warm = table.temperature
+    room = table.rig.settings.specimen.room
+    return Evidence(lost.number(table.loop.index), shift, warm, warm - room, warm - cool)
+
+
 @contextmanager
-def ended(recording: Recording, table: Table, started: dict[str, str], marks: list[Mark]) -> Iterator[None]:
-    """Finish the file, after the table was brought to rest if something ended the test early; ``marks`` takes those of it."""
+def ended(
+    recording: Recording, table: Table, started: dict[str, str], marks: list[Mark], shown: Callable[[], Evidence]
+) -> Iterator[None]:
+    """Finish the file, after the table was brought to rest if something ended the test early; ``marks`` takes those of it.
+    ``shown`` gives what a test that came to its end has shown of its measurement.
+    """
     try:
         yield
     except BaseException as problem:
@@ -83,34 +104,72 @@ def ended(recording: Recording, table: Table, started: dict[str, str], marks: li
         with suppress(
             DampyrError
         ):  # a full disk, or too few samples for a record: what was acknowledged is in the file
-            recording.close() if isinstance(problem, FileError) else recording.finish(outcome, complete=False)
+            recording.close() if isinstance(problem, FileError) else recording.finish(
+                outcome, complete=False, uncertainty=uncertainty(recording, table.rig.settings, Evidence())
+            )
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
-    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome)))
+    seen = shown()
+    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome, seen)))
     if any(mark.spoils for mark in marks):
         raise _spoiled(marks)
 
 
-def _finish(recording: Recording, rig: RigSettings, outcome: dict[str, str]) -> list[Mark]:
+def _finish(recording: Recording, rig: RigSettings, outcome: dict[str, str], shown: Evidence) -> list[Mark]:
     """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks."""
-    marks = marks_of(lambda rows: measured(recording, rig, rows), recording.rows)
-    texts = tuple(mark.text for mark in marks)
+    marks = marks_of(lambda rows: measured(recording, rig, rows, shown.temperature), recording.rows)
+    marks += zero_moved(shown)
+    about: dict[str, Any] = {"marks": tuple(mark.text for mark in marks)}
+    about["uncertainty"] = uncertainty(recording, rig, shown)
+    if "voltage" in recording.header.constants and "raw/coil_voltage" in recording.datasets:
+        about["constants"] = {"voltage": mean_voltage(recording, rig)}
     if any(mark.spoils for mark in marks):
-        recording.finish(outcome | reason(_spoiled(marks)), complete=False, marks=texts)
+        recording.finish(outcome | reason(_spoiled(marks)), complete=False, **about)
     else:
         outcome = outcome | {"exit_status": "complete", "reason": ""}
-        recording.finish(
-            outcome, history(rig), refine=lambda values: refined(values, rig), margin=margin(rig), marks=texts
-        )
+        recording.finish(outcome, history(rig), refine=lambda values: refined(values, rig), margin=margin(rig), **about)
     return marks
+
+
+def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict[str, Uncertainty]:
+    """The standard uncertainty of each channel of a test; none with too few samples for a record."""
+    rows = recording.rows
+    if rows < MIN_SAMPLES or rows < 5.0 * rig.board.rate / rig.board.velocity_bandwidth:
+        return {}
+    voltage, count = recording.header.constants.get("voltage"), max(1, rows // PIECE)
+
+    def piece(k: int) -> tuple[Array, Array, Array | float]:
+        some = slice(rows * k // count, rows * (k + 1) // count)
+        time, force = (recording.read(f"calibrated/{name}", some) for name in ("time", "force"))
+        return time, force, recording.read("calibrated/voltage", some) if voltage is None else voltage
+
+    parts = budget(rig, shown, rows / rig.board.rate, map(piece, range(count)))
+    return {name: Uncertainty(each) for name, each in parts.items()}
+
+
+def mean_voltage(recording: Recording, rig: RigSettings) -> float:
+    """The mean of the coil's voltage [V] as read back in a test at one voltage, less what its warmth has added."""
+    asked = recording.header.constants["voltage"]
+    read, command = (recording.read(f"raw/{name}") for name in ("coil_voltage", "command"))
+    warm = np.mean(command) * rig.supply.gain / asked if asked else 1.0
+    return float(np.mean(read)) * rig.supply.voltage_scale / float(warm or 1.0)
 
 
 def _spoiled(marks: list[Mark]) -> RigFault:
     return RigFault(f"the test is spoiled: {'; '.join(mark.text for mark in marks if mark.spoils)}", "check")
 
 
-def measured(recording: Recording, rig: RigSettings, rows: slice) -> Measured:
-    """What was measured, as `dampyr.campaigns.marks` looks at it."""
+def measured(recording: Recording, rig: RigSettings, rows: slice, temperature: float) -> Measured:
+    """What was measured, as `dampyr.campaigns.marks` looks at it, with the damper at ``temperature`` [degC]."""
+    coil = {
+        name: recording.read(f"raw/{name}", rows) * scale
+        for name, scale in (
+            ("coil_voltage", rig.supply.voltage_scale),
+            ("coil_current", rig.supply.current_scale),
+            ("command", rig.supply.gain),
+        )
+        if f"raw/{name}" in recording.datasets
+    }
     voltage = recording.header.constants.get("voltage")
     return Measured(
         recording.read("calibrated/time", rows),
@@ -119,6 +178,8 @@ def measured(recording: Recording, rig: RigSettings, rows: slice) -> Measured:
         recording.read("raw/force", rows),
         recording.read("calibrated/voltage", rows) if voltage is None else voltage,
         rig,
+        temperature,
+        **coil,
     )
 
 
@@ -218,9 +279,16 @@ def header(
             rig.settings.force_delay,
         ),
     }
-    if rig.settings.wires.temperature:
+    inputs, supply = rig.settings.inputs, rig.settings.supply
+    if "temperature" in inputs:
         channels.append("temperature")
         raw["temperature"] = RawChannel("V", calibration.slope, calibration.base, "degC")
+    if "coil_voltage" in inputs:
+        raw["coil_voltage"] = RawChannel("V", supply.voltage_scale, 0.0, "V")
+    if "coil_current" in inputs:
+        raw["coil_current"] = RawChannel("V", supply.current_scale, 0.0, "A")
+    if raw.keys() & {"coil_voltage", "coil_current"}:
+        raw["command"] = RawChannel("V", supply.gain, 0.0, "V")
     return Header(
         planned.name,
         planned.name,
@@ -256,6 +324,7 @@ def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaig
         "calibration": as_json(calibration),
         "board": rig.identity,
         "data_sheet": rig.settings.specimen.data_sheet,
+        "voltage": voltage_source(rig.settings),
         "preliminary_check": "passed" if campaign.header.check_amplitude else UNCHECKED,
         "dampyr": dampyr.__version__,
         "python": platform.python_version(),
@@ -264,12 +333,18 @@ def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaig
     }
 
 
+def voltage_source(rig: RigSettings) -> str:
+    """How the voltage in a record is known."""
+    terminal = rig.inputs.get("coil_voltage")
+    return f"read back on {terminal}" if terminal else "as commanded: nothing reads the coil's (wires.coil_voltage)"
+
+
 def as_json(settings: Any) -> str:
     """A dataclass as text, SI."""
     return json.dumps(dataclasses.asdict(settings), default=str)
 
 
-def values(samples: Samples, selection: slice, record_header: Header) -> dict[str, Any]:
+def values(samples: Samples, selection: slice, record_header: Header, rig: RigSettings) -> dict[str, Any]:
     """The rows of a block for the file."""
     columns: dict[str, Any] = {
         "calibrated/time": samples.time,
@@ -277,9 +352,9 @@ def values(samples: Samples, selection: slice, record_header: Header) -> dict[st
         "calibrated/force": samples.force,
         "calibrated/voltage": samples.voltage,
         "calibrated/temperature": samples.temperature,
-        "raw/force": samples.volts[0],
+        **{f"raw/{name}": volts for name, volts in zip(rig.inputs, samples.volts, strict=True)},
         "raw/position": samples.counts,
-        "raw/temperature": samples.volts[-1],
+        "raw/command": samples.command / rig.supply.gain,
     }
     wanted = [
         *(f"calibrated/{name}" for name in record_header.channels),

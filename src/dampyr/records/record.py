@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.records.moving_average import MovingAverage
+from dampyr.records.uncertainty import Uncertainty
 from dampyr.representation import Representation, Summary, column_name, data_frame, extent
 
 if TYPE_CHECKING:
@@ -132,6 +133,8 @@ class Record(Representation):
         The moving average that some of its channels still hold (:mod:`dampyr.records.smoothing`), or None.
     marks
         Faults that the recorder saw in the test, a sentence each, such as a force that stands still while the table moves.
+    uncertainty
+        The standard uncertainty of channels by their names, with its parts; empty where nobody stated it.
 
     Raises
     ------
@@ -155,11 +158,16 @@ class Record(Representation):
     specimen: str | None = None
     smoothed: MovingAverage | None = None
     marks: tuple[str, ...] = ()
+    uncertainty: Mapping[str, Uncertainty] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for channel in CHANNELS:
             object.__setattr__(self, channel, _frozen(channel, getattr(self, channel)))
-        object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
+        for name in ("provenance", "uncertainty"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+        for name in self.uncertainty:
+            if name not in CHANNELS:
+                raise InputError(f"uncertainty of {name!r} is of no channel; choose from {', '.join(CHANNELS)}")
         for name in ("history", "marks"):
             if isinstance(getattr(self, name), str):
                 raise InputError(f"{name} = {getattr(self, name)!r} is one text; give a tuple of texts")
@@ -175,7 +183,8 @@ class Record(Representation):
 
     def __reduce__(self) -> tuple[Any, ...]:
         values = {f.name: getattr(self, f.name) for f in fields(self)}
-        return _rebuilt, (values | {"provenance": dict(self.provenance)},)
+        plain = {"provenance": dict(self.provenance), "uncertainty": dict(self.uncertainty)}
+        return _rebuilt, (values | plain,)
 
     @property
     def n(self) -> int:
@@ -238,6 +247,12 @@ class Record(Representation):
         rows += [(GROUPS[name], getattr(self, name)) for name in GROUPS if getattr(self, name) is not None]
         if self.smoothed is not None:
             rows.append(("smoothed", f"{', '.join(self.smoothed.channels)}, over {self.smoothed.window:.4g} s"))
+        if "force" in self.uncertainty:
+            force, stroke = self.uncertainty["force"], self.uncertainty.get("displacement")
+            words = f"force {force.standard:.2g} N" + (
+                f", displacement {1e6 * stroke.standard:.2g} µm" if stroke else ""
+            )
+            rows.append(("uncertainty", f"{words} (one sigma)"))
         rows += [("mark", mark) for mark in self.marks]
         return f"Record {self.name!r}", rows
 

@@ -28,6 +28,7 @@ from dampyr.errors import FileError
 from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.new_file import new_file, reserve
 from dampyr.records.record import CHANNELS, GROUPS, Array, Label, Record, Role
+from dampyr.records.uncertainty import Uncertainty
 
 ALL = slice(None)
 SYNC_EVERY = 1.0  # s
@@ -121,6 +122,11 @@ class Recording:
         self.rows += n
         return self.rows
 
+    @property
+    def datasets(self) -> frozenset[str]:
+        """The names of its datasets, such as ``raw/force``."""
+        return frozenset(self._data)
+
     def read(self, name: str, rows: slice = ALL) -> Array:
         """Acknowledged samples of a dataset, such as ``calibrated/force``, all (rows,) or some of them."""
         begin, end, step = rows.indices(self.rows)
@@ -157,11 +163,14 @@ class Recording:
         refine: Refine | None = None,
         margin: int = 0,
         marks: tuple[str, ...] = (),
+        uncertainty: Mapping[str, Uncertainty] | None = None,
+        constants: Mapping[str, float] | None = None,
     ) -> Path:
         """Close the file and write it anew with what became known, whole or not at all, a piece of it at a time.
 
         ``refine`` gives the channels that the finished file holds, from those that were recorded; it looks at ``margin``
-        samples before and after each; ``marks`` are the faults that were seen in the test.
+        samples before and after each; ``marks`` are the faults that were seen in the test, ``uncertainty`` that of its
+        channels, and ``constants`` replace those of the header.
         """
         entries = dict(self.header.provenance) | dict(provenance)
         entries |= {"test": self.header.test, "try": str(self.header.attempt)} | (
@@ -169,7 +178,8 @@ class Recording:
         )
         header = self.header
         about: dict[str, Any] = {"name": header.name, "label": header.label, "role": header.role, **header.constants}
-        about |= {"provenance": entries, "history": history, **header.groups}
+        about |= {"provenance": entries, "history": history, **header.groups, **(constants or {})}
+        about["uncertainty"] = dict(uncertainty or {})
         if marks:
             about["marks"] = marks
         # a channel that nothing refined is read when the raw reading is

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from math import pi
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import tomli_w
@@ -28,7 +29,12 @@ SPREAD = 0.02  # by which a measured scale may differ from the one before withou
 
 @dataclass(frozen=True, repr=False)
 class Calibration(Representation):
-    """force = scale*(volts - zero) [N], displacement = count*(counts + 1/2 - middle) [m], temperature = slope*volts + base."""
+    """force = scale*(volts - zero) [N], displacement = count*(counts + 1/2 - middle) [m], temperature = slope*volts + base.
+
+    ``noise`` is the force's at rest, rms; ``bandwidth`` that of the load cell's amplifier; ``gain`` the supply's, volts at the
+    coil per volt of command; ``resistance`` (at 20 degC) and ``inductance`` the coil's. Each may come with its standard
+    uncertainty, and is None where it was not measured: then the rig's settings hold.
+    """
 
     scale: Annotated[float, Quantity("N/V")]
     zero: Annotated[float, Quantity("V")]
@@ -37,6 +43,17 @@ class Calibration(Representation):
     slope: Annotated[float, Quantity("K/V")] = 100.0
     base: Annotated[float, Quantity("degC")] = 0.0
     how: str = "from the rig's settings"
+    scale_uncertainty: Annotated[float | None, Quantity("N/V", low=0.0)] = None
+    zero_uncertainty: Annotated[float | None, Quantity("V", low=0.0)] = None
+    noise: Annotated[float | None, Quantity("N", low=0.0)] = None
+    bandwidth: Annotated[float | None, Quantity("Hz", low=0.0, open_low=True)] = None
+    bandwidth_uncertainty: Annotated[float | None, Quantity("Hz", low=0.0)] = None
+    gain: Annotated[float | None, Quantity("V/V", low=0.0, open_low=True)] = None
+    gain_uncertainty: Annotated[float | None, Quantity("V/V", low=0.0)] = None
+    resistance: Annotated[float | None, Quantity("ohm", low=0.0, open_low=True)] = None
+    resistance_uncertainty: Annotated[float | None, Quantity("ohm", low=0.0)] = None
+    inductance: Annotated[float | None, Quantity("H", low=0.0)] = None
+    inductance_uncertainty: Annotated[float | None, Quantity("H", low=0.0)] = None
 
     def _summary(self) -> Summary:
         return "Calibration", [
@@ -58,6 +75,27 @@ class Calibration(Representation):
         """degC."""
         return self.slope * volts + self.base
 
+    def corrected(self, rig: RigSettings) -> RigSettings:
+        """The settings with what was measured in the place of what was assumed, and its uncertainty."""
+        cell: dict[str, Any] = {}
+        supply: dict[str, Any] = {}
+        if self.scale_uncertainty is not None:
+            cell["scale_uncertainty"] = self.scale_uncertainty / abs(self.scale)
+        if self.zero_uncertainty is not None:
+            cell["zero_uncertainty"] = self.zero_uncertainty * abs(self.scale)
+        if self.noise is not None:
+            cell["noise"] = self.noise
+        if self.bandwidth is not None:
+            relative = (self.bandwidth_uncertainty or 0.0) / self.bandwidth
+            cell |= {"bandwidth": self.bandwidth, "delay_uncertainty": relative / (2.0 * pi * self.bandwidth)}
+        for name in ("gain", "resistance"):
+            value, uncertainty = getattr(self, name), getattr(self, f"{name}_uncertainty")
+            if value is not None:
+                supply |= {name: value, f"{name}_uncertainty": (uncertainty or 0.0) / value}
+        if self.inductance is not None:
+            supply["inductance"] = self.inductance
+        return replace(rig, load_cell=replace(rig.load_cell, **cell), supply=replace(rig.supply, **supply))
+
     def zeroed(self, volts: float) -> Calibration:
         """The same with these volts at no force."""
         return replace(self, zero=volts)
@@ -70,7 +108,7 @@ def save_calibration(calibration: Calibration, folder: str | Path, metadata: Map
     """Write ``calibration.toml`` into the folder of a ``rig.toml``, whole or not at all; ``metadata`` is kept beside it."""
     path = Path(folder) / NAME
     numbers = {
-        key: value for key, value in asdict(calibration).items() if key != "middle"
+        key: value for key, value in asdict(calibration).items() if key != "middle" and value is not None
     }  # homing finds the middle each time
     write_whole(path, tomli_w.dumps({"calibration": numbers, "told": dict(metadata or {})}))
     return path

@@ -40,6 +40,7 @@ def simulated(
     in_process: bool = False,
     real_time: bool = False,
     black_box: str | Path | None = None,
+    parts: RigSettings | None = None,
 ) -> Rig:
     """A simulated rig: a process of its own that speaks the real wires, or, ``in_process``, the plant without them.
 
@@ -55,20 +56,24 @@ def simulated(
         The rig follows the wall clock; without it the host advances it, and thirty seconds take one.
     black_box
         A file for a line of JSON per event, as it happens; only of a process.
+    parts
+        What the rig really is, where ``settings`` are wrong about it: its supply, load cell, actuator and the others but wires,
+        board and limits. None: what ``settings`` say.
 
     Raises :class:`~dampyr.errors.InputError` for a wrong argument, :class:`~dampyr.errors.RigFault` where the process does
     not start.
     """
     rig, folder = _settings(settings)
     fault_specs = tuple(FaultSpec.parse(each) if isinstance(each, str) else each for each in faults)
-    specimen = specimen_of(rig, folder)
+    true = rig if parts is None else replace(parts, wires=rig.wires, board=rig.board, limits=rig.limits)
+    specimen = specimen_of(true, folder)
     if in_process:
         if real_time or black_box is not None:
             raise InputError("a rig in this process has no clock and no black box of its own; leave in_process out")
-        simulator = Simulator(rig, seed, fault_specs, specimen)
+        simulator = Simulator(true, seed, fault_specs, specimen)
         uno, board = Uno(InProcess(simulator.serial)), InProcessBoard(simulator)
         return Rig(rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True, damper_persists=False)
-    process = Process(rig, specimen, seed, fault_specs, real_time, black_box)
+    process = Process(true, specimen, seed, fault_specs, real_time, black_box)
     try:
         wired = replace(rig, wires=replace(rig.wires, serial=process.serial, grpc=process.grpc))
         if real_time:

@@ -50,7 +50,7 @@ class Calibrating:
 
     def save(self, folder: str | Path, metadata: Mapping[str, str] | None = None) -> Path:
         """Save it next to the rig's settings, and use it from now on."""
-        self.rig.calibration = self.calibration
+        self.rig.use(self.calibration)
         return save_calibration(self.calibration, folder, metadata)
 
     def _require_zero(self) -> float:

@@ -96,6 +96,7 @@ class LoopServer:
     def do_acquire(self, calibration: Calibration, interlocked: bool, temperature: float) -> Status:
         """Make a loop for a rig that is about to be armed; the Uno's status."""
         assert self.rig is not None
+        self.rig = calibration.corrected(self.rig)
         freeze_objects()
         interlock = Interlock(self.rig, index=self.index) if interlocked else None
         warmth = Warmth(self.rig, temperature)

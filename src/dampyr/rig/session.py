@@ -40,6 +40,7 @@ QUICK = 0.2  # s of work during which the board's buffer is enough
 HOMING = 240.0  # s that the search for the index may take: to and fro over a stroke at 2 mm/s
 BACK = 0.4  # s of a jog on the way back from outside of the limits, renewed before its 0.5 s are over
 PAST_INDEX = 2.5e-4  # m on both sides of the index between which it is passed
+ZERO_SIDE = 1.0e-3  # m on both sides of the place about which the force's zero is looked at: hysteresis saturates in it
 
 
 @dataclass(repr=False)
@@ -76,6 +77,7 @@ class Rig(Representation):
     def __post_init__(self) -> None:
         saved = load_calibration(self.folder) if self.folder else None
         self.calibration = self.calibration or saved or calibration_of(self.settings)
+        self.settings = self.calibration.corrected(self.settings)
         self.warmth = Warmth(self.settings, self.settings.specimen.room)
         if self.damper_persists and self.folder and (warm := load_temperature(self.folder)):
             self.warmth.temperature = warm.cooled(self.settings)
@@ -152,6 +154,10 @@ class Rig(Representation):
         finally:
             self.board.stop()
 
+    def use(self, calibration: Calibration) -> None:
+        """Use ``calibration`` from the next arming on, with what it says of the rig's parts."""
+        self.calibration, self.settings = calibration, calibration.corrected(self.settings)
+
     @cached_property
     def identity(self) -> str:
         """The board and the Uno's firmware."""
@@ -221,6 +227,8 @@ class Table(Representation):
         self.loop = rig.acquisition(rig) if rig.acquisition is not None else acquisition(rig)
         self.check: Callable[[], None] = no_check
         steps = (self.loop.cut, self._stop, self.loop.end, self.loop.settle, self._disarm_uno, self._stop_board)
+        self.zero: list[float] = []
+        """The force [N] about which the damper's hysteresis lay, each time that `verify` has looked."""
         self._way_out: deque[Callable[[], None]] = deque(steps)
 
     def _summary(self) -> Summary:
@@ -338,6 +346,29 @@ class Table(Representation):
             self.go(place * count - side)
         self.go(place * count + side)
 
+    def verify(self) -> None:
+        """Pass the encoder's index as `verify_index` does, and append to `zero` the force [N] about which the damper's
+        hysteresis lies, with the coil at 0 V.
+
+        It is the mean of the forces on a slow way down and up again over the same place, (F- + F+)/2: friction and damping
+        cancel, and what is left, the zero of the load cell and the static force there, changes with neither. Nothing where
+        the table is not homed.
+        """
+        if not self.homed:
+            return
+        count, places = self.rig.settings.encoder.count, self.loop.index
+        place = places.get(0, 0) * count
+        if abs(place) + ZERO_SIDE > self.rig.settings.travel:
+            self.verify_index()
+            place = 0.0
+        self.go(place + ZERO_SIDE)
+        means = []
+        for way in (-1.0, 1.0):
+            samples = list(self._on_the_way(place + way * ZERO_SIDE))
+            x, force = (np.concatenate([getattr(each, name) for each in samples]) for name in ("displacement", "force"))
+            means.append(float(np.mean(force[np.abs(x - place) < 0.5 * ZERO_SIDE])))
+        self.zero.append(0.5 * sum(means))
+
     def _align(self) -> None:
         """Align the board's counts with the Uno's, at rest: in a block in which the table moves, they are read at
         different times."""
@@ -391,6 +422,11 @@ class Table(Representation):
 
     def go(self, displacement: float) -> None:
         """Move slowly to ``displacement`` [m] and stop there; :class:`RigFault` where the table did not follow."""
+        for _ in self._on_the_way(displacement):
+            pass
+
+    def _on_the_way(self, displacement: float) -> Iterator[Samples]:
+        """The blocks of a slow move."""
         if self.loop.status.outside:
             self.come_back()
         path = displacement - self.position
@@ -398,8 +434,8 @@ class Table(Representation):
         n = math.ceil(seconds / 0.01) + 1
         s = np.linspace(0.0, 1.0, n)
         smooth = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
-        for _ in self.play(Drive(0.01, self.position + path * smooth, np.zeros(n))):
-            pass
+        for samples, _ in self.play(Drive(0.01, self.position + path * smooth, np.zeros(n))):
+            yield samples
         if abs(displacement - self.position) > ARRIVED:
             raise RigFault(
                 f"the table was driven to {displacement * 1e3:.2f} mm and stands at {self.position * 1e3:.2f} mm; "

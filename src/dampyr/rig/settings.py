@@ -82,6 +82,7 @@ class Encoder:
     range: Annotated[float, Length, "Table A.5"] = 0.370
     max_speed: Annotated[float, Speed, "Table A.5: 60 m/min"] = 1.0
     index: Annotated[float, Quantity("m"), "assumed: the index mark, from the middle of the damper's stroke"] = 0.002
+    accuracy: Annotated[float, Metre, "Table A.5: so far off at most"] = 5.0e-6
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,14 @@ class LoadCell:
     scale: Annotated[float, Quantity("N/V", low=0.0, open_low=True), "measured: steps of 0.187 N of 16 bit"] = 613.0
     zero: Annotated[float, Quantity("V", low=-10.0, high=10.0), "to be measured: `dampyr calibrate`"] = 0.0
     bandwidth: Annotated[float, Quantity("Hz", low=0.0, open_low=True), "assumed: the amplifier's filter"] = 1000.0
+    linearity: Annotated[
+        float, Quantity("", low=0.0), "Table A.4: of the capacity, at most; its hysteresis is as much"
+    ] = 2.0e-4
+    scale_uncertainty: Annotated[float, Quantity("", low=0.0), "assumed: of the scale, until `dampyr calibrate`"] = 0.01
+    zero_uncertainty: Annotated[float, Quantity("N", low=0.0), "assumed: until `dampyr calibrate`"] = 5.0
+    delay_uncertainty: Annotated[float, Second, "assumed: 100 Hz or more, until `dampyr calibrate --amplifier`"] = (
+        9.0e-4
+    )
     noise: Annotated[float, Quantity("N", low=0.0), "simulated: rms"] = 0.4
     wander: Annotated[
         float,
@@ -112,6 +121,15 @@ class Supply:
     ] = 1.0
     resistance: Annotated[float, Quantity("ohm", low=0.0, open_low=True), "measured: 0.495 A at 2.178 V"] = 4.4
     inductance: Annotated[float, Quantity("H", low=0.0), "assumed: 10 ms with the resistance"] = 0.044
+    gain_uncertainty: Annotated[
+        float, Quantity("", low=0.0), "assumed: of the gain, until `dampyr calibrate --coil`"
+    ] = 0.05
+    resistance_uncertainty: Annotated[
+        float, Quantity("", low=0.0), "assumed: of the resistance, until `dampyr calibrate --coil`"
+    ] = 0.05
+    reading_uncertainty: Annotated[
+        float, Quantity("", low=0.0), "assumed: of the coil's readings, by divider, shunt and board"
+    ] = 0.003
     max_voltage: Annotated[float, Quantity("V", low=0.0, open_low=True), "1 A of Table A.1 through the coil"] = 4.4
     voltage_scale: Annotated[
         float,
@@ -172,6 +190,7 @@ class Board:
         "pulses on the encoder's lines that are shorter are ignored; M Series manual p. 7-32: 125 ns, 6.425 us or 2.55 ms; "
         "0 for none",
     ] = 6.425e-6
+    clock_accuracy: Annotated[float, Quantity("", low=0.0), "PCI-6221: 50 ppm of the time base"] = 5.0e-5
 
 
 @dataclass(frozen=True)
@@ -250,6 +269,11 @@ class RigSettings(Representation):
     def force_delay(self) -> float:
         """s by which the load cell's filter delays the force: 1/(2 pi f) of its bandwidth f."""
         return 1.0 / (2.0 * pi * self.load_cell.bandwidth)
+
+    @property
+    def step(self) -> float:
+        """V of the board's converter from one reading to the next."""
+        return 2.0 * self.board.range / 2.0**self.board.bits
 
     @property
     def travel(self) -> float:

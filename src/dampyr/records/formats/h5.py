@@ -5,7 +5,8 @@ Layout (schema 2)::
     /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try, sha256 (of every dataset,
                  `dampyr.records.checksums`); measurement_session and specimen where they are known
     /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
-                 voltage or current as a number when it is constant
+                 voltage or current as a number when it is constant; with the attributes uncertainty (one standard
+                 uncertainty, in that unit) and uncertainty_parts (JSON) where it is stated
     /raw         one dataset per raw reading with the attributes unit, gain, offset, calibrated_unit:
                  calibrated = gain*raw + offset; empty for a test that was read from another format.
                  With an attribute delay [s] above 0, the calibrated value is that of so much earlier.
@@ -24,6 +25,7 @@ In MATLAB: ``h5read("test.h5", "/calibrated/force")`` and ``h5readatt("test.h5",
 from __future__ import annotations
 
 import contextlib
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,6 +41,7 @@ from dampyr.records.new_file import new_file
 from dampyr.records.record import CHANNELS, GROUPS, MIN_SAMPLES, Label, Record, as_role
 from dampyr.records.record_files import Request
 from dampyr.records.self_contained import check_contained
+from dampyr.records.uncertainty import Uncertainty
 from dampyr.units import to_si
 
 TITLE, MEDIA_TYPE = "HDF5", "application/x-hdf5"
@@ -46,6 +49,7 @@ FORMAT = "dampyr record"
 SCHEMA = 2  # the one that is written
 SUPPORTED_SCHEMAS = (1, 2)  # schema 1 had no /rows
 PIECE = 2**16  # samples of a long record that are in memory at a time
+UNCERTAINTY, UNCERTAINTY_PARTS = "uncertainty", "uncertainty_parts"  # attributes of a calibrated channel
 RAW_OF = {"position": "displacement"}
 """The channel that a raw reading is calibrated to, where it has another name."""
 RAW_ERROR = (
@@ -137,8 +141,27 @@ def read(path: Path, request: Request) -> Record:
             provenance=provenance,
             history=history,
             marks=marks,
+            uncertainty=_uncertainty(path, attributes),
             **{name: str(root[name]) for name in GROUPS if name in root},  # type: ignore[arg-type]
         )
+
+
+def _uncertainty(path: Path, attributes: Attributes) -> dict[str, Uncertainty]:
+    """The standard uncertainty of each channel that states it."""
+    stated = {}
+    for name in CHANNELS:
+        text = attributes.get(f"calibrated/{name}", {}).get(UNCERTAINTY_PARTS)
+        if text is None:
+            continue
+        unit = str(attributes[f"calibrated/{name}"].get("unit", "")) or CHANNELS[name]
+        size = float(to_si(1.0, unit, CHANNELS[name]) - to_si(0.0, unit, CHANNELS[name]))
+        try:
+            stated[name] = Uncertainty({part: size * value for part, value in json.loads(text).items()})
+        except (ValueError, TypeError, AttributeError) as problem:
+            raise FileError(
+                path, f"/calibrated/{name} states no uncertainty that can be read ({problem}); {REPAIR}"
+            ) from None
+    return stated
 
 
 def read_raw(path: str | Path) -> dict[str, Raw]:
@@ -273,6 +296,10 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
                 sums.add(name, texts)
         # The file has no name yet under which it is read, so that nothing sees it before it is whole.
         file.attrs["complete"] = np.uint8(record.provenance.get("complete") != "no")
+        for channel, uncertainty in record.uncertainty.items():
+            if (data := file.get(f"calibrated/{channel}")) is not None:
+                about = {UNCERTAINTY: uncertainty.standard, UNCERTAINTY_PARTS: uncertainty.to_json()}
+                data.attrs.update(about)
         sums.write(file)
 
 

@@ -1,0 +1,154 @@
+r"""Standard uncertainty of what a rig measures, a budget per channel (JCGM 100:2008).
+
+Each part is one sigma in the channel's unit, typical of the record (the root of its mean square). A limit that is never
+passed, +-a, counts as :math:`a/\sqrt{3}`, a step q of a converter or an encoder as :math:`q/\sqrt{12}`. What was measured by
+`dampyr calibrate` stands with its own uncertainty, what the settings assume with theirs. What the rig found in the test
+itself goes in as well: counts that were lost, the shift of the force's zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.models.numerics.differentiation import differentiate
+from dampyr.rig.interlock import Samples
+from dampyr.rig.settings import RigSettings
+from dampyr.rig.thermal_model import COLD, COPPER
+
+Array = NDArray[np.float64]
+UNSEEN_COUNTS = 2.0  # that the board and the Uno may differ by at rest, where no index shows them
+UNSEEN_DRIFT = 10.0  # N by which the force's zero may have moved where it was not looked at
+WARMING = 0.3  # of the warming that the thermal model gives: its heat capacity and cooling are assumed
+THERMOCOUPLE = 1.0  # K, of the amplifier and the junction; assumed
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What was seen in a test: counts that were lost, None where no index shows them; and the shift [N] of the force's zero
+    before and after the test against the first look, None where it was not looked at; the damper's temperature [degC] after
+    the test, how much that is above the room's, and how much it rose in the test."""
+
+    lost_counts: float | None = None
+    zero_shift: tuple[float, float] | None = None
+    temperature: float = COLD
+    warming: float = 0.0
+    rise: float = 0.0
+
+
+class LostCounts:
+    """Counts of the encoder that were lost in a test, as the index and the Uno's count show them; a watcher of blocks."""
+
+    def __init__(self, count: float) -> None:
+        self._count, self._passes, self._apart, self._still = count, set[int](), 0.0, False
+
+    def __call__(self, samples: Samples) -> None:
+        """Take a block."""
+        self._passes.update(samples.index.tolist())
+        still = samples.status.speed == 0 and int(np.ptp(samples.counts)) == 0
+        if still and self._still and samples.status.homed:
+            position = round(float(samples.displacement[-1]) / self._count - 0.5)
+            self._apart = max(self._apart, abs(position - samples.status.position))
+        self._still = still
+
+    def number(self, index: Mapping[int, int]) -> float | None:
+        """The most that one of them shows, with ``index`` as in `dampyr.rig.interlock.Interlock`; None where the board sees
+        none."""
+        edges = [place for key, place in index.items() if key]
+        if not edges or not self._passes:
+            return None
+        return max(self._apart, *(min(abs(place - edge) for edge in edges) for place in self._passes))
+
+
+class Squares:
+    """Means of squares over the pieces of a record."""
+
+    def __init__(self, bandwidth: float) -> None:
+        self.n, self._sums, self.bandwidth = 0, {"force": 0.0, "rate": 0.0, "voltage": 0.0}, bandwidth
+
+    def add(self, time: Array, force: Array, voltage: Array | float) -> None:
+        """A piece, (n,) SI each."""
+        rate = differentiate(time, force, self.bandwidth)
+        self.n += len(time)
+        for name, values in (("force", force), ("rate", rate), ("voltage", voltage)):
+            self._sums[name] += float(np.sum(np.broadcast_to(values, len(time)) ** 2))
+
+    def rms(self, name: str) -> float:
+        """The root of the mean square: of the ``force`` [N], its ``rate`` [N/s], the ``voltage`` [V]."""
+        return math.sqrt(self._sums[name] / max(1, self.n))
+
+
+def budget(
+    rig: RigSettings, evidence: Evidence, duration: float, pieces: Iterable[tuple[Array, Array, Array | float]]
+) -> dict[str, dict[str, float]]:
+    """The parts of each channel's standard uncertainty; ``pieces`` are time, force and voltage of a record in turn."""
+    squares = Squares(rig.board.velocity_bandwidth)
+    for time, force, voltage in pieces:
+        squares.add(time, force, voltage)
+    parts = {
+        "time": {"clock": rig.board.clock_accuracy * duration / math.sqrt(3.0)},
+        "displacement": _displacement(rig, evidence),
+        "velocity": {"resolution of the encoder": _velocity_noise(rig)},
+        "force": _force(rig, evidence, squares),
+        "voltage": _voltage(rig, evidence, squares),
+    }
+    if "temperature" in rig.inputs:
+        parts["temperature"] = {"thermocouple": THERMOCOUPLE}
+    return parts
+
+
+def _displacement(rig: RigSettings, evidence: Evidence) -> dict[str, float]:
+    count = rig.encoder.count
+    lost = UNSEEN_COUNTS if evidence.lost_counts is None else evidence.lost_counts
+    return {
+        "resolution of the encoder": count / math.sqrt(12.0),
+        "accuracy of the scale": rig.encoder.accuracy / math.sqrt(3.0),
+        "lost counts": lost * count / math.sqrt(3.0),
+    }
+
+
+def _velocity_noise(rig: RigSettings) -> float:
+    r""":math:`\sigma_v^2 = \sigma_x^2 \frac{2}{f_s} \int_0^{\infty} (2 \pi f)^2 |G(f)|^2 \mathrm{d}f` of white counting noise,
+    with the gain of `dampyr.models.numerics.differentiation`.
+    """
+    rate, bandwidth = rig.board.rate, rig.board.velocity_bandwidth
+    time = np.arange(round(20.0 / bandwidth * rate)) / rate
+    impulse = np.zeros(len(time))
+    impulse[len(time) // 2] = 1.0
+    response = differentiate(time, impulse, bandwidth)
+    return rig.encoder.count / math.sqrt(12.0) * float(np.sqrt(np.sum(response**2)))
+
+
+def _force(rig: RigSettings, evidence: Evidence, squares: Squares) -> dict[str, float]:
+    cell = rig.load_cell
+    if evidence.zero_shift is None:
+        shift = UNSEEN_DRIFT / math.sqrt(3.0)
+    else:
+        before, after = evidence.zero_shift
+        shift = math.sqrt((before**2 + before * after + after**2) / 3.0)  # it went from one to the other in the test
+    return {
+        "scale": cell.scale_uncertainty * squares.rms("force"),
+        "zero": cell.zero_uncertainty,
+        "shift of the zero": shift,
+        "linearity and hysteresis": math.sqrt(2.0 / 3.0) * cell.linearity * cell.capacity,
+        "noise": cell.noise,
+        "converter": rig.step * abs(cell.scale) / math.sqrt(12.0),
+        "delay of the amplifier": cell.delay_uncertainty * squares.rms("rate"),
+    }
+
+
+def _voltage(rig: RigSettings, evidence: Evidence, squares: Squares) -> dict[str, float]:
+    supply, volts = rig.supply, squares.rms("voltage")
+    read = "coil_voltage" in rig.inputs
+    warm = WARMING * COPPER * abs(evidence.warming) * volts if supply.compensated else 0.0
+    return {
+        ("reading" if read else "gain of the supply"): (supply.reading_uncertainty if read else supply.gain_uncertainty)
+        * volts,
+        "resistance of the coil": supply.resistance_uncertainty * volts,
+        "warmth of the coil": warm,
+        "converter": rig.step * (supply.voltage_scale if read else supply.gain) / math.sqrt(12.0),
+    }
