@@ -95,10 +95,10 @@ def test_a_full_buffer_holds_up_nobody_for_longer_than_a_block(connect: Open, mo
     assert waits == [board.rig.board.block]
 
 
-@pytest.mark.parametrize("volts", [-0.1, 4.5, float("nan")])
+@pytest.mark.parametrize("volts", [-0.1, 5.6, float("nan")])
 def test_a_command_that_the_supply_may_not_be_given_is_refused_in_words(connect: Open, volts: float) -> None:
     board, clock = connect()
-    words = "outside of the supply's 0 to 4.4 V"
+    words = "outside of the supply's 0 to 5.5 V"
     with pytest.raises(RigFault, match=words):
         board.start(1000.0, np.full(80, volts))
     board.start(1000.0, np.zeros(80))
@@ -106,15 +106,15 @@ def test_a_command_that_the_supply_may_not_be_given_is_refused_in_words(connect:
         board.queue(np.array([0.0, volts]))
     with pytest.raises(RigFault, match=words):
         board.write(volts)
-    board.queue(np.array([4.4]))  # nothing of what was refused has been taken
+    board.queue(np.array([5.5]))  # nothing of what was refused has been taken
     board.read(80)
     assert clock.rig.command == 0.0
-    board.write(4.4)
-    assert clock.rig.command == pytest.approx(4.4, abs=1e-3)
+    board.write(5.5)
+    assert clock.rig.command == pytest.approx(5.5, abs=1e-3)
 
 
 @pytest.mark.parametrize(
-    ("supply", "top"), [(Supply(gain=2.0), 2.2), (Supply(gain=0.1), 10.0), (Supply(max_voltage=5.0), 5.0)]
+    ("supply", "top"), [(Supply(gain=2.0), 2.75), (Supply(gain=0.1), 10.0), (Supply(max_voltage=5.0), 6.25)]
 )
 def test_the_output_is_set_up_for_no_more_than_the_supply_needs(connect: Open, supply: Supply, top: float) -> None:
     settings = RigSettings(supply=supply)
@@ -134,7 +134,7 @@ def test_the_driver_itself_refuses_what_gets_past_the_check(connect: Open, monke
     monkeypatch.setattr(NiBoard, "_check", lambda self, volts: None)
     board, _clock = connect()
     board.start(1000.0, np.zeros(80))
-    for call in (lambda: board.queue(np.full(40, 5.0)), lambda: board.write(-1.0)):
+    for call in (lambda: board.queue(np.full(40, 6.0)), lambda: board.write(-1.0)):
         with pytest.raises(RigFault, match="too large or too small"):
             call()
 

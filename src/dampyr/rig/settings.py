@@ -21,6 +21,7 @@ FILTERS = (
     6.425e-6,
     125e-9,
 )  # s, of an M Series board, the longer one first; its third, 2.55 ms, is longer than any edge
+GAIN_MARGIN = 1.25  # of the highest command: more than a gain that was assumed is wrong by
 FILTERS_IN_EDGES = 3.0  # filters between two edges of the encoder at limits.speed: its edges are not evenly spaced
 Metre = Quantity("m", low=0.0)
 Length = Quantity("m", low=0.0, open_low=True)
@@ -262,8 +263,9 @@ class RigSettings(Representation):
 
     @property
     def command_range(self) -> tuple[float, float]:
-        """V that the supply may be commanded, lowest and highest: 0 to supply.max_voltage at the coil, within the board's."""
-        return 0.0, min(self.supply.max_voltage / self.supply.gain, self.board.range)
+        """V that the supply may be commanded, lowest and highest: 0 to supply.max_voltage at the coil and a quarter more, since
+        a gain that is calibrated may be lower than the one of the settings; within the board's range."""
+        return 0.0, min(GAIN_MARGIN * self.supply.max_voltage / self.supply.gain, self.board.range)
 
     @property
     def force_delay(self) -> float:

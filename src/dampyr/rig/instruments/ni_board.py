@@ -271,7 +271,7 @@ class NiBoard:
             outside = volts[~((volts >= low) & (volts <= high))][0]
             raise RigFault(
                 f"a command of {outside:.4g} V is outside of the supply's {low:g} to {high:.4g} V "
-                "(supply.max_voltage / supply.gain)",
+                "(1.25 * supply.max_voltage / supply.gain)",
                 "interlock",
             )
 
