@@ -17,12 +17,12 @@ from dampyr.cli import cli
 from dampyr.errors import FileError, InputError, RigFault
 from dampyr.rig import Drive, Rig, RigSettings, load_settings
 from dampyr.rig.diagnosis import diagnose
-from dampyr.rig.instruments.ni_board import NiBoard, signed
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.simulated import Serial
+from dampyr.rig.instruments.arduino_uno.wire import InProcess
+from dampyr.rig.instruments.ni_daqmx.driver import NiBoard, signed
 from dampyr.rig.settings import Board, Limits, Supply
 from dampyr.rig.simulation.clock import Clock, EventLog
-from dampyr.rig.simulation.server import Serial
 from dampyr.rig.simulation.simulator import Simulator
 
 nidaqmx = pytest.importorskip("nidaqmx", reason="the extra rig is not installed: pip install dampyr[rig]")
@@ -34,7 +34,7 @@ Open = Callable[..., tuple[NiBoard, Clock]]
 @pytest.fixture
 def connect() -> Iterator[Open]:
     """A driver and the simulated board at the other end of its wire, both in this process."""
-    from dampyr.rig.simulation.daqmx_service import serve
+    from dampyr.rig.instruments.ni_daqmx.daqmx_service import start_server
 
     ends: list[Callable[[], Any]] = []
 
@@ -44,7 +44,7 @@ def connect() -> Iterator[Open]:
         if real_time:
             clock.start()
             ends.append(clock.finished.set)
-        server, port = serve(clock)
+        server, port = start_server(clock)
         ends.append(lambda: server.stop(0.1).wait())
         board = NiBoard(replace(settings, wires=replace(settings.wires, grpc=f"127.0.0.1:{port}")))
         ends.append(board.close)
@@ -140,7 +140,7 @@ def test_the_driver_itself_refuses_what_gets_past_the_check(connect: Open, monke
 
 
 def test_pulses_on_the_encoders_lines_are_filtered(connect: Open) -> None:
-    from dampyr.rig.simulation import daqmx_service
+    from dampyr.rig.instruments.ni_daqmx import daqmx_service
 
     seen: list[daqmx_service.Board] = []
     made = daqmx_service.Board.__init__

@@ -33,9 +33,14 @@ Time = Quantity("s", low=0.0, open_low=True)
 
 @dataclass(frozen=True)
 class Wires:
-    """How the rig is reached; empty for a rig that dampyr simulates itself."""
+    """Which instruments the rig has and how they are reached; serial is empty for a rig that dampyr simulates itself."""
 
-    serial: Annotated[str, "such as COM3, /dev/ttyACM0 or socket://127.0.0.1:5000"] = ""
+    acquisition: Annotated[str, "of dampyr's instruments, or the path of a folder beside this file"] = "ni-daqmx"
+    drive: Annotated[str, "as above: the controller of the table's motor"] = "arduino-uno"
+    supply: Annotated[str, "as above; analogue-output: it follows an output of the acquisition"] = "analogue-output"
+    serial: Annotated[str, "the drive's wire, such as COM3, /dev/ttyACM0 or socket://127.0.0.1:5000"] = ""
+    acquisition_address: Annotated[str, "of an acquisition of one's own, as its driver reads it"] = ""
+    supply_address: Annotated[str, "of a supply of one's own, as its driver reads it"] = ""
     baud: Annotated[int, "assumed: the Uno divides its clock to this without error"] = 250000
     board: Annotated[str, "the NI board's name in NI MAX"] = "Dev1"
     grpc: Annotated[str, "host:port of an NI gRPC device server; empty for the board of this machine"] = ""

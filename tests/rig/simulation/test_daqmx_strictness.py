@@ -20,10 +20,10 @@ class Wired:
     """Tasks at the simulated board."""
 
     def __init__(self) -> None:
-        from dampyr.rig.simulation.daqmx_service import serve
+        from dampyr.rig.instruments.ni_daqmx.daqmx_service import start_server
 
         self.clock = Clock(Simulator(RigSettings()), EventLog(None))
-        self.server, port = serve(self.clock)
+        self.server, port = start_server(self.clock)
         self.channel, self.tasks = grpc.insecure_channel(f"127.0.0.1:{port}"), []
 
     def task(self) -> Any:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Condition, Event, RLock, Thread, local
@@ -51,6 +51,8 @@ class Clock:
         self.lock = RLock()
         self.advanced = Condition(self.lock)
         self.finished = Event()
+        self.on_end: list[Callable[[], object]] = []
+        """What the wires that are served do when the process ends."""
         self.started_at = self.last_heard = time.monotonic()
         self.time_at_start = rig.time
         self.clients, self.client_seen, self.unattended = 0, False, False

@@ -61,8 +61,8 @@ class Process:
             assert self._process.stderr is not None
             output = self._process.stderr.read().strip().splitlines()
             raise RigFault(f"the simulated rig did not start: {output[-1] if output else 'it printed nothing'}")
-        wires = json.loads(line)
-        self.serial, self.grpc = str(wires["serial"]), str(wires["grpc"])
+        self.wires: dict[str, str] = json.loads(line)
+        """The settings of ``[wires]`` that lead to it."""
 
     @property
     def pid(self) -> int:

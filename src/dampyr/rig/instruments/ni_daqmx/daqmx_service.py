@@ -17,9 +17,7 @@ from nidaqmx._stubs import nidaqmx_pb2 as pb
 from nidaqmx._stubs import nidaqmx_pb2_grpc as service
 from numpy.typing import NDArray
 
-from dampyr.rig.simulation.board_signals import OVERRUN, RANGE, TIMEOUT, UNDERFLOW, BoardError
-from dampyr.rig.simulation.clock import Clock
-from dampyr.rig.simulation.daqmx_identity import (
+from dampyr.rig.instruments.ni_daqmx.daqmx_identity import (
     BEYOND_LIMITS,
     EMPTY,
     FILTER_DIFFERS,
@@ -37,6 +35,8 @@ from dampyr.rig.simulation.daqmx_identity import (
     DaqTask,
     Identity,
 )
+from dampyr.rig.simulation.board_signals import OVERRUN, RANGE, TIMEOUT, UNDERFLOW, BoardError
+from dampyr.rig.simulation.clock import Clock
 from dampyr.rig.simulation.timed_command import TimedCommand
 
 # NI-DAQmx's numbers of these settings
@@ -443,7 +443,7 @@ class RefuseUnsupported(grpc.ServerInterceptor):
         return grpc.unary_unary_rpc_method_handler(refuse)
 
 
-def serve(clock: Clock) -> tuple[grpc.Server, int]:
+def start_server(clock: Clock) -> tuple[grpc.Server, int]:
     """Serve the board on the loopback: the running server and its port."""
     from concurrent.futures import ThreadPoolExecutor
 

@@ -6,16 +6,15 @@ What NI documents of the calls that are made here, and what it does not, is in d
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import RigFault
+from dampyr.rig.instruments.contract import Array, Counts
 from dampyr.rig.settings import RigSettings
 
-Array = NDArray[np.float64]
-Counts = NDArray[np.int64]
 T = TypeVar("T")
 BUFFER = 10.0  # s of samples that the board holds for a late host
 LATCHES = 1000  # passes of the index that the board holds
@@ -31,34 +30,6 @@ NO_DRIVER = (
     "NI-DAQmx, National Instruments' driver, is not installed on this machine; install it from ni.com/downloads and start "
     "again, or name another machine's NI gRPC device server in wires.grpc"
 )
-
-
-class Board(Protocol):
-    """What the acquisition needs of a board."""
-
-    def start(self, rate: float, ahead: Array) -> None:
-        """Start sampling at ``rate`` [Hz]; the command begins with the volts in ``ahead``."""
-
-    def read(self, n: int) -> tuple[Array, Counts]:
-        """The next n samples: volts (channels, n), in the order of the rig's ``inputs``, and counts (n,); waits for them."""
-
-    def index_counts(self) -> Counts:
-        """The counts (k,) at which the encoder's index was passed since the last call, hardware-latched."""
-
-    def queue(self, volts: Array) -> None:
-        """Append to the command, a sample of it per sample read."""
-
-    def write(self, volts: float) -> None:
-        """Set the command now; what was queued is dropped, and nothing is queued before the next start."""
-
-    def stop(self) -> None:
-        """Stop sampling; the command stays as it is."""
-
-    def close(self) -> None:
-        """Close the board."""
-
-    def identity(self) -> str:
-        """Product and serial number."""
 
 
 class NiBoard:
@@ -130,7 +101,8 @@ class NiBoard:
         wires, span = self.rig.wires, self.rig.board.range
         clock = {"sample_mode": AcquisitionType.CONTINUOUS, "samps_per_chan": int(BUFFER * rate)}
         shared = clock | {"source": f"/{wires.board}/ai/SampleClock"}
-        inputs, counter, output = (self._task(name) for name in ("inputs", "counter", "output"))
+        inputs, counter = self._task("inputs"), self._task("counter")
+        output = self._task("output") if len(ahead) else None
         for name in self.rig.inputs.values():
             inputs.ai_channels.add_ai_voltage_chan(
                 f"{wires.board}/{name}", terminal_config=TerminalConfiguration.DIFF, min_val=-span, max_val=span
@@ -138,15 +110,17 @@ class NiBoard:
         self._filter(self._add_encoder(counter, wires.position), "ab")
         inputs.timing.cfg_samp_clk_timing(rate, **clock)
         counter.timing.cfg_samp_clk_timing(rate, **shared)
-        self._add_output(output)
-        self._time_output(output, rate, shared, ahead)
-        self._prepare_static_output()
+        if output is not None:
+            self._add_output(output)
+            self._time_output(output, rate, shared, ahead)
+            self._prepare_static_output()
         if wires.index:
             self._latch_index(rate)
         self._analog, self._counter = AnalogMultiChannelReader(inputs.in_stream), CounterReader(counter.in_stream)
         self._analog.verify_array_shape = self._counter.verify_array_shape = False
         for task in (counter, output, inputs):  # whose clock it is comes last
-            task.start()
+            if task is not None:
+                task.start()
 
     def _add_encoder(self, task: Any, counter: str) -> Any:
         from nidaqmx.constants import EncoderType, LengthUnits
@@ -301,6 +275,11 @@ class NiBoard:
             raise RigFault(
                 f"NI-DAQmx cannot be loaded ({problem}); install it again from ni.com/downloads"
             ) from problem
+
+
+def connect(rig: RigSettings, simulated: bool = False) -> NiBoard:
+    """The board that ``rig`` names."""
+    return NiBoard(rig)
 
 
 def signed(ticks: NDArray[np.uint32]) -> Counts:
