@@ -213,8 +213,9 @@ def test_listening_is_no_error_where_the_output_runs_out(connect: Open) -> None:
     board.read(50)
     with pytest.raises(RigFault, match="-200290"):  # but it is one where the command is to go on
         board.queue(np.zeros(10))
-    board.write(0.0)
     board.stop()
+    board.write(0.0)
+    assert clock.rig.command == 0.0
 
 
 def test_the_coil_is_cut_by_an_abort_and_one_write(connect: Open, monkeypatch: pytest.MonkeyPatch) -> None:

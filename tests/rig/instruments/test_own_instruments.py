@@ -168,17 +168,51 @@ def test_a_step_of_its_voltage_is_told_with_its_latency(laboratory: Path) -> Non
 
 def test_a_cut_is_not_followed_by_what_was_queued(laboratory: Path) -> None:
     with simulated(rig_file(laboratory, supply="./bench_supply"), in_process=True) as rig:
-        board = rig.board
-        board.start(1000.0, np.full(200, 2.0))
+        board, simulator = rig.board, rig.board.acquisition.simulator  # type: ignore[attr-defined]
+        board.start(1000.0, np.r_[np.full(100, 2.0), np.full(300, 3.0)])
         board.read(80)
-        simulator = board.acquisition.simulator  # type: ignore[attr-defined]
         assert simulator.command == pytest.approx(2.0, abs=1e-3)
         board.write(0.0)
-        board.queue(np.full(100, 2.0))
-        board.stop()
-        board.start(1000.0, np.zeros(100))
-        board.read(80)
+        for _ in range(5):
+            board.read(50)
         assert simulator.command == pytest.approx(0.0, abs=1e-3)
+        board.stop()
+        board.start(1000.0, np.full(100, 1.0))
+        board.read(80)
+        assert simulator.command == pytest.approx(1.0, abs=1e-3)
+
+
+DRIVE = """
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.wire import InProcess, open_wire
+
+class OurDrive(Uno):
+    jogs = 0
+
+    def jog(self, speed, time_ms):
+        self.jogs += 1
+        super().jog(speed, time_ms)
+
+def connect(rig, simulated=False):
+    return OurDrive(open_wire(rig.wires.serial, rig.wires.baud))
+
+def in_process(simulator):
+    return OurDrive(InProcess(simulator.serial))
+"""
+
+
+def test_a_drive_of_ones_own(tmp_path: Path) -> None:
+    (tmp_path / "our_drive").mkdir()
+    (tmp_path / "our_drive" / "driver.py").write_text(DRIVE)
+    (tmp_path / "our_drive" / "simulated.py").write_text("from .driver import in_process\n")
+    with simulated(rig_file(tmp_path, drive="./our_drive"), in_process=True) as rig:
+        assert "drive's firmware" in rig.identity
+        with rig.armed() as table:
+            table.home()
+            table.jog(0.001)
+            assert rig.uno.jogs == 1  # type: ignore[attr-defined]
+            table.go(0.002)
+            assert table.position == pytest.approx(0.002, abs=5e-4)
 
 
 @pytest.mark.prove  # in real time
