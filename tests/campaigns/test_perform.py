@@ -23,11 +23,15 @@ from tests.endurance import Endurance
 from dampyr import campaigns, records
 from dampyr.campaigns import Control, Progress, Stopped, perform, read_journal
 from dampyr.campaigns.record_test import groups_of
-from dampyr.errors import FileError, InputError, RigFault
+from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.records.formats import h5
 from dampyr.records.recording import Recording
 from dampyr.rig import Rig, RigSettings, load_settings, simulated
+from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.instruments.wire import InProcess
 from dampyr.rig.session import Table
+from dampyr.rig.simulation.faults import FaultSpec
+from dampyr.rig.simulation.in_process import InProcessBoard
 
 TWO = """
 name = "two"
@@ -538,6 +542,24 @@ def test_kills_over_the_wires(two: Path, tmp_path: Path, endurance: Endurance) -
         seed,
         f"{kills} kills in {number} campaigns; each time at rest with the coil off within 300 ms",
     )
+
+
+@pytest.mark.parametrize("new", [False, True])
+def test_counts_that_were_lost_since_the_last_campaign_are_seen_before_the_next(
+    two: Path, tmp_path: Path, new: bool
+) -> None:
+    first = rig()
+    simulator = first.board.simulator
+    perform(two, first, tmp_path / "a")
+    simulator.faults = (FaultSpec("slipped-encoder", simulator.time, amount=-0.0017),)
+    simulator.run_unattended(0.1)
+    board = InProcessBoard(simulator)
+    second = Rig(first.settings, Uno(InProcess(simulator.serial)), board, threaded=False) if new else first
+    with pytest.warns(DampyrWarning, match="index was not where homing had put it.*homed again"):
+        perform(two, second, tmp_path / "b")
+    assert "index moved" in [event.what for event in read_journal(tmp_path / "b")[1]]
+    with second.armed() as table:
+        assert table.position == pytest.approx(simulator.truth.position[-1], abs=1.1e-5)
 
 
 def test_the_settings_are_those_of_the_rig_file(two: Path, tmp_path: Path) -> None:

@@ -7,11 +7,12 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from dampyr.campaigns import perform, read_journal
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
-from dampyr.rig import Rig, RigSettings, simulated
+from dampyr.rig import Drive, Rig, RigSettings, simulated
 from dampyr.rig.damper_temperature import NAME, SavedTemperature, load_temperature, save_temperature
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
@@ -135,3 +136,20 @@ def test_a_disk_that_takes_no_temperature_is_a_warning(tmp_path: Path) -> None:
     rig = host(Simulator(SETTINGS), tmp_path / "nowhere")
     with pytest.warns(DampyrWarning, match="the damper's temperature was not saved: .*cannot be written"), rig.armed():
         pass
+
+
+def test_a_temperature_that_is_measured_is_that_of_the_coil() -> None:
+    """The command rises with it, also where the damper is warmer than its own work has made it."""
+    base = RigSettings()
+    settings = replace(base, wires=replace(base.wires, temperature="ai1"))
+    rig = simulated(settings, faults=["hot-specimen=40@0s"], in_process=True)
+    simulator = rig.board.simulator
+    with rig.armed() as table:
+        table.home()
+        table.go(0.0)
+        assert table.temperature == pytest.approx(simulator.truth.temperature[-1], abs=0.1)
+        for _ in table.play(Drive(0.01, np.zeros(100), np.full(100, 1.5))):
+            pass
+    truth = simulator.truth
+    cold = truth.voltage / (1.0 + 0.0039 * (truth.temperature - 20.0))
+    assert cold[truth.voltage > 0.0] == pytest.approx(1.5, abs=2e-3)

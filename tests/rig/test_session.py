@@ -208,6 +208,36 @@ def test_ring_one_refuses_set_points_beyond_the_stroke() -> None:
     assert caught.value.ring == "firmware"
 
 
+@pytest.mark.parametrize("place", [0.0365, -0.05, float("nan")])
+def test_a_place_outside_of_the_travel_is_a_wrong_argument(ready: tuple[Rig, Simulator], place: float) -> None:
+    rig, simulator = ready
+    with rig.armed() as table:
+        before = simulator.time
+        with pytest.raises(
+            InputError, match=r"displacement = .* mm is not allowed; the table goes from -36\.4 mm to 36\.4 mm"
+        ):
+            table.go(place)
+        assert simulator.time == before
+        for end in (0.0364, -0.0364):
+            table.go(end)
+
+
+def test_a_table_that_is_not_homed_goes_nowhere() -> None:
+    rig, _ = made()
+    with rig.armed() as table:
+        with pytest.raises(InputError, match=r"not homed.*home the table first"):
+            table.go(0.0)
+        with pytest.raises(RigFault, match="refused JOG: its encoder is not homed; home the table first"):
+            table.jog(0.003)
+
+
+@pytest.mark.parametrize("speed", [0.121, -1.0, float("nan")])
+def test_a_jog_that_is_too_fast_is_a_wrong_argument(ready: tuple[Rig, Simulator], speed: float) -> None:
+    rig, _ = ready
+    with rig.armed() as table, pytest.raises(InputError, match="a jog has at most 120 mm/s"):
+        table.jog(speed)
+
+
 # layer 2: the interlock, with the firmware's limits wide open and no check
 
 

@@ -273,6 +273,40 @@ def test_counts_that_are_lost_after_the_last_pass_are_seen_before_the_test_is_co
             table.verify_index()
 
 
+@pytest.mark.parametrize(("place", "slip"), [(-0.005, 0.3), (-0.005, 1.7), (0.008, -0.3), (0.008, -5.0)])
+@pytest.mark.parametrize("new", [False, True])
+def test_an_index_that_is_passed_nowhere_is_no_index_in_its_place(place: float, slip: float, new: bool) -> None:
+    """More than the little way over which it is looked for; a new host does not know where it was passed."""
+    rig, simulator = standing_at(-0.010)
+    with rig.armed() as table:
+        table.home()
+        table.go(place)
+    begin_fault(simulator, f"slipped-encoder={slip:g}mm@now")
+    simulator.run_unattended(0.1)
+    rig = host(simulator) if new else rig
+    with rig.armed() as table:
+        with pytest.raises(RigFault, match=r"index was not passed where homing put it.*home the table again"):
+            table.verify_index()
+        assert not table.homed
+    with host(simulator).armed() as table:
+        assert not table.homed
+        table.home()
+        table.verify_index()
+        assert table.position == pytest.approx(simulator.truth.position[-1], abs=1.1e-5)
+
+
+def test_a_table_that_was_homed_by_hand_has_no_index_to_verify_until_it_is_passed() -> None:
+    rig, _ = standing_at(0.009)
+    with rig.armed() as table:
+        table.home(here=True)
+        before = table.position
+        table.verify_index()
+        assert table.position == before
+        table.go(-0.010)
+        table.verify_index()
+        assert table.position == pytest.approx(-0.007, abs=3e-4)
+
+
 @pytest.mark.parametrize("place", [-0.030, 0.0, 0.00195, 0.002, 0.00205, 0.025])
 def test_verifying_the_index_passes_it_from_wherever_the_table_stands(place: float) -> None:
     rig, _ = standing_at(0.001)

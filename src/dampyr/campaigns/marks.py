@@ -20,7 +20,7 @@ from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.rig.interlock import RAIL
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.thermal_model import COLD, COPPER
-from dampyr.rig.uncertainty import Evidence
+from dampyr.rig.uncertainty_budget import Evidence
 
 PIECE = 2**17  # samples that are looked at at a time: two minutes at 1 kHz
 WINDOW = 0.02  # s in which a reading is looked at: 20 samples at 1 kHz, which the noise of a live cell leaves
@@ -300,6 +300,7 @@ def _steady(command: Array, measured: Measured) -> NDArray[np.bool_]:
     supply = measured.rig.supply
     n = 2 + round(SETTLED_COIL * supply.inductance / supply.resistance * measured.rig.board.rate)
     changed = np.abs(np.diff(command, prepend=command[0])) > COIL_STEADY
+    changed[0] = changed[-1] = True  # what was before and comes after is not seen here
     near = np.convolve(changed, np.ones(2 * n + 1), mode="full")[n : n + len(command)] > 0.5
     return np.asarray(~near)
 

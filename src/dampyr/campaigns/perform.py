@@ -294,6 +294,14 @@ class _Run:
         self.journal.note("complete", f"{len(self.plan.tests)} tests")
 
     def _prepare(self, table: Table) -> None:
+        if table.homed:
+            self._say("verifying the index")
+            if not table.pass_index():
+                self.journal.note("index moved", "since the table was homed; it is homed again")
+                words = (
+                    "the encoder's index was not where homing had put it, so counts were lost; the table is homed again"
+                )
+                warnings.warn(words, DampyrWarning, stacklevel=5)
         if not table.homed:
             self._say("homing")
             table.home()

@@ -22,16 +22,16 @@ from dampyr.campaigns.plan import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
+from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.formats.h5 import PIECE
 from dampyr.records.record import MIN_SAMPLES, Array, Label, as_group
 from dampyr.records.recording import Header, RawChannel, Recording, check_disk_space
-from dampyr.records.uncertainty import Uncertainty
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.uncertainty import Evidence, LostCounts, budget
+from dampyr.rig.uncertainty_budget import Evidence, LostCounts, budget
 
 SPARE = 2.0  # s of samples reserved beyond the plan: stopping takes less than 1 s
 
@@ -149,9 +149,9 @@ def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict
 
 def mean_voltage(recording: Recording, rig: RigSettings) -> float:
     """The mean of the coil's voltage [V] as read back in a test at one voltage, less what its warmth has added."""
-    asked = recording.header.constants["voltage"]
+    wanted = recording.header.constants["voltage"]
     read, command = (recording.read(f"raw/{name}") for name in ("coil_voltage", "command"))
-    warm = np.mean(command) * rig.supply.gain / asked if asked else 1.0
+    warm = np.mean(command) * rig.supply.gain / wanted if wanted else 1.0
     return float(np.mean(read)) * rig.supply.voltage_scale / float(warm or 1.0)
 
 

@@ -157,6 +157,13 @@ def _print_one(description: dict[str, Any]) -> None:
     else:
         lines += _moved(description["overview"])
     lines += [(f"{channel} step", f"{step:.4g} {CHANNELS[channel]}") for channel, step in q.quantum.items()]
+    lines += [
+        (
+            f"{channel} uncertainty",
+            f"{one['standard']:.2g} {CHANNELS[channel]} (one sigma), by {one['largest']} before all",
+        )
+        for channel, one in description["uncertainty"].items()
+    ]
     lines += [("to look at", note) for note in description["notes"]]
     lines += list(description["provenance"].items()) + [("done", step) for step in description["history"]]
     print_table(description["name"], ["", ""], lines)

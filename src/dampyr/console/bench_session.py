@@ -104,7 +104,7 @@ class Bench:
         if keep and rig.folder is not None:
             self._thread.say(f"saved: {steps.save(rig.folder).name}, next to the rig's file")
         elif keep:
-            rig.calibration = steps.calibration
+            rig.use(steps.calibration)
         self._thread.steps, self._thread.guided = None, None
 
     def start(self, client: str, name: str, path: Path, folder: Path) -> None:

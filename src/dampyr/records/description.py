@@ -27,7 +27,7 @@ def describe(record: Record) -> dict[str, Any]:
     ``measured`` is None where the motion does not repeat itself: then ``overview`` stands for it. ``input_range`` is the least
     and the largest input, None where it is not known. ``smoothing`` holds the moving averages that channels show and that are
     not declared, ``smoothed`` the one that is declared and not undone, ``noise`` what the displacement's noise does,
-    ``marks`` the faults that the recorder saw.
+    ``marks`` the faults that the recorder saw, ``uncertainty`` the standard uncertainty of each channel and its parts.
     """
     seen = overview(record)
     measured = measure(record) if seen.repeats else None
@@ -53,6 +53,10 @@ def describe(record: Record) -> dict[str, Any]:
         "smoothed": record.smoothed,
         "noise": noise,
         "marks": record.marks,
+        "uncertainty": {
+            name: {"standard": one.standard, "largest": one.largest, "parts": dict(one.parts)}
+            for name, one in record.uncertainty.items()
+        },
         "notes": [
             *record.marks,
             *(note.removeprefix(f"{record.name}: ") for note in notes),

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.moving_average import MovingAverage
-from dampyr.records.uncertainty import Uncertainty
 from dampyr.representation import Representation, Summary, column_name, data_frame, extent
 
 if TYPE_CHECKING:

@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError
+from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.new_file import new_file, reserve
 from dampyr.records.record import CHANNELS, GROUPS, Array, Label, Record, Role
-from dampyr.records.uncertainty import Uncertainty
 
 ALL = slice(None)
 SYNC_EVERY = 1.0  # s

@@ -17,6 +17,7 @@ from dampyr.report.leaderboard_section import leaderboard_section
 from dampyr.report.prediction_section import mean_l1, prediction_section
 from dampyr.report.range_section import range_section
 from dampyr.report.residual_section import residual_section
+from dampyr.report.uncertainty_section import uncertainty_section
 
 
 def write_fit_page(
@@ -53,6 +54,7 @@ def write_fit_page(
             Section("Parameters", fit_blocks(fit)),
             Section("Correlation of the parameters", correlation_blocks(fit)),
             range_section(fit),
+            *([measured] if (measured := uncertainty_section(fit.records)) is not None else []),
             Section("Goodness of fit", score_blocks(fit)),
             *([prediction_section(fit, checks)] if checks else []),
             residual_section(fit.residuals),

@@ -43,6 +43,7 @@ class Drive(Representation):
     voltage : (n,) V at the coil, held between set points.
     record_from, record_to : set points between which samples are kept; ``record_to`` None is the end.
     reversals : where given, the table is driven by timed reversals; ``displacement`` then only says how long it takes.
+    standing : the table is not driven at all, so that it need not be homed; the coil's voltage is.
     """
 
     period: float
@@ -52,6 +53,7 @@ class Drive(Representation):
     record_to: int | None = None
     reversals: Reversals | None = None
     until_temperature: float | None = None
+    standing: bool = False
 
     def __post_init__(self) -> None:
         for name in ("displacement", "voltage"):

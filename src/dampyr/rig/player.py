@@ -52,13 +52,17 @@ class Player:
         if not self.running and now >= self.start:
             self._begin()
         elif self.running and not self.finished:
-            if status.state is State.ARMED:
+            if self.drive.standing:
+                self.finished = now >= self.end
+            elif status.state is State.ARMED:
                 self.finished = True
             elif self.drive.reversals is None:
                 self._send(status.free)
 
     def _begin(self) -> None:
         self.running = True
+        if self.drive.standing:
+            return
         if self.drive.reversals is None:
             self._send(AHEAD)
             self.uno.follow(round(self.drive.period * 1000), self.drive.n)

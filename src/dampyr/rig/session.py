@@ -40,7 +40,14 @@ ARRIVED = 5e-4  # m: from there on a drive's first step is one that the table fo
 QUICK = 0.2  # s of work during which the board's buffer is enough
 HOMING = 240.0  # s that the search for the index may take: to and fro over a stroke at 2 mm/s
 BACK = 0.4  # s of a jog on the way back from outside of the limits, renewed before its 0.5 s are over
+OVERSHOOT = (
+    1e-4  # m before the ends of the travel, to which the table goes: it stops a few counts of 5 um beyond its place
+)
 PAST_INDEX = 2.5e-4  # m on both sides of the index between which it is passed
+INDEX_GONE = (
+    "the encoder's index was not passed where homing put it, so counts were lost or the scale has slipped; look at the "
+    "encoder and its wires, and home the table again"
+)
 ZERO_SIDE = 1.0e-3  # m on both sides of the place about which the force's zero is looked at: hysteresis saturates in it
 
 
@@ -73,6 +80,8 @@ class Rig(Representation):
     """Whether it has been armed since it was connected: before, nothing has moved."""
     index: dict[int, int] = field(init=False, default_factory=dict)
     """Where the encoder's index is passed; see `Interlock`. Empty: its next pass tells."""
+    homed_by_hand: bool = field(init=False, default=False)
+    """Whether this host homed it by hand: where its index is passed is not certain then until it has been."""
     _taken_over: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
@@ -312,6 +321,7 @@ class Table(Representation):
         if self.loop.status.outside and not here:
             self.come_back()
         self.loop.home(here)
+        self.rig.homed_by_hand = here
         for samples in self._for(HOMING):
             if samples.status.state is State.ARMED:
                 if samples.status.homed:
@@ -339,19 +349,36 @@ class Table(Representation):
             )
 
     def verify_index(self) -> None:
-        """Pass the encoder's index slowly, where it lies within the travel: :class:`RigFault` where it has moved by more than
-        2 counts, for then the positions since its last pass were wrong.
+        """Pass the encoder's index slowly, where it lies within the travel: :class:`RigFault` where it is not where homing put
+        it, for then the positions since its last pass were wrong.
         """
-        place = self.loop.index.get(0)
-        if place is None or not self.homed:
-            return
+        if not self.pass_index():
+            raise RigFault(INDEX_GONE, "check")
+
+    def pass_index(self) -> bool:
+        """Pass the encoder's index slowly, where it lies within the travel; whether it was there. Where not, the table is no
+        longer homed, for this host and for the next. :class:`RigFault` where it has moved by more than 2 counts.
+        """
+        if not self.homed:
+            return False
         at, count = self.position, self.rig.settings.encoder.count
+        place = self.loop.index.get(0)
+        if place is None:
+            if self.rig.homed_by_hand:
+                return True
+            place = round(self.rig.settings.encoder.index / count)  # another host has homed it
         side = PAST_INDEX if at <= place * count else -PAST_INDEX
-        if abs(place * count) + PAST_INDEX > self.rig.settings.travel:
-            return
+        if abs(place * count) + PAST_INDEX > self.rig.settings.travel - OVERSHOOT:
+            return True
         if abs(at - place * count) < PAST_INDEX:
             self.go(place * count - side)
+        before = self.loop.status.index_passes
         self.go(place * count + side)
+        if self.loop.status.index_passes != before:
+            return True
+        self.loop.home(here=False)  # a search that is broken off has lost its place
+        self.stop()
+        return False
 
     def verify(self) -> None:
         """Pass the encoder's index as `verify_index` does, and append to `zero` the force [N] about which the damper's
@@ -363,17 +390,19 @@ class Table(Representation):
         """
         if not self.homed:
             return
-        count, places = self.rig.settings.encoder.count, self.loop.index
-        place = places.get(0, 0) * count
-        if abs(place) + ZERO_SIDE > self.rig.settings.travel:
+        index, passes = self.loop.index.get(0), self.loop.status.index_passes
+        place = (index or 0) * self.rig.settings.encoder.count
+        if index is None or abs(place) + ZERO_SIDE > self.rig.settings.travel - OVERSHOOT:
             self.verify_index()
-            place = 0.0
+            place, passes = 0.0, -1
         self.go(place + ZERO_SIDE)
         means = []
         for way in (-1.0, 1.0):
             samples = list(self._on_the_way(place + way * ZERO_SIDE))
             x, force = (np.concatenate([getattr(each, name) for each in samples]) for name in ("displacement", "force"))
             means.append(float(np.mean(force[np.abs(x - place) < 0.5 * ZERO_SIDE])))
+        if self.loop.status.index_passes == passes:
+            raise RigFault(INDEX_GONE, "check")
         self.zero.append(0.5 * sum(means))
 
     def _align(self) -> None:
@@ -421,6 +450,11 @@ class Table(Representation):
         """Move at ``speed`` [m/s] for a while, at most 0.5 s; without ``wait`` return at once, so that it can be renewed."""
         if not 0.0 < seconds <= 0.5:
             raise InputError(f"seconds = {seconds:g} is not allowed; a jog lasts at most 0.5 s, and is asked for again")
+        fastest = self.rig.settings.limits.speed
+        if not abs(speed) <= fastest:
+            raise InputError(
+                f"speed = {speed * 1e3:g} mm/s is not allowed; a jog has at most {fastest * 1e3:g} mm/s (limits.speed)"
+            )
         with self.loop.lock:
             self.rig.uno.jog(round(speed / self.rig.settings.encoder.count), round(seconds * 1000))
         for samples in self._for(seconds + 0.2) if wait else ():
@@ -428,7 +462,18 @@ class Table(Representation):
                 return
 
     def go(self, displacement: float) -> None:
-        """Move slowly to ``displacement`` [m] and stop there; :class:`RigFault` where the table did not follow."""
+        """Move slowly to ``displacement`` [m] and stop there; :class:`RigFault` where the table did not follow.
+
+        Raises :class:`InputError`, before anything moves, for a place outside of the travel or a table that is not homed.
+        """
+        farthest = round(self.rig.settings.travel - OVERSHOOT, 9)
+        if not abs(displacement) <= farthest:
+            raise InputError(
+                f"displacement = {displacement * 1e3:g} mm is not allowed; the table goes from {-farthest * 1e3:g} mm to "
+                f"{farthest * 1e3:g} mm"
+            )
+        if not self.homed:
+            raise InputError("the table is not homed, so its middle is not known; home the table first")
         for _ in self._on_the_way(displacement):
             pass
 
@@ -455,7 +500,8 @@ class Table(Representation):
 
         Raises :class:`InputError` where it does not, before anything moves, and :class:`RigFault` where a safety layer acts.
         """
-        if drive.reversals is None and abs(drive.displacement[0] - self.position) > ARRIVED:
+        driven = drive.reversals is None and not drive.standing
+        if driven and abs(drive.displacement[0] - self.position) > ARRIVED:
             raise InputError(
                 f"the drive begins at {drive.displacement[0] * 1e3:.2f} mm and the table stands at "
                 f"{self.position * 1e3:.2f} mm; call go() first"

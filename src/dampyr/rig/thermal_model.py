@@ -39,6 +39,8 @@ class Warmth:
         heat = float(samples.force @ path) + float(np.sum(samples.voltage**2)) / self.rig.supply.resistance * dt
         self.temperature += heat / body.heat_capacity
         self.cool(samples.n * dt)
+        if samples.temperature is not None:  # measured: the estimate is for where nothing is
+            self.temperature = float(samples.temperature[-1])
         return self.temperature
 
     def shift(self, jump: float) -> None:

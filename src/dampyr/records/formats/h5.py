@@ -35,13 +35,13 @@ import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
+from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.checksums import REPAIR, Attributes, Checksums, Stored, attributes_of
 from dampyr.records.moving_average import Alignment, MovingAverage
 from dampyr.records.new_file import new_file
 from dampyr.records.record import CHANNELS, GROUPS, MIN_SAMPLES, Label, Record, as_role
 from dampyr.records.record_files import Request
 from dampyr.records.self_contained import check_contained
-from dampyr.records.uncertainty import Uncertainty
 from dampyr.units import to_si
 
 TITLE, MEDIA_TYPE = "HDF5", "application/x-hdf5"

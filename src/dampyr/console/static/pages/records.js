@@ -191,7 +191,8 @@ export async function show(root, query) {
       ...(m ? [["whole cycles", `${m.cycles} from ${number(m.motion_start)} s on`], ["frequency", `${number(m.frequency_hz)} Hz`], ["peak to peak", `${number(1e3 * m.peak_to_peak_m)} mm`],
         ["peak speed", `${number(1e3 * m.peak_speed)} mm/s`], ["mean force", `${number(m.mean_force)} N`], ["energy per cycle", `${number(m.energy_per_cycle)} J`], ["drift", `${number(1e3 * m.drift_m_per_s, 3)} mm/s`],
         ["third harmonic", `${number(100 * m.harmonics[3], 2)} %`]] : [["overall stroke", `${number(1e3 * a.overview.stroke_m)} mm`], ["peak speed", `${number(1e3 * a.overview.peak_speed)} mm/s`]]),
-      ...Object.entries(q.quantum).map(([channel, step]) => [`${channel} step`, `${number(step, 3)} ${{ displacement: "m", velocity: "m/s", force: "N" }[channel] ?? ""}`]),
+      ...Object.entries(q.quantum).map(([channel, step]) => [`${channel} step`, `${number(step, 3)} ${SI[channel] ?? ""}`]),
+      ...Object.entries(a.uncertainty).map(([channel, one]) => [`${channel} uncertainty`, `${number(one.standard, 2)} ${SI[channel]} (one sigma), by ${one.largest} before all`]),
       ...Object.entries(a.provenance), ...a.history.map((step) => ["processing", step]),
     ];
     const text = h("textarea", { value: one.note, maxlength: "2000" });
@@ -260,6 +261,7 @@ function uploads(formats, taken) {
   return h("details", {}, h("summary", {}, "Upload a record"), form);
 }
 
+const SI = { time: "s", displacement: "m", force: "N", velocity: "m/s", voltage: "V", current: "A", temperature: "°C" };
 const times = (values, factor) => (factor === 1 ? values : values.map((value) => factor * value));
 const hint = () => h("p", { class: "soft" }, "Drag over a chart to zoom in; double-click to show all.");
 

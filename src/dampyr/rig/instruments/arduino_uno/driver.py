@@ -30,7 +30,7 @@ from dampyr.rig.settings import RigSettings
 REASONS = {
     Reason.STATE: "it is in another state",
     Reason.RANGE: "a value is out of range",
-    Reason.NOT_HOMED: "its encoder is not homed",
+    Reason.NOT_HOMED: "its encoder is not homed; home the table first",
     Reason.NO_LIMITS: "no limits are set",
     Reason.QUEUE_FULL: "its queue is full",
     Reason.GAP: "set points are missing",

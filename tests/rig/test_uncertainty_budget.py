@@ -1,0 +1,114 @@
+"""Stated uncertainty against the simulator's ground truth, of rigs whose constants are not known exactly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dampyr import records
+from dampyr.campaigns import campaign_of, perform
+from dampyr.records import Record
+from dampyr.rig import Rig, RigSettings, simulated
+from dampyr.rig.calibration import Calibration
+from dampyr.rig.load_cell_calibration import Calibrating
+from dampyr.rig.simulation import plant
+from dampyr.rig.simulation.faults import FaultSpec
+from dampyr.rig.simulation.simulator import Simulator
+
+BELIEVED = replace(RigSettings(), wires=replace(RigSettings().wires, coil_voltage="ai2", coil_current="ai3"))
+TRUE = replace(
+    BELIEVED,
+    supply=replace(BELIEVED.supply, resistance=4.0, gain=0.9),
+    load_cell=replace(BELIEVED.load_cell, bandwidth=100.0, scale=618.0, zero=0.005),
+)
+NINE = {
+    "rest_between": "0.5 s",
+    "step": [
+        {"kind": "sine", "amplitude": a, "frequency": f, "cycles": 4, "voltage": ["0 V", "0.9 V", "1.98 V"]}
+        for a, f in (("8 mm", "1 Hz"), ("4 mm", "2 Hz"), ("2 mm", "3 Hz"))
+    ],
+}
+
+
+def errors(record: Record, simulator: Simulator, begin: float, resistance: float) -> dict[str, float]:
+    """RMS errors over all but the ends of a record; ``resistance`` [ohm] is what the voltage in it stands for."""
+    truth, rate = simulator.truth, simulator.settings.board.rate
+    time = record.time + begin + 1.0 / rate
+    quantities = {"displacement": truth.position, "force": truth.force, "velocity": truth.speed}
+    off = {}
+    for name, values in quantities.items():
+        off[name] = getattr(record, name) - np.interp(time, truth.time, values)
+    coil = np.interp(time, truth.time, truth.current) * resistance
+    off["voltage"] = np.broadcast_to(record.voltage, record.n) - coil
+    return {name: float(np.sqrt(np.mean(values[300:-300] ** 2))) for name, values in off.items()}
+
+
+def nine(opened: Rig, folder: Path) -> list[tuple[Record, dict[str, float]]]:
+    """Nine records, each with its true errors; the force's clock is that of the displacement as recorded."""
+    simulator: Simulator = opened.board.simulator  # type: ignore[attr-defined]
+    begins: list[float] = []
+    start = simulator.start
+
+    def noted(rate: float) -> None:
+        begins.append(simulator.time)
+        start(rate)
+
+    simulator.start = noted  # type: ignore[method-assign]
+    perform(campaign_of(NINE), opened, folder)
+    delay, resistance = opened.settings.force_delay, opened.settings.supply.resistance
+    some = records.read_campaign(folder)
+    return [(record, errors(record, simulator, begins[-1] - delay, resistance)) for record in some]
+
+
+@pytest.mark.prove
+def test_wrong_constants_are_covered_by_the_uncertainty_of_a_rig_that_was_not_calibrated(tmp_path: Path) -> None:
+    with simulated(replace(BELIEVED, wires=RigSettings().wires), in_process=True, parts=TRUE) as opened:
+        for record, off in nine(opened, tmp_path):
+            for name, error in off.items():
+                assert error < 3.0 * record.uncertainty[name].standard + 1e-4, (record.name, name)
+
+
+def test_wrong_constants_are_found_by_calibration(tmp_path: Path) -> None:
+    """Gain, resistance, scale, zero and bandwidth; then the uncertainty is small, and the records are within it."""
+    with simulated(BELIEVED, in_process=True, parts=TRUE) as opened:
+        calibrated = calibrate(opened)
+        assert calibrated.resistance == pytest.approx(4.0, rel=0.01)
+        assert calibrated.gain == pytest.approx(0.9, rel=0.005)
+        assert calibrated.inductance == pytest.approx(0.044, rel=0.02)
+        assert calibrated.bandwidth == pytest.approx(100.0, rel=0.02)
+        assert calibrated.scale == pytest.approx(618.0, rel=0.01)
+        ratios: dict[str, list[float]] = {}
+        for record, off in nine(opened, tmp_path):
+            assert record.marks == ()
+            for name, error in off.items():
+                stated = record.uncertainty[name].standard
+                assert error < 3.0 * stated, (record.name, name, error, stated)
+                if error > 1e-9:
+                    ratios.setdefault(name, []).append(stated / error)
+        assert max(np.median(ratios[name]) for name in ("displacement", "force", "velocity")) <= 3.0
+
+
+def calibrate(opened: Rig) -> Calibration:
+    """Zero and load without the damper, whose force is taken off the cell here; the shunt's step; the coil."""
+    simulator: Simulator = opened.board.simulator  # type: ignore[attr-defined]
+    steps, mounted = Calibrating(opened), -float(simulator.plant[plant.Y_FORCE])
+
+    def shunt(force: float, seconds: float = 1e6) -> FaultSpec:
+        return FaultSpec("shunted-cell", simulator.time, seconds, mounted + force)
+
+    simulator.faults = (shunt(0.0),)
+    simulator.run_unattended(0.1)
+    steps.zero()
+    simulator.faults = (shunt(500.0),)
+    simulator.run_unattended(0.1)
+    steps.loaded("500 N")
+    simulator.faults = (shunt(0.0, 1.1), replace(shunt(500.0), at=simulator.time + 1.1))
+    simulator.run_unattended(0.1)
+    steps.amplifier(4.0)
+    simulator.faults = (shunt(-mounted),)  # none
+    steps.coil()
+    opened.use(steps.calibration)
+    return steps.calibration
