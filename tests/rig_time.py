@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from dampyr.console.rigs import rig_file
 from dampyr.rig import Rig, RigSettings, load_settings, simulated
 from dampyr.rig.acquisition import Acquisition
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.wire import InProcess
+from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.session import acquisition
-from dampyr.rig.simulation.in_process import InProcessBoard
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 from dampyr.rig.specimen import specimen_of
 

@@ -40,6 +40,7 @@ REGISTRIES = (
     "campaigns/steps", "cli", "console/jobs", "console/pages", "export/kinds", "figures", "ground_motions/formats",
     "models/parts", "models/published", "records/formats", "structures/control",
 )  # fmt: skip
+PARTS = ("driver.py", "simulated.py")  # of every folder of rig/instruments
 
 
 def main() -> int:
@@ -73,7 +74,7 @@ def repeated_modules(modules: list[Module], package: Path) -> Iterator[str]:
     places: dict[str, list[str]] = defaultdict(list)
     for module in modules:
         place = module.path.relative_to(package)
-        if not place.name.startswith("__") and place.parent.as_posix() not in REGISTRIES:
+        if not place.name.startswith("__") and place.parent.as_posix() not in REGISTRIES and place.name not in PARTS:
             places[place.stem].append(place.as_posix())
     for name, paths in sorted(places.items()):
         if len(paths) > 1:

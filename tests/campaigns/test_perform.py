@@ -27,11 +27,11 @@ from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.records.formats import h5
 from dampyr.records.recording import Recording
 from dampyr.rig import Rig, RigSettings, load_settings, simulated
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.wire import InProcess
+from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.session import Table
 from dampyr.rig.simulation.faults import FaultSpec
-from dampyr.rig.simulation.in_process import InProcessBoard
 
 TWO = """
 name = "two"

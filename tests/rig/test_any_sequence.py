@@ -31,12 +31,12 @@ from dampyr.campaigns import Control, Progress, Stopped, perform
 from dampyr.errors import DampyrWarning, InputError, RigFault
 from dampyr.rig import Drive, Rig, RigSettings, Table
 from dampyr.rig.firmware.protocol import State
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.wire import InProcess
+from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import no_check
 from dampyr.rig.simulation.faults import KINDS, FaultSpec
-from dampyr.rig.simulation.in_process import InProcessBoard
 from dampyr.rig.simulation.simulator import Simulator
 
 STOP = 0.037  # m: the damper's

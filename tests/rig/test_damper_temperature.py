@@ -14,9 +14,9 @@ from dampyr.campaigns import perform, read_journal
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.rig import Drive, Rig, RigSettings, simulated
 from dampyr.rig.damper_temperature import NAME, SavedTemperature, load_temperature, save_temperature
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess
-from dampyr.rig.simulation.in_process import InProcessBoard
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.wire import InProcess
+from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.simulation.simulator import Simulator
 
 SETTINGS = replace(

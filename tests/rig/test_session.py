@@ -11,10 +11,10 @@ from dampyr import campaigns
 from dampyr.errors import InputError, RigFault
 from dampyr.rig import Drive, Reversals, Rig, RigSettings, Table, simulated
 from dampyr.rig.firmware.protocol import Request, State
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.wire import InProcess
+from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import APART, Samples
-from dampyr.rig.simulation.in_process import InProcessBoard
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 
 SOON = 0.100  # s of simulated time

@@ -12,10 +12,10 @@ import pytest
 from dampyr.errors import RigFault
 from dampyr.rig import Drive, Reversals, Rig, RigSettings, Table
 from dampyr.rig.diagnosis import diagnose
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.wire import InProcess
+from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.settings_file import write_settings
-from dampyr.rig.simulation.in_process import InProcessBoard
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 
 STOP = 0.037  # m: the damper's

@@ -16,11 +16,11 @@ from dampyr.errors import DampyrWarning, RigFault
 from dampyr.rig import Rig, RigSettings
 from dampyr.rig.firmware.protocol import VERSION, Fault, Frame, Reply, Request, State, Status, encode
 from dampyr.rig.firmware.twin import Twin
-from dampyr.rig.instruments import wire as wires
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess, Serial
+from dampyr.rig.instruments.arduino_uno import wire as wires
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.wire import InProcess, Serial
+from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import Interlock, Samples
-from dampyr.rig.simulation.in_process import InProcessBoard
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 
 

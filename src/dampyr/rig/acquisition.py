@@ -21,8 +21,7 @@ from dampyr.errors import RigFault
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import Fault, State, Status
-from dampyr.rig.instruments.ni_board import Board
-from dampyr.rig.instruments.uno import HERE, INDEX, Uno
+from dampyr.rig.instruments.contract import HERE, INDEX, Board, TableDrive
 from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.read_latency import Lateness
@@ -65,7 +64,7 @@ class Acquisition:
     def __init__(
         self,
         rig: RigSettings,
-        uno: Uno,
+        uno: TableDrive,
         board: Board,
         calibration: Calibration,
         interlock: Interlock | None,

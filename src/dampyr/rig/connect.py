@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from dampyr.errors import InputError
+from dampyr.rig.instruments.catalogue import with_absolute_folders
 from dampyr.rig.instruments.connection import open_instruments
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import InProcess
 from dampyr.rig.loop_process import LoopProcess, remote_rig
 from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.faults import FaultSpec
-from dampyr.rig.simulation.in_process import InProcessBoard
+from dampyr.rig.simulation.instrument_ends import simulate_instruments
 from dampyr.rig.simulation.process import Process
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.specimen import specimen_of
@@ -71,15 +71,15 @@ def simulated(
         if real_time or black_box is not None:
             raise InputError("a rig in this process has no clock and no black box of its own; leave in_process out")
         simulator = Simulator(true, seed, fault_specs, specimen)
-        uno, board = Uno(InProcess(simulator.serial)), InProcessBoard(simulator)
+        uno, board = simulate_instruments(with_absolute_folders(rig, folder), simulator)
         return Rig(rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True, damper_persists=False)
-    process = Process(true, specimen, seed, fault_specs, real_time, black_box)
+    process = Process(with_absolute_folders(true, folder), specimen, seed, fault_specs, real_time, black_box)
     try:
-        wired = replace(rig, wires=replace(rig.wires, serial=process.serial, grpc=process.grpc))
+        wires: dict[str, Any] = dict(process.wires)
+        wired = replace(rig, wires=replace(rig.wires, **wires))
         if real_time:
             return _in_real_time(rig, wired, folder, [process.close], damper_persists=False)
-        # in lockstep no time passes while a host waits
-        answering, sampling = open_instruments(wired, wait=0.25, tries=20)
+        answering, sampling = open_instruments(with_absolute_folders(wired, folder), simulated=True)
         closing = [process.close]
         return Rig(rig, answering, sampling, threaded=False, folder=folder, on_close=closing, damper_persists=False)
     except BaseException:
@@ -111,7 +111,7 @@ def _in_real_time(
     damper_persists: bool = True,
 ) -> Rig:
     """A rig that is read, at the wires of ``wired``, by a process of its own."""
-    process = LoopProcess(wired)
+    process = LoopProcess(with_absolute_folders(wired, folder))
     try:
         return remote_rig(process, rig, folder, on_close, damper_persists)
     except BaseException:

@@ -14,6 +14,7 @@ from dampyr.rig.acquisition import fault_in_words
 from dampyr.rig.calibration import NAME, doubt, load_calibration
 from dampyr.rig.connect import open_rig
 from dampyr.rig.firmware.protocol import HIGH_END, LOW_END, PRESSED, Fault, State
+from dampyr.rig.instruments.catalogue import OUTPUT, ROLES, part, with_absolute_folders
 from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings, load_settings
 
@@ -51,6 +52,7 @@ def _libraries() -> Iterator[Finding]:
 def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
     kind = f"{rig.wires.serial}, board {rig.wires.board}" if rig.wires.serial else "simulated: no wires are named"
     yield Finding("rig", f"{rig.name}, {kind}")
+    yield from _named(rig, path)
     lines = "the Uno's enable line cuts the coil" if rig.supply.enable_line else "no enable line"
     repair = "wire the supply through pin 8 of the Uno: without it a dead host leaves the coil live"
     yield Finding("coil", lines, None if rig.supply.enable_line else repair)
@@ -74,6 +76,19 @@ def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
         )
         if calibration is not None and (far := doubt(calibration.scale, rig.load_cell.scale)):
             yield Finding("load cell's scale", far, "calibrate it again, or correct load_cell.scale")
+
+
+def _named(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
+    """The instruments that the rig names."""
+    absolute = with_absolute_folders(rig, Path(path).parent if path else None)
+    for role in ROLES:
+        name = getattr(rig.wires, role)
+        try:
+            if name != OUTPUT:
+                part(absolute, role, "driver")
+            yield Finding(role, "an output of the acquisition" if name == OUTPUT else name)
+        except DampyrError as problem:
+            yield Finding(role, name, str(problem))
 
 
 def _switches(rig: RigSettings) -> Iterator[Finding]:

@@ -64,6 +64,8 @@ class Drive(Representation):
             raise InputError("displacement and voltage must be two rows of the same length, at least 2")
         if not (np.all(np.isfinite(self.displacement)) and np.all(np.isfinite(self.voltage))):
             raise InputError("displacement and voltage must be finite")
+        if self.voltage.min() < 0.0:
+            raise InputError(f"voltage = {self.voltage.min():g} V is negative; a damper's supply gives 0 V or more")
         steps = round(self.period * 1000)
         if not 1 <= steps <= 1000 or abs(self.period * 1000 - steps) > 1e-9:
             raise InputError(f"period = {self.period:g} s must be a whole number of milliseconds from 1 to 1000")

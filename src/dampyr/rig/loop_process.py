@@ -29,7 +29,7 @@ from dampyr.rig.acquisition import HELD, SETTLED, Acquisition
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import Status
-from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.instruments.contract import TableDrive
 from dampyr.rig.interlock import Samples
 from dampyr.rig.player import Player
 from dampyr.rig.session import Rig
@@ -352,7 +352,7 @@ def remote_rig(
     closing = [link.close, *on_close]
     return Rig(
         settings,
-        cast(Uno, uno),
+        cast(TableDrive, uno),
         board,
         threaded=False,
         folder=folder,

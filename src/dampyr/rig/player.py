@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import MAX_POINTS, State, Status
-from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.instruments.contract import TableDrive
 from dampyr.rig.settings import RigSettings
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ class Player:
 
     drive: Drive
     rig: RigSettings
-    uno: Uno
+    uno: TableDrive
     start: int
     sent: int = 0
     running: bool = False

@@ -12,6 +12,7 @@ from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,8 @@ from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.control_core import SLOW
 from dampyr.rig.firmware.protocol import Fault, State
 from dampyr.rig.gc_control import disable_gc, freeze_objects
-from dampyr.rig.instruments.ni_board import Board
-from dampyr.rig.instruments.uno import Uno
+from dampyr.rig.instruments.catalogue import OUTPUT
+from dampyr.rig.instruments.contract import Board, TableDrive
 from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
@@ -62,7 +63,7 @@ class Rig(Representation):
     """
 
     settings: RigSettings
-    uno: Uno
+    uno: TableDrive
     board: Board
     threaded: bool = True
     calibration: Calibration | None = None
@@ -169,8 +170,14 @@ class Rig(Representation):
 
     @cached_property
     def identity(self) -> str:
-        """The board and the Uno's firmware."""
-        return f"{self.board.identity()}, Uno firmware {self.uno.hello().firmware}"
+        """The board, the supply if it is another instrument, and the drive's firmware."""
+        drive = "Uno" if self.settings.wires.drive == "arduino-uno" else "drive's"
+        return f"{self.board.identity()}, {drive} firmware {self.uno.hello().firmware}"
+
+    @cached_property
+    def command_delay(self) -> float:
+        """s by which a change of the coil's voltage may be late: 0 where the command has the samples' clock."""
+        return 0.0 if self.settings.wires.supply == OUTPUT else float(cast(Any, self.board).command_delay())
 
     def close(self) -> None:
         """Close the instruments; each is tried, and the first failure is raised."""
@@ -499,6 +506,10 @@ class Table(Representation):
                 f"the drive begins at {drive.displacement[0] * 1e3:.2f} mm and the table stands at "
                 f"{self.position * 1e3:.2f} mm; call go() first"
             )
+        if self.rig.command_delay and np.ptp(drive.voltage) > 0.0:
+            late = f"{1e3 * self.rig.command_delay:.0f} ms"
+            words = f"the supply has no sample clock: steps of its voltage come up to {late} late"
+            warnings.warn(words, DampyrWarning, stacklevel=2)
         player = self.loop.play(drive)
         try:
             yield from self._played(player, drive)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import pi
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
@@ -17,6 +17,12 @@ from dampyr.records.record import as_group
 from dampyr.representation import Representation, Summary
 from dampyr.units import Quantity
 
+FILTERS = (
+    6.425e-6,
+    125e-9,
+)  # s, of an M Series board, the longer one first; its third, 2.55 ms, is longer than any edge
+GAIN_MARGIN = 1.25  # of the highest command: more than a gain that was assumed is wrong by
+FILTERS_IN_EDGES = 3.0  # filters between two edges of the encoder at limits.speed: its edges are not evenly spaced
 Metre = Quantity("m", low=0.0)
 Length = Quantity("m", low=0.0, open_low=True)
 Speed = Quantity("m/s", low=0.0, open_low=True)
@@ -27,9 +33,14 @@ Time = Quantity("s", low=0.0, open_low=True)
 
 @dataclass(frozen=True)
 class Wires:
-    """How the rig is reached; empty for a rig that dampyr simulates itself."""
+    """Which instruments the rig has and how they are reached; serial is empty for a rig that dampyr simulates itself."""
 
-    serial: Annotated[str, "such as COM3, /dev/ttyACM0 or socket://127.0.0.1:5000"] = ""
+    acquisition: Annotated[str, "of dampyr's instruments, or the path of a folder beside this file"] = "ni-daqmx"
+    drive: Annotated[str, "as above: the controller of the table's motor"] = "arduino-uno"
+    supply: Annotated[str, "as above; analogue-output: it follows an output of the acquisition"] = "analogue-output"
+    serial: Annotated[str, "the drive's wire, such as COM3, /dev/ttyACM0 or socket://127.0.0.1:5000"] = ""
+    acquisition_address: Annotated[str, "of an acquisition of one's own, as its driver reads it"] = ""
+    supply_address: Annotated[str, "of a supply of one's own, as its driver reads it"] = ""
     baud: Annotated[int, "assumed: the Uno divides its clock to this without error"] = 250000
     board: Annotated[str, "the NI board's name in NI MAX"] = "Dev1"
     grpc: Annotated[str, "host:port of an NI gRPC device server; empty for the board of this machine"] = ""
@@ -179,6 +190,12 @@ class Board:
     ] = 70.0
     bits: Annotated[int, "PCI-6221"] = 16
     range: Annotated[float, Quantity("V", low=0.1, high=10.0), "PCI-6221: +-10 V"] = 10.0
+    encoder_filter: Annotated[
+        float,
+        Quantity("s", low=0.0),
+        "pulses on the encoder's lines that are shorter are ignored; M Series manual p. 7-32: 125 ns, 6.425 us or 2.55 ms; "
+        "0 for none",
+    ] = 6.425e-6
     clock_accuracy: Annotated[float, Quantity("", low=0.0), "PCI-6221: 50 ppm of the time base"] = 5.0e-5
 
 
@@ -250,6 +267,12 @@ class RigSettings(Representation):
         return {name: terminal for name, terminal in terminals.items() if terminal}
 
     @property
+    def command_range(self) -> tuple[float, float]:
+        """V that the supply may be commanded, lowest and highest: 0 to supply.max_voltage at the coil and a quarter more, since
+        a gain that is calibrated may be lower than the one of the settings; within the board's range."""
+        return 0.0, min(GAIN_MARGIN * self.supply.max_voltage / self.supply.gain, self.board.range)
+
+    @property
     def force_delay(self) -> float:
         """s by which the load cell's filter delays the force: 1/(2 pi f) of its bandwidth f."""
         return 1.0 / (2.0 * pi * self.load_cell.bandwidth)
@@ -274,11 +297,21 @@ def load_settings(path: str | Path) -> RigSettings:
     """The settings in a ``rig.toml``; what it leaves out keeps its default. :class:`FileError` says what is wrong."""
     document = load_toml(path)
     try:
-        return fill(RigSettings, document)
+        return fill(RigSettings, _with_filter(document))
     except FileError:
         raise
     except InputError as problem:
         raise FileError(path, str(problem)) from None
+
+
+def _with_filter(document: dict[str, Any]) -> dict[str, Any]:
+    """A file that does not name the encoder's filter has the shorter one where the default is too long for its edges."""
+    board, encoder, limits = (document.get(name, {}) for name in ("board", "encoder", "limits"))
+    if not all(isinstance(table, dict) for table in (board, encoder, limits)) or "encoder_filter" in board:
+        return document
+    edges = fill(Encoder, encoder, "encoder").count / fill(Limits, limits, "limits").speed
+    fitting = next(width for width in (*FILTERS, 0.0) if edges >= FILTERS_IN_EDGES * width)
+    return document | {"board": board | {"encoder_filter": fitting}}
 
 
 def check(rig: RigSettings) -> None:
@@ -312,6 +345,13 @@ def check(rig: RigSettings) -> None:
         raise InputError(
             f"board.velocity_bandwidth = {rig.board.velocity_bandwidth:g} Hz is too much for "
             f"board.rate = {rig.board.rate:g} Hz; give at most {maximum:g} Hz"
+        )
+    edges = rig.encoder.count / limits.speed
+    if edges < FILTERS_IN_EDGES * rig.board.encoder_filter:
+        raise InputError(
+            f"board.encoder_filter = {rig.board.encoder_filter * 1e6:g} us is too long for edges of the encoder that are "
+            f"{edges * 1e6:.3g} us apart at limits.speed; give at most {edges / FILTERS_IN_EDGES * 1e6:.3g} us, such as "
+            "125 ns, or 0 for none"
         )
     if limits.heartbeat < 2 * rig.board.block:
         raise InputError(

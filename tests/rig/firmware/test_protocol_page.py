@@ -10,7 +10,8 @@ import pytest
 from dampyr.rig.firmware import control_core as c
 from dampyr.rig.firmware import protocol, twin
 from dampyr.rig.firmware.protocol import BODIES, Fault, Reason, Reply, Request, State
-from dampyr.rig.instruments import uno, wire
+from dampyr.rig.instruments.arduino_uno import driver as uno
+from dampyr.rig.instruments.arduino_uno import wire
 
 PAGE = (Path(__file__).parents[3] / "docs/reference/protocol.md").read_text("utf-8")
 TEXT = " ".join(PAGE.split())

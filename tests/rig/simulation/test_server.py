@@ -195,9 +195,9 @@ def test_the_device_says_what_it_is_and_refuses_the_rest_clearly(serve: Start) -
         task.ai_channels.add_ai_voltage_chan("Dev1/ai7")
     assert problem.value.error_code == -200170
     task.ao_channels.add_ao_voltage_chan("Dev1/ao0", min_val=-5, max_val=5)
-    with pytest.raises(nidaqmx.DaqError, match="leaves its range") as problem:
+    with pytest.raises(nidaqmx.DaqError, match="leave the channel's limits") as problem:
         task.write(5.1, auto_start=True)
-    assert problem.value.error_code == -200077
+    assert problem.value.error_code == -200561
     from nidaqmx._stubs import nidaqmx_pb2, nidaqmx_pb2_grpc
 
     with pytest.raises(grpc.RpcError) as refusal:

@@ -1,19 +1,58 @@
-"""Connection to the instruments that a rig's wires name, in the process that reads them."""
+"""Connection to the instruments that a rig names, in the process that reads them."""
 
 from __future__ import annotations
 
-from dampyr.rig.instruments.ni_board import NiBoard
-from dampyr.rig.instruments.uno import Uno
-from dampyr.rig.instruments.wire import open_wire
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from functools import partial
+from typing import Any
+
+from dampyr.rig.instruments.catalogue import OUTPUT, ROLES, part, place
+from dampyr.rig.instruments.contract import (
+    AcquisitionBoard,
+    AnalogueOutput,
+    Board,
+    CoilSupply,
+    TableDrive,
+    check_offers,
+)
+from dampyr.rig.instruments.separate_supply import SeparatelySupplied
 from dampyr.rig.settings import RigSettings
 
+CONTRACTS: dict[str, tuple[type, ...]] = {
+    "drive": (TableDrive,),
+    "acquisition": (AcquisitionBoard,),
+    "supply": (CoilSupply,),
+}  # in the order in which they are opened
 
-def open_instruments(rig: RigSettings, wait: float | None = None, tries: int | None = None) -> tuple[Uno, NiBoard]:
-    """The Uno and the board at the wires of ``rig``, in this process."""
-    given = {} if wait is None or tries is None else {"wait": wait, "tries": tries}
-    uno = Uno(open_wire(rig.wires.serial, rig.wires.baud), **given)  # type: ignore[arg-type]
-    try:
-        return uno, NiBoard(rig)
-    except BaseException:
-        uno.close()
-        raise
+
+def roles_of(rig: RigSettings) -> list[str]:
+    """The roles for which the rig has an instrument of its own."""
+    return [role for role in ROLES if getattr(rig.wires, role) != OUTPUT]
+
+
+def open_instruments(rig: RigSettings, simulated: bool = False) -> tuple[TableDrive, Board]:
+    """The drive and the board at the wires of ``rig``, in this process; ``simulated``: their other end may answer late.
+
+    Raises :class:`~dampyr.errors.InputError` for an instrument that is none, before any is opened.
+    """
+    drivers = {role: part(rig, role, "driver") for role in roles_of(rig)}
+    return assembled(rig, {role: partial(driver.connect, rig, simulated) for role, driver in drivers.items()})
+
+
+def assembled(rig: RigSettings, makers: Mapping[str, Callable[[], Any]]) -> tuple[TableDrive, Board]:
+    """The drive and the board of what ``makers`` make, by role; where one fails, those before it are closed."""
+    made: dict[str, Any] = {}
+    with ExitStack() as opened:
+        for role, contracts in CONTRACTS.items():
+            if role not in makers:
+                continue
+            made[role] = makers[role]()
+            if hasattr(made[role], "close"):
+                opened.callback(made[role].close)
+            output = (AnalogueOutput,) if role == "acquisition" and "supply" not in makers else ()
+            check_offers(made[role], (*contracts, *output), role, place(rig, role))
+        opened.pop_all()
+    if "supply" not in made:
+        return made["drive"], made["acquisition"]
+    return made["drive"], SeparatelySupplied(made["acquisition"], made["supply"], rig.board.block)

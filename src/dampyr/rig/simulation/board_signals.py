@@ -15,7 +15,7 @@ BOARD_MESSAGES = {
     UNDERFLOW: "the generation has stopped to prevent the regeneration of old samples: the host wrote too late",
     TIMEOUT: "some or all of the samples requested have not yet been acquired",
     OVERRUN: "the application is not able to keep up with the hardware acquisition",
-    RANGE: "the requested value is not supported for this property: the output voltage leaves its range",
+    RANGE: "the requested value is not supported for this property",
 }
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Condition, Event, RLock, Thread, local
@@ -51,6 +51,8 @@ class Clock:
         self.lock = RLock()
         self.advanced = Condition(self.lock)
         self.finished = Event()
+        self.on_end: list[Callable[[], object]] = []
+        """What the wires that are served do when the process ends."""
         self.started_at = self.last_heard = time.monotonic()
         self.time_at_start = rig.time
         self.clients, self.client_seen, self.unattended = 0, False, False
@@ -96,6 +98,18 @@ class Clock:
             if not self.advanced.wait(max(0.0, deadline - time.monotonic())) and time.monotonic() >= deadline:
                 raise BoardError(TIMEOUT)
         return self.rig.read(n)
+
+    def space(self, size: int, wanted: int, timeout: float) -> int:
+        """The samples that a command's buffer of ``size`` can take; in real time it waits for ``wanted`` of them. The caller
+        holds the lock.
+        """
+        deadline = time.monotonic() + (timeout if timeout >= 0.0 else 1e9)
+        while True:
+            free = size - (0 if self.rig.timed is None else self.rig.timed.held(self.rig.time))
+            left = deadline - time.monotonic()
+            if free >= wanted or not self.real_time or left <= 0.0:
+                return max(0, free)
+            self.advanced.wait(left)
 
     def _defer_delay(self, seconds: float) -> None:
         self._deferred.delay = seconds

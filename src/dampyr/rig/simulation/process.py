@@ -18,11 +18,9 @@ from dampyr.models import Damper
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.faults import FaultSpec
 
-NEEDED = {
-    "pyserial": "serial",
-    "nidaqmx[grpc]": "nidaqmx",
-    "grpcio": "grpc",
-}  # by what people install: what is imported
+# by what people install: what is imported
+NEEDED = {"pyserial": "serial"}
+NEEDED_BY_NI = {"nidaqmx[grpc]": "nidaqmx", "grpcio": "grpc"}
 PATIENCE = 5.0  # s for a rig without a host to come to rest: the watchdog stops it within 0.2 s, then a second of rest
 
 
@@ -38,7 +36,8 @@ class Process:
         real_time: bool,
         black_box: str | Path | None,
     ) -> None:
-        if absent := [library for library, module in NEEDED.items() if find_spec(module) is None]:
+        needed = NEEDED | (NEEDED_BY_NI if rig.wires.acquisition == "ni-daqmx" else {})
+        if absent := [library for library, module in needed.items() if find_spec(module) is None]:
             raise RigFault(
                 f"the simulated rig needs {' and '.join(absent)} for its wires; install the extra: pip install 'dampyr[rig]', "
                 "or simulate it without them (--in-process, in_process=True)"
@@ -60,9 +59,10 @@ class Process:
         if not line:
             assert self._process.stderr is not None
             output = self._process.stderr.read().strip().splitlines()
+            self.close()
             raise RigFault(f"the simulated rig did not start: {output[-1] if output else 'it printed nothing'}")
-        wires = json.loads(line)
-        self.serial, self.grpc = str(wires["serial"]), str(wires["grpc"])
+        self.wires: dict[str, str] = json.loads(line)
+        """The settings of ``[wires]`` that lead to it."""
 
     @property
     def pid(self) -> int:

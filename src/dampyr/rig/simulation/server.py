@@ -1,63 +1,29 @@
 """Server of the simulated rig, a process of its own: ``python -m dampyr.rig.simulation.server --rig rig.toml --seed 0``.
 
-It prints one line of JSON when it is ready, ``{"serial": "socket://127.0.0.1:PORT", "grpc": "127.0.0.1:PORT"}``: the Uno's
-serial wire for pyserial, and NI-DAQmx's gRPC device server for nidaqmx. Both listen on the loopback only. Needs the extra
-``rig``.
+It prints one line of JSON when it is ready, the settings of ``[wires]`` that lead to it: those of the original rig are
+``{"serial": "socket://127.0.0.1:PORT", "grpc": "127.0.0.1:PORT"}``, the Uno's serial wire for pyserial and NI-DAQmx's gRPC
+device server for nidaqmx. Both listen on the loopback only. Needs the extra ``rig``.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import socket
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from threading import Thread
 
 from dampyr.errors import DampyrError
 from dampyr.models import Damper
 from dampyr.rig.gc_control import freeze_objects
+from dampyr.rig.instruments.catalogue import with_absolute_folders
 from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.clock import Clock, EventLog
 from dampyr.rig.simulation.faults import FaultSpec
+from dampyr.rig.simulation.instrument_ends import serve_instruments
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.specimen import specimen_of
-
-
-class Serial:
-    """The Uno's serial wire as a TCP port for one client at a time; others are refused."""
-
-    def __init__(self, clock: Clock) -> None:
-        self.clock, self.busy = clock, False
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.port: int = self.listener.getsockname()[1]
-        Thread(target=self._accept, name="serial", daemon=True).start()
-
-    def _accept(self) -> None:
-        while True:
-            client, _ = self.listener.accept()
-            if self.busy:
-                client.close()
-                continue
-            self.busy = True
-            self.clock.client_connected()
-            Thread(target=self._serve, args=(client,), name="client", daemon=True).start()
-
-    def _serve(self, client: socket.socket) -> None:
-        client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        try:
-            while data := client.recv(4096):
-                with self.clock.locked() as rig:
-                    reply = rig.serial(data)
-                client.sendall(reply)
-        except OSError:
-            pass  # a killed client resets the connection: it has disconnected, as below
-        finally:
-            self.busy = False
-            self.clock.client_disconnected()
-            client.close()
 
 
 def parse_options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
@@ -78,9 +44,10 @@ def parse_options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
 
 def build_clock(parsed: argparse.Namespace) -> Clock:
     """The rig of the command line."""
-    settings = load_settings(parsed.rig) if parsed.rig else RigSettings()
+    folder = Path(parsed.rig).parent if parsed.rig else None
+    settings = with_absolute_folders(load_settings(parsed.rig) if parsed.rig else RigSettings(), folder)
     faults = [FaultSpec.parse(text) for text in parsed.fault]
-    specimen = specimen_of(settings, Path(parsed.rig).parent if parsed.rig else None)
+    specimen = specimen_of(settings, folder)
     event_log = EventLog(parsed.black_box)
     _warm_up(settings, specimen)
     rig = Simulator(settings, parsed.seed, faults, specimen, on_event=event_log)
@@ -104,18 +71,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     if parsed.real_time:
         raise_priority()  # it stands for hardware, which waits for nobody; before its threads, which inherit it
-    from dampyr.rig.simulation.daqmx_service import serve
-
-    server, port = serve(clock)
-    serial = Serial(clock)
+    try:
+        wires = serve_instruments(clock.rig.settings, clock)
+    except DampyrError as problem:
+        print(problem, file=sys.stderr)
+        return 2
     freeze_objects()
     clock.start()
-    print(json.dumps({"serial": f"socket://127.0.0.1:{serial.port}", "grpc": f"127.0.0.1:{port}"}), flush=True)
+    print(json.dumps(wires), flush=True)
     try:
         clock.finished.wait()
     except KeyboardInterrupt:
         clock.log("interrupted")
-    server.stop(0.2).wait()
+    for end in clock.on_end:
+        end()
     return 0
 
 

@@ -219,6 +219,10 @@ class Simulator:
         self._commanded = volts
         self.plant[plant.Y_COMMAND] = command_of(self.settings, volts)
 
+    def write_later(self, volts: float, latency: float) -> None:
+        """The command voltage, ``latency`` s from now: of a supply that is slow; it takes the place of the one before."""
+        self.timed = TimedCommand(self.time, 1.0 / latency, np.array([volts]))
+
     @property
     def command(self) -> float:
         """The command voltage that the board holds, V."""

@@ -30,6 +30,10 @@ class TimedCommand:
         """Whether the generation has run out of values."""
         return self._count(time) > self.values.size
 
+    def held(self, time: float) -> int:
+        """The number of values that are not output by ``time``."""
+        return max(0, self.values.size - self._count(time))
+
     def due(self, time: float) -> float | None:
         """The value that is output at ``time``; None before the first."""
         count = min(self._count(time), self.values.size)

@@ -19,6 +19,9 @@ from dampyr.rig.simulation.clock import Clock
 PRODUCT, SERIAL = "PCI-6221", 0x01A2B3C4
 # NI-DAQmx's numbers of these errors
 NO_CHANNEL, NO_TASK, NO_DEVICE = -200170, -200088, -200220
+RESERVED, NOT_STARTED, ONE_SAMPLE, NO_SPACE, NOT_YET = -50103, -200846, -200547, -200293, -200292
+BEYOND_LIMITS, EMPTY, TOO_SHORT, RUNNING, READ_TYPE = -200561, -200462, -200609, -200557, -200525
+FILTER_WIDTH, FILTER_NOT_SET, FILTER_DIFFERS = -200777, -200771, -200775
 CHANNEL_ATTRIBUTES = {
     pb.CHANNEL_ATTRIBUTE_CHAN_TYPE: {"ai": 10100, "ao": 10102, "ci": 10131},
     pb.CHANNEL_ATTRIBUTE_AI_MEAS_TYPE: {"ai": 10322},
@@ -29,6 +32,19 @@ MESSAGES = BOARD_MESSAGES | {
     NO_CHANNEL: "physical channel specified does not exist on this device",
     NO_TASK: "task specified is invalid or does not exist",
     NO_DEVICE: "device identifier is invalid",
+    RESERVED: "the specified resource is reserved by another task",
+    NOT_STARTED: "write cannot be performed: auto start is false and the task, without a clock, is not running",
+    ONE_SAMPLE: "write failed: the buffer's size is configured automatically, and one sample is too few for it",
+    NO_SPACE: "some samples can not be written: there is no space in the buffer, and no generation is in progress",
+    NOT_YET: "some samples could not be written to the buffer yet, and the timeout has elapsed",
+    BEYOND_LIMITS: "attempted writing analogue data that are too large or too small: they leave the channel's limits",
+    EMPTY: "generation cannot be started: the output buffer is empty",
+    TOO_SHORT: "generation cannot be started: the output buffer is too small",
+    RUNNING: "the property cannot be set while the task is running",
+    READ_TYPE: "the read does not fit the type of the task's channels",
+    FILTER_WIDTH: "the device cannot produce this minimum pulse width of a digital filter",
+    FILTER_NOT_SET: "the digital filter is enabled and its minimum pulse width is not configured",
+    FILTER_DIFFERS: "the terminal is configured to a different minimum pulse width by another task",
 }
 
 
@@ -42,8 +58,13 @@ class DaqTask:
     running: bool = False
     pulse: float = 1.0
     initial: float = 0.0
-    max_voltage: float = 10.0
+    limits: tuple[float, float] = (-10.0, 10.0)
     latched: bool = False  # sampled by the encoder's index, not by the inputs' clock
+    buffer: int = 0  # samples of an output; 0: its first write decides
+    input_buffer: int = 10000  # samples
+    reserved: bool = False
+    lines: dict[str, str] = field(default_factory=dict)  # terminals of the encoder's lines
+    filters: dict[str, dict[str, float]] = field(default_factory=dict)  # by line: "enable" and "width"
     rows: list[NDArray[Any]] = field(default_factory=list)
 
     def take(self, n: int) -> NDArray[Any]:
@@ -55,7 +76,12 @@ class DaqTask:
     @property
     def waiting(self) -> int:
         """The number of buffered samples."""
-        return sum(rows.shape[1] for rows in self.rows)
+        return sum(rows.shape[-1] for rows in self.rows)
+
+    @property
+    def resources(self) -> set[str]:
+        """What no other task may hold: the one converter of the inputs, each counter, each output."""
+        return {"ai"} if self.kind == "ai" else {channel.lower() for channel in self.channels}
 
 
 class Identity(service.NiDAQmxServicer):

@@ -6,7 +6,6 @@ import random
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.firmware.protocol import (
@@ -24,7 +23,8 @@ from dampyr.rig.firmware.protocol import (
     encode,
     status_of,
 )
-from dampyr.rig.instruments.wire import Wire
+from dampyr.rig.instruments.arduino_uno.wire import Wire, open_wire
+from dampyr.rig.instruments.contract import Hello
 from dampyr.rig.settings import RigSettings
 
 REASONS = {
@@ -41,7 +41,6 @@ REASONS = {
     Reason.END: "an end switch is open; is the table at its end, or the switch's wire broken?",
     Reason.EMERGENCY: "the emergency stop is pressed, or its wire is broken; release it",
 }
-INDEX, HERE = 1, 0  # how to home
 HELLO_INTERVAL = (
     0.25  # s between two requests to an Uno that has not answered yet: few bytes for a boot loader to misread
 )
@@ -49,16 +48,6 @@ RESTARTED = (
     "the Uno started anew while it was in use (its power, its reset, its watchdog, or another program opened its port); "
     "its encoder is no longer homed: home the table again"
 )
-
-
-@dataclass(frozen=True)
-class Hello:
-    """The identity that the Uno reports."""
-
-    version: int
-    firmware: str
-    rate: int
-    queue: int
 
 
 class Uno:
@@ -215,6 +204,12 @@ class Uno:
             REASONS.get(Reason(reply.values[1])) if reply.values[1] in list(Reason) else f"reason {reply.values[1]}"
         )
         raise RigFault(f"the Uno refused {kind.name}: {reason}", "firmware")
+
+
+def connect(rig: RigSettings, simulated: bool = False) -> Uno:
+    """The Uno at the serial wire of ``rig``; ``simulated``: its other end's time waits for the host, and it may answer late."""
+    wire = open_wire(rig.wires.serial, rig.wires.baud)
+    return Uno(wire, wait=0.25, tries=20) if simulated else Uno(wire)
 
 
 def moving(status: Status) -> bool:

@@ -1,4 +1,4 @@
-"""Board of a simulated rig without wires, in this process: for the demo and tests."""
+"""Simulated end of the NI board: in this process for the demo and tests, or NI-DAQmx's gRPC service on the loopback."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import RigFault
 from dampyr.rig.simulation.board_signals import BoardError
+from dampyr.rig.simulation.clock import Clock
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.simulation.timed_command import TimedCommand
 
@@ -18,16 +19,17 @@ T = TypeVar("T")
 
 
 class InProcessBoard:
-    """A `dampyr.rig.instruments.ni_board.Board` of a simulator in this process."""
+    """A `dampyr.rig.instruments.contract.Board` of a simulator in this process."""
 
     def __init__(self, simulator: Simulator) -> None:
-        self.simulator = simulator
+        self.simulator, self._timed = simulator, False
 
     def start(self, rate: float, ahead: Array) -> None:
         """Start sampling, and the command with ``ahead``."""
         self.stop()
         self.simulator.start(rate)
-        self.simulator.timed = TimedCommand(self.simulator.time, rate, ahead)
+        if len(ahead):
+            self.simulator.timed, self._timed = TimedCommand(self.simulator.time, rate, ahead), True
 
     def read(self, n: int) -> tuple[Array, NDArray[np.int64]]:
         """The next n samples."""
@@ -44,13 +46,18 @@ class InProcessBoard:
 
     def write(self, volts: float) -> None:
         """Set the command now."""
-        self.simulator.timed = None
+        self._end_command()
         _call(lambda: self.simulator.write(volts))
 
     def stop(self) -> None:
         """Stop sampling."""
-        self.simulator.timed = None
+        self._end_command()
         self.simulator.stop()
+
+    def _end_command(self) -> None:
+        """End the timed command, if it is this board's."""
+        if self._timed:
+            self.simulator.timed, self._timed = None, False
 
     def close(self) -> None:
         """Stop sampling."""
@@ -66,3 +73,17 @@ def _call(call: Callable[[], T]) -> T:
         return call()
     except BoardError as problem:
         raise RigFault(f"the simulated board gives an error: {problem}") from problem
+
+
+def in_process(simulator: Simulator) -> InProcessBoard:
+    """The board of a rig that is simulated in this process."""
+    return InProcessBoard(simulator)
+
+
+def serve(clock: Clock) -> dict[str, str]:
+    """Serve NI-DAQmx's gRPC interface on the loopback; the wire to it."""
+    from dampyr.rig.instruments.ni_daqmx.daqmx_service import start_server
+
+    server, port = start_server(clock)
+    clock.on_end.append(lambda: server.stop(0.2).wait())
+    return {"grpc": f"127.0.0.1:{port}"}

@@ -1,0 +1,3 @@
+"""A board of National Instruments, through NI-DAQmx."""
+
+ROLE = "acquisition"
