@@ -82,7 +82,7 @@ class Bench:
     """A served console with two pages and one simulated rig in real time, armed by the first page."""
 
     def __init__(self, address: str) -> None:
-        self.asked = httpx.Client(base_url=address, headers={"origin": address.rstrip("/")}, timeout=120.0)
+        self.http = httpx.Client(base_url=address, headers={"origin": address.rstrip("/")}, timeout=120.0)
         self.pages = [Page(address, k) for k in range(2)]
         for page in self.pages:
             page.start()
@@ -96,14 +96,14 @@ class Bench:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.asked.close()
+        self.http.close()
 
     def tell(self, what: str, **given: Any) -> None:
-        answer = self.asked.post(f"/api/bench/{what}", json={"client": ID.format(0)} | given)
+        answer = self.http.post(f"/api/bench/{what}", json={"client": ID.format(0)} | given)
         assert answer.status_code < 300, answer.text
 
     def save(self, name: str, text: str) -> None:
-        answer = self.asked.put(f"/api/campaigns/files/{name}", json={"text": text, "rig": ""})
+        answer = self.http.put(f"/api/campaigns/files/{name}", json={"text": text, "rig": ""})
         assert answer.status_code < 300, answer.text
 
     def start(self, name: str, folder: str) -> None:
@@ -121,38 +121,38 @@ def work(address: str, counts: dict[str, int], folder: Path) -> Iterator[None]:
     over, rows = threading.Event(), upload(folder)
 
     def again(name: str, once: Callable[[Any, int], Any]) -> None:
-        with httpx.Client(base_url=address, headers={"origin": address.rstrip("/")}, timeout=300.0) as asked:
+        with httpx.Client(base_url=address, headers={"origin": address.rstrip("/")}, timeout=300.0) as http:
             while not over.is_set():
-                answer = once(asked, counts[name])
+                answer = once(http, counts[name])
                 assert answer.status_code < 300, answer.text
                 counts[name] += 1
 
-    def fit(asked: Any, number: int) -> Any:
+    def fit(http: Any, number: int) -> Any:
         key = "data/uploads/test-0.h5"
-        job = asked.post("/api/identify/jobs", json={"records": [key], "model": "dahl + spring + offset"})
+        job = http.post("/api/identify/jobs", json={"records": [key], "model": "dahl + spring + offset"})
         while (
-            job.status_code < 300 and not over.is_set() and state_of(asked, job) not in ("done", "failed", "cancelled")
+            job.status_code < 300 and not over.is_set() and state_of(http, job) not in ("done", "failed", "cancelled")
         ):
             time.sleep(0.2)
         return job
 
-    def state_of(asked: Any, job: Any) -> str:
-        return str(asked.get(f"/api/jobs/{job.json()['id']}").json()["state"])
+    def state_of(http: Any, job: Any) -> str:
+        return str(http.get(f"/api/jobs/{job.json()['id']}").json()["state"])
 
-    def send(asked: Any, number: int) -> Any:
+    def send(http: Any, number: int) -> Any:
         """Send a record, and take the one before away, but for the first, which is fitted."""
         if number > 1:
-            asked.delete(f"/api/records/uploads/test-{number - 1}.h5")
+            http.delete(f"/api/records/uploads/test-{number - 1}.h5")
         about = {"params": {"voltage": "1"}, "headers": {"content-type": "application/octet-stream"}}
-        return asked.put(f"/api/records/uploads/test-{number}.csv", content=rows, **about)
+        return http.put(f"/api/records/uploads/test-{number}.csv", content=rows, **about)
 
     tasks: dict[str, Callable[[Any, int], Any]] = {
-        "plans": lambda asked, _: asked.post("/api/campaigns/plan", json={"text": GRID, "rig": ""}),
+        "plans": lambda http, _: http.post("/api/campaigns/plan", json={"text": GRID, "rig": ""}),
         "uploads": send,
         "fits": fit,
     }
-    with httpx.Client(base_url=address, headers={"origin": address.rstrip("/")}, timeout=120.0) as asked:
-        answer = tasks["uploads"](asked, 0)
+    with httpx.Client(base_url=address, headers={"origin": address.rstrip("/")}, timeout=120.0) as http:
+        answer = tasks["uploads"](http, 0)
         assert answer.status_code < 300, answer.text
         counts["uploads"] += 1
     threads = [threading.Thread(target=again, args=each, daemon=True) for each in tasks.items()]
