@@ -118,7 +118,7 @@ def test_what_the_rig_cannot_do_is_refused_before_anything_is_written(tmp_path: 
 def test_a_fault_ends_the_test_and_the_next_run_goes_on_with_it(two: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     with pytest.raises(RigFault, match="is the motor blocked"):
-        perform(two, rig("stalled-motor@15s"), folder)
+        perform(two, rig("stalled-motor@17.5s"), folder)
     tests, _ = read_journal(folder)
     assert [test.state for test in tests] == ["complete", "failed"]
     record = records.read(folder / "02-sine-5mm-1Hz-1.5V.h5")

@@ -155,10 +155,10 @@ class Bench(RuleBasedStateMachine):
     # what is allowed to be raised
 
     @contextmanager
-    def asked(self, what: str) -> Iterator[None]:
+    def said(self, what: str) -> Iterator[None]:
         """Whatever is asked for either works or says what is wrong; a host that was killed says nothing."""
         self.log.append(f"{self.simulator.time:.3f} {what}")
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always")
             try:
                 yield
@@ -171,7 +171,7 @@ class Bench(RuleBasedStateMachine):
                 check_sentence(problem)
                 if isinstance(problem, RigFault):
                     self.leave(problem)
-        for each in told:
+        for each in warned:
             assert issubclass(each.category, DampyrWarning), each
             assert "the Uno" in str(each.message)
         self.check()
@@ -206,14 +206,14 @@ class Bench(RuleBasedStateMachine):
     @precondition(lambda self: self.rig is None)
     @rule()
     def connect(self) -> None:
-        with self.asked("connect"):
+        with self.said("connect"):
             self.rig = self.host()
-            self.rig.identity  # noqa: B018 - asked for by every program first
+            self.rig.identity  # noqa: B018 - looked at by every program first
 
     @precondition(lambda self: self.rig is not None and self.table is None)
     @rule(new=st.booleans())
     def disconnect(self, new: bool) -> None:
-        with self.asked("disconnect"):
+        with self.said("disconnect"):
             self.close()
         self.rig = None
         self.simulator.run_unattended(WATCHED)
@@ -225,7 +225,7 @@ class Bench(RuleBasedStateMachine):
     @rule()
     def arm(self) -> None:
         assert self.rig is not None
-        with self.asked("arm"):
+        with self.said("arm"):
             block = self.rig.armed()
             self.table = block.__enter__()
             self.block = block
@@ -238,7 +238,7 @@ class Bench(RuleBasedStateMachine):
     @rule(how=st.sampled_from(["disarm", "abort", "stop", "Ctrl-C", "an error", "kill"]))
     def end(self, how: str) -> None:
         """The block in which the rig is armed is left in one of the ways in which it can be."""
-        with self.asked(how):
+        with self.said(how):
             assert self.table is not None
             if how == "kill":
                 raise Killed
@@ -253,7 +253,7 @@ class Bench(RuleBasedStateMachine):
     @rule(seconds=st.sampled_from([0.1, 1.0]), event=EVENTS)
     def wait(self, seconds: float, event: Event) -> None:
         if self.table is not None:
-            with self.asked(f"rest {seconds} {event}"), self.event(event):
+            with self.said(f"rest {seconds} {event}"), self.event(event):
                 self.table.rest(seconds)
         else:
             self.begin_fault(event)
@@ -262,7 +262,7 @@ class Bench(RuleBasedStateMachine):
     @precondition(lambda self: self.table is not None)
     @rule(here=st.booleans(), event=EVENTS)
     def home(self, here: bool, event: Event) -> None:
-        with self.asked(f"home here={here} {event}"), self.event(event):
+        with self.said(f"home here={here} {event}"), self.event(event):
             assert self.table is not None
             self.placed = False
             self.table.home(here=here)
@@ -278,14 +278,14 @@ class Bench(RuleBasedStateMachine):
         event=EVENTS,
     )
     def jog(self, speed: float, seconds: float, waits: bool, event: Event) -> None:
-        with self.asked(f"jog {speed} {seconds} {waits} {event}"), self.event(event):
+        with self.said(f"jog {speed} {seconds} {waits} {event}"), self.event(event):
             assert self.table is not None
             self.table.jog(speed, seconds, wait=waits)
 
     @precondition(lambda self: self.table is not None)
     @rule(to=st.sampled_from([0.0, 0.011, -0.02, 0.002, -0.0364, 0.0364, 0.0368, -0.05]), event=EVENTS)
     def go(self, to: float, event: Event) -> None:
-        with self.asked(f"go {to} {event}"), self.event(event):
+        with self.said(f"go {to} {event}"), self.event(event):
             assert self.table is not None
             self.table.go(to)
 
@@ -293,7 +293,7 @@ class Bench(RuleBasedStateMachine):
     @rule(cycles=st.sampled_from([1, 3]), event=EVENTS)
     def play(self, cycles: int, event: Event) -> None:
         """Strokes about where the table stands."""
-        with self.asked(f"play {cycles} {event}"), self.event(event):
+        with self.said(f"play {cycles} {event}"), self.event(event):
             assert self.table is not None
             t = np.arange(round(cycles / 0.02) + 1) * 0.01
             path = self.table.position + 0.005 * np.sin(4 * np.pi * t) * np.minimum(1, np.minimum(t, t[-1] - t) * 4)
@@ -326,7 +326,7 @@ class Bench(RuleBasedStateMachine):
 
         self.begin_fault(event)
         self.rig.watchers.append(press)
-        with self.asked(f"start check={check} {event}"):
+        with self.said(f"start check={check} {event}"):
             try:
                 with suppress(Stopped, KeyboardInterrupt):
                     perform(path, self.rig, self.folder / str(self.campaigns), watch, control)
@@ -387,36 +387,36 @@ class Bench(RuleBasedStateMachine):
         truth = self.simulator.truth
         new = truth.time > self.judged
         limits = self.simulator.settings.limits
-        assert np.abs(truth.force[new]).max(initial=0.0) <= limits.force, self.told()
-        assert np.abs(truth.speed[new]).max(initial=0.0) <= limits.speed, self.told()
-        assert np.abs(truth.position[new]).max(initial=0.0) <= STOP + GIVES, self.told()
+        assert np.abs(truth.force[new]).max(initial=0.0) <= limits.force, self.history()
+        assert np.abs(truth.speed[new]).max(initial=0.0) <= limits.speed, self.history()
+        assert np.abs(truth.position[new]).max(initial=0.0) <= STOP + GIVES, self.history()
         live = new & (truth.voltage != 0.0)
         if live.any():
             beats = np.array(self.beats)
             last = beats[np.searchsorted(beats, truth.time[live], side="right") - 1]
-            assert (truth.time[live] - last).max() <= limits.heartbeat + 0.002, self.told()
+            assert (truth.time[live] - last).max() <= limits.heartbeat + 0.002, self.history()
         moves = (truth.state >= State.FOLLOWING) & (truth.state <= State.STOPPING)
         since = np.where(moves, truth.time, 0.0)
         undriven = new & (truth.time - np.maximum.accumulate(since) > BRAKED)
-        assert np.all(truth.speed[undriven] == 0.0), self.told()
+        assert np.all(truth.speed[undriven] == 0.0), self.history()
         self.judged = float(truth.time[-1]) if truth.time.size else 0.0
 
     def check_left(self) -> None:
         """Nothing is armed, moves or has voltage."""
         self.check()
-        assert not self.simulator.twin.enabled, self.told()
-        assert self.simulator.command == 0.0, self.told()
-        assert self.simulator.timed is None or self.simulator.timed.empty(self.simulator.time), self.told()
+        assert not self.simulator.twin.enabled, self.history()
+        assert self.simulator.command == 0.0, self.history()
+        assert self.simulator.timed is None or self.simulator.timed.empty(self.simulator.time), self.history()
 
     def check_place(self) -> None:
         """Homed by the index: the Uno's position is the table's, and so is the board's."""
         assert self.table is not None
         block = next(self.table.loop.blocks())
         true = self.simulator.truth.position[-1]
-        assert self.table.position == pytest.approx(true, abs=1.6e-5), self.told()
-        assert block.displacement[-1] == pytest.approx(true, abs=1.6e-5), self.told()
+        assert self.table.position == pytest.approx(true, abs=1.6e-5), self.history()
+        assert block.displacement[-1] == pytest.approx(true, abs=1.6e-5), self.history()
 
-    def told(self) -> str:
+    def warned(self) -> str:
         """What was done so far."""
         return "\n".join(self.log)
 
@@ -430,7 +430,7 @@ class Bench(RuleBasedStateMachine):
     def recover(self) -> None:
         """With the faults over, the rig is armed and homed again by what its errors say."""
         if self.table is not None:
-            with self.asked("disarm at the end"):
+            with self.said("disarm at the end"):
                 self.leave(None)
         over = max((fault.until for fault in self.simulator.faults if np.isfinite(fault.until)), default=0.0)
         self.simulator.run_unattended(max(over - self.simulator.time, 0.0) + 0.1)
@@ -455,8 +455,8 @@ class Bench(RuleBasedStateMachine):
                 self.end("disarm")
                 return
             message = self.log[-1]
-            assert HOMES.search(message) or FREES.search(message) or AGAIN.search(message), self.told()
-        raise AssertionError(f"it could not be armed and homed again:\n{self.told()}")
+            assert HOMES.search(message) or FREES.search(message) or AGAIN.search(message), self.history()
+        raise AssertionError(f"it could not be armed and homed again:\n{self.history()}")
 
 
 def check_sentence(problem: Exception) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 import dampyr
 from dampyr.campaigns.campaign import Campaign
-from dampyr.campaigns.marks import Mark, Measured, marks_of
+from dampyr.campaigns.marks import Mark, Measured, changed_zero, marks_of
 from dampyr.campaigns.plan import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
@@ -63,12 +63,14 @@ def take(
         raise
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
     marks: list[Mark] = []
+    before = table.reference_force
     with ended(recording, table, started, marks):
         for samples, selection in table.play(planned.drive):
             if selection.stop > selection.start:
                 recording.append(values(samples, selection, recording.header))
             seen(samples)
         table.verify_index()
+        marks.extend(changed_zero(before, table.reference_force))
     return tuple(mark.text for mark in marks)
 
 
@@ -86,15 +88,19 @@ def ended(recording: Recording, table: Table, started: dict[str, str], marks: li
             recording.close() if isinstance(problem, FileError) else recording.finish(outcome, complete=False)
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
-    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome)))
+    table.meanwhile(
+        lambda: marks.__setitem__(slice(0, 0), _finish(recording, table.rig.settings, outcome, tuple(marks)))
+    )
     if any(mark.spoils for mark in marks):
         raise _spoiled(marks)
 
 
-def _finish(recording: Recording, rig: RigSettings, outcome: dict[str, str]) -> list[Mark]:
-    """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks."""
+def _finish(
+    recording: Recording, rig: RigSettings, outcome: dict[str, str], before: tuple[Mark, ...] = ()
+) -> list[Mark]:
+    """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks, ``before`` left out."""
     marks = marks_of(lambda rows: measured(recording, rig, rows), recording.rows)
-    texts = tuple(mark.text for mark in marks)
+    texts = tuple(mark.text for mark in (*marks, *before))
     if any(mark.spoils for mark in marks):
         recording.finish(outcome | reason(_spoiled(marks)), complete=False, marks=texts)
     else:

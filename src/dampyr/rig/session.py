@@ -42,6 +42,9 @@ BACK = 0.4  # s of a jog on the way back from outside of the limits, renewed bef
 OVERSHOOT = (
     1e-4  # m before the ends of the travel to which the table goes: it stops a few counts of 5 um beyond its place
 )
+RUN_UP = (
+    1.5e-3  # m of way to the index in one direction, after which a damper's hysteresis has forgotten how it came there
+)
 PAST_INDEX = 2.5e-4  # m on both sides of the index between which it is passed
 
 
@@ -225,6 +228,8 @@ class Table(Representation):
         self.rig = rig
         self.loop = rig.acquisition(rig) if rig.acquisition is not None else acquisition(rig)
         self.check: Callable[[], None] = no_check
+        self.reference_force: float | None = None
+        """The mean force [N] of the last slow way upwards past the index, 0 V at the coil: it changes with the cell's zero."""
         steps = (self.loop.cut, self._stop, self.loop.end, self.loop.settle, self._disarm_uno, self._stop_board)
         self._way_out: deque[Callable[[], None]] = deque(steps)
 
@@ -346,20 +351,22 @@ class Table(Representation):
         """
         if not self.homed:
             return False
-        at, count = self.position, self.rig.settings.encoder.count
+        count = self.rig.settings.encoder.count
         place = self.loop.index.get(0)
         if place is None:
             if self.rig.homed_by_hand:
                 return True
             place = round(self.rig.settings.encoder.index / count)  # another host has homed it
-        side = PAST_INDEX if at <= place * count else -PAST_INDEX
-        if abs(place * count) + PAST_INDEX > self.rig.settings.travel - OVERSHOOT:
+        end = place * count + PAST_INDEX
+        if max(abs(end), abs(end - PAST_INDEX - RUN_UP)) > self.rig.settings.travel - OVERSHOOT:
             return True
-        if abs(at - place * count) < PAST_INDEX:
-            self.go(place * count - side)
-        before = self.loop.status.index_passes
-        self.go(place * count + side)
+        self.go(place * count - RUN_UP)
+        before, forces = self.loop.status.index_passes, []
+        for samples, _ in self.play(self._way_to(end)):
+            forces.append(samples.force[np.abs(samples.displacement - place * count) < PAST_INDEX])
+        self._check_arrival(end)
         if self.loop.status.index_passes != before:
+            self.reference_force = float(np.mean(np.concatenate(forces)))
             return True
         self.loop.home(here=False)  # a search that is broken off has lost its place
         self.stop()
@@ -436,19 +443,27 @@ class Table(Representation):
             raise InputError("the table is not homed, so its middle is not known; home the table first")
         if self.loop.status.outside:
             self.come_back()
-        path = displacement - self.position
-        seconds = max(1.875 * abs(path) / GENTLE, 0.1)  # a minimum-jerk path's peak speed is 15/8 of its mean
-        n = math.ceil(seconds / 0.01) + 1
-        s = np.linspace(0.0, 1.0, n)
-        smooth = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
-        for _ in self.play(Drive(0.01, self.position + path * smooth, np.zeros(n))):
+        for _ in self.play(self._way_to(displacement)):
             pass
+        self._check_arrival(displacement)
+
+    def _check_arrival(self, displacement: float) -> None:
+        """:class:`RigFault` where the table did not go to ``displacement`` [m]."""
         if abs(displacement - self.position) > ARRIVED:
             raise RigFault(
                 f"the table was driven to {displacement * 1e3:.2f} mm and stands at {self.position * 1e3:.2f} mm; "
                 "look at the motor, its driver and the screw",
                 "check",
             )
+
+    def _way_to(self, displacement: float) -> Drive:
+        """A slow way to ``displacement`` [m]."""
+        path = displacement - self.position
+        seconds = max(1.875 * abs(path) / GENTLE, 0.1)  # a minimum-jerk path's peak speed is 15/8 of its mean
+        n = math.ceil(seconds / 0.01) + 1
+        s = np.linspace(0.0, 1.0, n)
+        smooth = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+        return Drive(0.01, self.position + path * smooth, np.zeros(n))
 
     def play(self, drive: Drive) -> Iterator[tuple[Samples, slice]]:
         """Play a drive: each block, and which of its samples belong to the record; the table must be where the drive begins.
