@@ -99,7 +99,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the first test is complete and the second failed."""
     folder = tmp_path_factory.mktemp("recorded")
     (folder / "short.toml").write_text(SHORT)
-    done = run(folder / "short.toml", "--in-process", "--out", folder / "out", "--fault", "stalled-motor@10.4s")
+    done = run(folder / "short.toml", "--in-process", "--out", folder / "out", "--fault", "stalled-motor@14s")
     assert done.exit_code == 3
     assert [test.state for test in read_journal(folder / "out")[0]] == ["complete", "failed"]
     return folder
