@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -31,12 +32,16 @@ from dampyr.campaigns import Control, Progress, Stopped, perform
 from dampyr.errors import DampyrWarning, InputError, RigFault
 from dampyr.rig import Drive, Rig, RigSettings, Table
 from dampyr.rig.firmware.protocol import State
+from dampyr.rig.instruments.connection import open_instruments
 from dampyr.rig.instruments.uno import Uno
 from dampyr.rig.instruments.wire import InProcess
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import no_check
+from dampyr.rig.simulation.clock import Clock, EventLog
+from dampyr.rig.simulation.daqmx_service import serve
 from dampyr.rig.simulation.faults import KINDS, FaultSpec
 from dampyr.rig.simulation.in_process import InProcessBoard
+from dampyr.rig.simulation.server import Serial
 from dampyr.rig.simulation.simulator import Simulator
 
 STOP = 0.037  # m: the damper's
@@ -99,6 +104,7 @@ class Bench(RuleBasedStateMachine):
     def __init__(self) -> None:
         super().__init__()
         self.rig: Rig | None = None
+        self.gone: Rig | None = None
         self.table: Table | None = None
         self.block: Any = None
         self.folder = Path(tempfile.mkdtemp(prefix="dampyr-any-"))
@@ -115,10 +121,14 @@ class Bench(RuleBasedStateMachine):
         board = InProcessBoard(self.simulator)
         return Rig(self.simulator.settings, Uno(InProcess(self.simulator.serial)), board, threaded=False)
 
+    def idle(self, seconds: float) -> None:
+        """Time passes without a host."""
+        self.simulator.run_unattended(seconds)
+
     def vanish(self) -> None:
         """The host's process is gone; its board's task ends with it, and the Uno is left to itself."""
         self.simulator.stop()
-        self.simulator.run_unattended(WATCHED)
+        self.idle(WATCHED)
 
     def close(self) -> None:
         """The host lets go of the rig."""
@@ -179,7 +189,7 @@ class Bench(RuleBasedStateMachine):
     def leave(self, problem: BaseException | None) -> None:
         """Leave the block in which the rig is armed, as ``problem`` makes a program do."""
         if isinstance(problem, Killed):
-            self.rig = self.table = self.block = None
+            self.gone, self.rig, self.table, self.block = self.rig, None, None, None
             self.vanish()
         elif self.block is not None:
             block, self.table, self.block = self.block, None, None
@@ -193,7 +203,7 @@ class Bench(RuleBasedStateMachine):
                     check_sentence(raised)
             if self.talks:
                 assert not self.simulator.twin.enabled
-            self.simulator.run_unattended(0.0 if self.talks else WATCHED)
+            self.idle(0.0 if self.talks else WATCHED)
             self.check_left()
 
     @property
@@ -216,7 +226,7 @@ class Bench(RuleBasedStateMachine):
         with self.said("disconnect"):
             self.close()
         self.rig = None
-        self.simulator.run_unattended(WATCHED)
+        self.idle(WATCHED)
         self.check_left()
         if new:
             self.connect()
@@ -257,7 +267,7 @@ class Bench(RuleBasedStateMachine):
                 self.table.rest(seconds)
         else:
             self.begin_fault(event)
-            self.simulator.run_unattended(seconds)
+            self.idle(seconds)
 
     @precondition(lambda self: self.table is not None)
     @rule(here=st.booleans(), event=EVENTS)
@@ -333,7 +343,7 @@ class Bench(RuleBasedStateMachine):
             finally:
                 self.rig.watchers.remove(press)
         if self.rig is not None:
-            self.simulator.run_unattended(0.0 if self.talks else WATCHED)
+            self.idle(0.0 if self.talks else WATCHED)
             self.check_left()
 
     def begin_fault(self, event: Event) -> None:
@@ -433,7 +443,7 @@ class Bench(RuleBasedStateMachine):
             with self.said("disarm at the end"):
                 self.leave(None)
         over = max((fault.until for fault in self.simulator.faults if np.isfinite(fault.until)), default=0.0)
-        self.simulator.run_unattended(max(over - self.simulator.time, 0.0) + 0.1)
+        self.idle(max(over - self.simulator.time, 0.0) + 0.1)
         message = ""
         for _ in range(4):
             if self.rig is None:
@@ -457,6 +467,55 @@ class Bench(RuleBasedStateMachine):
             message = self.log[-1]
             assert HOMES.search(message) or FREES.search(message) or AGAIN.search(message), self.history()
         raise AssertionError(f"it could not be armed and homed again:\n{self.history()}")
+
+
+class WiredBench(Bench):
+    """The same over the wires: pyserial's socket and NI-DAQmx's gRPC, with the clock of a rig in a process of its own.
+
+    Its server is a thread of this process, so that its truth can be looked at and its faults be set.
+    """
+
+    def make(self, rig: RigSettings, position: float) -> None:
+        super().make(rig, position)
+        self.clock = Clock(self.simulator, EventLog(None))
+        self.simulator.delay_read = lambda _: None
+        self.server, port = serve(self.clock)
+        self.serial = Serial(self.clock)
+        wires = replace(rig.wires, serial=f"socket://127.0.0.1:{self.serial.port}", grpc=f"127.0.0.1:{port}")
+        self.wired = replace(rig, wires=wires)
+        self.clock.start()
+
+    def host(self) -> Rig:
+        until = time.monotonic() + 10.0
+        while self.serial.busy and time.monotonic() < until:  # the server sees a moment later that a host has gone
+            time.sleep(0.002)
+        uno, board = open_instruments(self.wired, wait=0.05, tries=6)
+        return Rig(self.simulator.settings, uno, board, threaded=False)
+
+    def idle(self, seconds: float) -> None:
+        with self.clock.lock:
+            super().idle(seconds)
+
+    def vanish(self) -> None:
+        """Its sockets are closed, and nothing was said to the board."""
+        assert self.gone is not None
+        self.gone.uno.close()
+        self.idle(WATCHED)
+
+    def check(self) -> None:
+        with self.clock.lock:
+            super().check()
+
+    def teardown(self) -> None:
+        try:
+            super().teardown()
+        finally:
+            if hasattr(self, "clock"):
+                if self.rig is not None:
+                    self.rig.close()
+                self.clock.finished.set()
+                self.serial.listener.close()
+                self.server.stop(None)
 
 
 def check_sentence(problem: Exception) -> None:
@@ -494,4 +553,16 @@ def test_many_sequences(endurance: Endurance) -> None:
         "what a person may do with a rig in random order, with faults between, from anywhere",
         None,
         f"{count} sequences of 16 steps; always safe, and each rig was armed and homed again",
+    )
+
+
+@pytest.mark.prove
+@pytest.mark.endure
+def test_many_sequences_over_the_wires(endurance: Endurance) -> None:
+    count = 100 if endurance.full else 5
+    run(WiredBench, count, 10)
+    endurance.report(
+        "the same over the wires of the simulated rig",
+        None,
+        f"{count} sequences of 10 steps; always safe, and usable again",
     )
