@@ -47,8 +47,11 @@ def unsafe(truth: Truth, since: float, rig: RigSettings, beats: Sequence[float])
     return faults
 
 
-def true_channels(record: Record, truth: Truth, started: float, rig: RigSettings) -> dict[str, NDArray[np.float64]]:
-    """The true quantities at a record's samples, (n,) SI; the board's clock began at ``started`` s of the simulator's.
+def true_channels(
+    record: Record, truth: Truth, started: float, rig: RigSettings, resistance: float
+) -> dict[str, NDArray[np.float64]]:
+    """The true quantities at a record's samples, (n,) SI; the board's clock began at ``started`` s of the simulator's, and
+    ``rig`` is what its host takes it for.
 
     Sample k is read a period after it is due; the load cell's filter delays the force, and the displacement is that of the
     force. The voltage is stated for a coil at 20 degC.
@@ -59,6 +62,10 @@ def true_channels(record: Record, truth: Truth, started: float, rig: RigSettings
     volts = truth.voltage[output]
     if rig.supply.compensated:
         volts = volts / (1.0 + plant.COPPER * (truth.temperature[output] - plant.COPPER_AT))
+    # the voltage stands for the current that it drives through a coil of the resistance that is stated
+    volts = volts * rig.supply.resistance / resistance
+    broken = (truth.current[output] == 0.0) & (volts != 0.0)
+    volts = np.where(broken, 0.0, volts)
     return {
         "displacement": np.interp(at, truth.time, truth.position),
         "force": np.interp(at, truth.time, truth.force),

@@ -9,6 +9,11 @@ no sensor of the rig can tell (`UNSEEN`):
 | hot coil | The coil's voltage is stated for 20 degC; copper's resistance grows by 0.39 %/K. The rig estimates the
   coil's warmth from the heat that it puts into the damper; heat from elsewhere is in neither voltage nor motion. A
   thermocouple would tell, or the coil's current; a lower force is that of another damper as well as of a warm one. |
+| dead coil | A supply that gives nothing, or a broken wire, in a rig that reads neither the coil's voltage nor its current: the
+  record says that its voltage is the commanded one. A lower force is that of another damper. |
+
+The rigs are what their hosts take them for within the stated uncertainties only: each constant strays by its own, of three in
+ten rigs as they were bought and of the others as they were calibrated.
 """
 
 from __future__ import annotations
@@ -23,7 +28,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.endurance import Endurance
-from tests.rig_truth import errors, stated, states_its_uncertainty, true_channels, unsafe
+from tests.rig_truth import errors, stated, true_channels, unsafe
 
 from dampyr import campaigns, records
 from dampyr.campaigns import perform, read_journal
@@ -32,6 +37,7 @@ from dampyr.errors import DampyrWarning, RigFault
 from dampyr.records import Record
 from dampyr.records.formats import h5
 from dampyr.rig import Rig, RigSettings, simulated
+from dampyr.rig.calibration import Calibration, calibration_of
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
@@ -101,13 +107,52 @@ def a_campaign(draw: np.random.Generator) -> str:
     return text
 
 
-def a_rig(draw: np.random.Generator, seed: int) -> Simulator:
-    """A rig with some of what can be wired, and its table anywhere."""
+def a_rig(draw: np.random.Generator) -> tuple[RigSettings, Calibration]:
+    """What is taken for a rig, with some of what can be wired, as it was bought or calibrated."""
     base = RigSettings()
-    switches, stop, index, thermocouple = draw.uniform(size=4) < (0.5, 0.5, 0.8, 0.75)
+    switches, stop, index, thermocouple, coil = draw.uniform(size=5) < (0.5, 0.5, 0.8, 0.75, 0.9)
     wires = replace(base.wires, end_switches=bool(switches), emergency_stop=bool(stop))
     wires = replace(wires, index=base.wires.index if index else "", temperature="ai1" if thermocouple else "")
-    return Simulator(replace(base, wires=wires), seed, position=float(draw.uniform(-0.0369, 0.0369)))
+    if coil:
+        wires = replace(wires, coil_voltage="ai2", coil_current="ai3")
+    rig = replace(base, wires=wires)
+    if draw.uniform() < 0.3:
+        return rig, calibration_of(rig)
+    cell, supply = rig.load_cell, rig.supply
+    return rig, replace(
+        calibration_of(rig),
+        scale_uncertainty=3e-3 * cell.scale,
+        zero_uncertainty=1.0 / cell.scale,
+        noise=0.9,
+        bandwidth=cell.bandwidth,
+        bandwidth_uncertainty=0.03 * cell.bandwidth,
+        gain=supply.gain,
+        gain_uncertainty=3e-3,
+        resistance=supply.resistance,
+        resistance_uncertainty=0.01 * supply.resistance,
+    )
+
+
+def true_rig(draw: np.random.Generator, rig: RigSettings) -> RigSettings:
+    """What such a rig may really be: each constant strays by its standard uncertainty."""
+    cell, supply = rig.load_cell, rig.supply
+    stray = np.clip(draw.standard_normal(5), -2.0, 2.0)
+    late = max(2e-5, rig.force_delay + stray[2] * cell.delay_uncertainty)
+    return replace(
+        rig,
+        load_cell=replace(
+            cell,
+            scale=cell.scale * (1.0 + stray[0] * cell.scale_uncertainty),
+            zero=cell.zero + stray[1] * cell.zero_uncertainty / cell.scale,
+            bandwidth=1.0 / (2.0 * np.pi * late),
+            noise=0.4,
+        ),
+        supply=replace(
+            supply,
+            gain=supply.gain * (1.0 + stray[3] * supply.gain_uncertainty),
+            resistance=supply.resistance * (1.0 + stray[4] * supply.resistance_uncertainty),
+        ),
+    )
 
 
 class Board(InProcessBoard):
@@ -121,11 +166,10 @@ class Board(InProcessBoard):
         self.started = self.simulator.time
 
 
-def a_host(simulator: Simulator, before: Rig | None = None) -> Rig:
+def a_host(simulator: Simulator, rig: RigSettings, calibration: Calibration, before: Rig | None = None) -> Rig:
     """A new host; the damper is as warm as the one before it says."""
-    rig = Rig(
-        simulator.settings, Uno(InProcess(simulator.serial)), Board(simulator), threaded=False, clocked_by_reads=True
-    )
+    uno, board = Uno(InProcess(simulator.serial)), Board(simulator)
+    rig = Rig(rig, uno, board, threaded=False, clocked_by_reads=True, calibration=calibration)
     if before is not None:
         rig.warmth.temperature = before.warmth.temperature
     return rig
@@ -137,7 +181,13 @@ def _hot_coil(trial: Trial) -> bool:
     return hot and not trial.rig.wires.temperature and set(trial.worst) == {"voltage"}
 
 
-UNSEEN: dict[str, Callable[[Trial], bool]] = {"hot coil": _hot_coil}
+def _dead_coil(trial: Trial) -> bool:
+    """A supply or a coil that is dead in a rig that reads neither: the voltage is the commanded one, as the record says."""
+    dead = any(fault.kind in ("dead-supply", "open-coil") for fault in trial.faults)
+    return dead and not trial.rig.wires.coil_voltage and set(trial.worst) == {"voltage"}
+
+
+UNSEEN: dict[str, Callable[[Trial], bool]] = {"hot coil": _hot_coil, "dead coil": _dead_coil}
 """What no sensor of the rig can tell, see above."""
 
 
@@ -180,10 +230,10 @@ def steady(record: Record) -> np.ndarray:
 
 
 def judge(
-    trial: Trial, tests: dict[str, PlannedTest], folder: Path, simulator: Simulator, started: float
-) -> list[tuple[str, float, bool]]:
+    trial: Trial, tests: dict[str, PlannedTest], folder: Path, simulator: Simulator, started: float, rig: RigSettings
+) -> list[tuple[str, float, float]]:
     """The records that are complete and without a mark: which channels are wrong, and the errors of those that are not."""
-    ratios, truth = [], simulator.truth
+    ratios, truth, resistance = [], simulator.truth, simulator.settings.supply.resistance
     for name, test in tests.items():
         path = folder / f"{name}.h5"
         if not path.is_file() or not h5.state(path).complete:
@@ -194,7 +244,7 @@ def judge(
             continue
         trial.good += 1
         uncertainty = stated(record)
-        for channel, error in errors(record, true_channels(record, truth, started, simulator.settings)).items():
+        for channel, error in errors(record, true_channels(record, truth, started, rig, resistance)).items():
             off = np.abs(error) > WRONG * uncertainty[channel]
             seconds = float(np.count_nonzero(off)) * record.dt
             if seconds > cycle(test):
@@ -203,24 +253,24 @@ def judge(
                 trial.wrong.append(f"{name}: {channel} {worst:.3g} times, {seconds:.3g} s of {record.duration:.3g} s")
             else:
                 rms = float(np.sqrt(np.mean(error[steady(record)] ** 2)))
-                ratios.append((channel, uncertainty[channel] / max(rms, 1e-12), states_its_uncertainty(record)))
+                ratios.append((channel, uncertainty[channel], rms))
     return ratios
 
 
 def run_trial(
     k: int, draw: np.random.Generator, rig: Rig, path: Path, out: Path
-) -> tuple[Trial, list[tuple[str, float, bool]]]:
+) -> tuple[Trial, list[tuple[str, float, float]]]:
     """A campaign with one or two faults."""
     simulator = rig.board.simulator
     path.write_text(a_campaign(draw), "utf-8")
-    campaign_plan = plan(campaigns.read(path), simulator.settings)
+    campaign_plan = plan(campaigns.read(path), rig.settings)
     campaign_plan.require()
     first = simulator.time
     span = 1.15 * (sum(test.duration for test in campaign_plan.tests) + 3.0 * len(campaign_plan.tests))
     span += 0.0 if simulator.twin.registers[8] else HOMING
     faults = [a_fault(draw, first, span) for _ in range(int(draw.integers(1, 3)))]
     simulator.faults = tuple(faults)
-    trial = Trial(k, faults, simulator.settings, steps=[test.kind for test in campaign_plan.tests])
+    trial = Trial(k, faults, rig.settings, steps=[test.kind for test in campaign_plan.tests])
     beats: list[float] = []
     beat = type(simulator)._on_heartbeat.__get__(simulator)
 
@@ -240,28 +290,32 @@ def run_trial(
     assert not np.isnan(simulator.at_rest_since), trial
     assert not np.isnan(simulator.coil_dead_since), trial
     trial.unsafe = unsafe(simulator.truth, first, simulator.settings, beats)
-    ratios = judge(trial, {test.name: test for test in campaign_plan.tests}, out, simulator, rig.board.started)
+    ratios = judge(
+        trial, {test.name: test for test in campaign_plan.tests}, out, simulator, rig.board.started, rig.settings
+    )
     if (out / "journal.sqlite").is_file():
         tests, _ = read_journal(out)
         assert all(test.reason for test in tests if test.state == "failed"), trial
     return trial, ratios
 
 
-def run_trials(count: int, seed: int, folder: Path) -> tuple[list[Trial], dict[str, list[tuple[float, bool]]]]:
+def run_trials(count: int, seed: int, folder: Path) -> tuple[list[Trial], dict[str, list[tuple[float, float]]]]:
     """Campaigns with faults on rigs that are used for `RUNS` of them."""
     trials: list[Trial] = []
     ratios = defaultdict(list)
     for k in range(count):
         draw = np.random.default_rng([seed, k])
         if k % RUNS == 0:
-            simulator = a_rig(draw, k)
-            rig = a_host(simulator)
+            believed, calibration = a_rig(draw)
+            true = true_rig(draw, calibration.corrected(believed))
+            simulator = Simulator(true, k, position=float(draw.uniform(-0.0369, 0.0369)))
+            rig = a_host(simulator, believed, calibration)
         elif draw.uniform() < 0.5:
-            rig = a_host(simulator, rig)
+            rig = a_host(simulator, believed, calibration, rig)
         trial, more = run_trial(k, draw, rig, folder / "short.toml", folder / str(k))
         trials.append(trial)
-        for channel, ratio, own in more:
-            ratios[channel].append((ratio, own))
+        for channel, uncertainty, rms in more:
+            ratios[channel].append((uncertainty, rms))
         simulator.truth_log.chunks.clear()  # half an hour of it is long to look through
         simulator.truth_log.count = 0
         shutil.rmtree(folder / str(k), ignore_errors=True)
@@ -288,10 +342,12 @@ def test_whatever_goes_wrong_is_safe_and_no_wrong_record_is_good(tmp_path: Path,
             unseen[classes[0]] += 1
     few = 0.0 if endurance.full else 2.0 * np.sqrt(UNSEEN_SHARE * count)  # what chance may add to a tenth
     assert sum(unseen.values()) < UNSEEN_SHARE * count + few, unseen
-    medians = {}
-    for channel, each in sorted(ratios.items()):
-        medians[channel] = float(np.median([ratio for ratio, _ in each]))
-        assert medians[channel] <= LOOSE or not any(own for _, own in each), medians
+    medians = {
+        channel: float(np.median([uncertainty for uncertainty, _ in each]) / np.median([rms for _, rms in each]))
+        for channel, each in sorted(ratios.items())
+    }
+    del medians["temperature"]  # a simulated thermocouple is exact, and the uncertainty is that of a real one
+    assert max(medians.values()) <= LOOSE, medians
     good, marked = sum(trial.good for trial in trials), sum(trial.marked for trial in trials)
     assert ended["complete"] > 0.05 * count
     assert ended["interlock"] > 0.05 * count
@@ -337,4 +393,6 @@ def test_campaigns_with_faults_are_safe_and_their_records_right(tmp_path: Path) 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
         trials, _ = run_trials(10, 1, tmp_path)
-    assert [str(trial) for trial in trials if trial.unsafe or (trial.wrong and not _hot_coil(trial))] == []
+    for trial in trials:
+        assert not trial.unsafe, trial
+        assert not trial.wrong or any(holds(trial) for holds in UNSEEN.values()), trial
