@@ -88,19 +88,17 @@ def ended(recording: Recording, table: Table, started: dict[str, str], marks: li
             recording.close() if isinstance(problem, FileError) else recording.finish(outcome, complete=False)
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
-    table.meanwhile(
-        lambda: marks.__setitem__(slice(0, 0), _finish(recording, table.rig.settings, outcome, tuple(marks)))
-    )
+    before = tuple(marks)
+    marks.clear()
+    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome, before)))
     if any(mark.spoils for mark in marks):
         raise _spoiled(marks)
 
 
-def _finish(
-    recording: Recording, rig: RigSettings, outcome: dict[str, str], before: tuple[Mark, ...] = ()
-) -> list[Mark]:
-    """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks, ``before`` left out."""
-    marks = marks_of(lambda rows: measured(recording, rig, rows), recording.rows)
-    texts = tuple(mark.text for mark in (*marks, *before))
+def _finish(recording: Recording, rig: RigSettings, outcome: dict[str, str], before: tuple[Mark, ...]) -> list[Mark]:
+    """Finish the file of a test that came to its end, complete unless a mark spoils it; all its marks, ``before`` the last."""
+    marks = [*marks_of(lambda rows: measured(recording, rig, rows), recording.rows), *before]
+    texts = tuple(mark.text for mark in marks)
     if any(mark.spoils for mark in marks):
         recording.finish(outcome | reason(_spoiled(marks)), complete=False, marks=texts)
     else:
