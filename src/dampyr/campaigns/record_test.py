@@ -24,6 +24,7 @@ from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
 from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.formats.h5 import PIECE
+from dampyr.records.nominal_input import MEASURED, SOURCE
 from dampyr.records.record import MIN_SAMPLES, Array, Label, as_group
 from dampyr.records.recording import Header, RawChannel, Recording, check_disk_space
 from dampyr.rig.calibration import Calibration
@@ -123,6 +124,7 @@ def _finish(recording: Recording, rig: RigSettings, outcome: dict[str, str], sho
     about["uncertainty"] = uncertainty(recording, rig, shown)
     if "voltage" in recording.header.constants and "raw/coil_voltage" in recording.datasets:
         about["constants"] = {"voltage": mean_voltage(recording, rig)}
+        outcome = outcome | {SOURCE: MEASURED}  # tests at one voltage then count as such, whatever was read
     if any(mark.spoils for mark in marks):
         recording.finish(outcome | reason(_spoiled(marks)), complete=False, **about)
     else:
@@ -321,7 +323,9 @@ def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaig
         "kind": planned.kind,
         "step": as_json(planned.step),
         "rig": as_json(rig.settings),
-        "calibration": as_json(calibration),
+        "calibration": json.dumps(
+            {key: value for key, value in dataclasses.asdict(calibration).items() if value is not None}
+        ),
         "board": rig.identity,
         "data_sheet": rig.settings.specimen.data_sheet,
         "voltage": voltage_source(rig.settings),

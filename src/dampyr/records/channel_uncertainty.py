@@ -13,7 +13,7 @@ from dampyr.errors import InputError
 
 @dataclass(frozen=True)
 class Uncertainty:
-    r"""The standard uncertainty (one sigma) of a channel, typical of its record, in the channel's unit.
+    r"""The standard uncertainty (one sigma) of a channel of a record, in the channel's unit.
 
     .. math:: u = \sqrt{\textstyle\sum_k u_k^2}
 

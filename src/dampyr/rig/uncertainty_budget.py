@@ -1,6 +1,7 @@
 r"""Standard uncertainty of what a rig measures, a budget per channel (JCGM 100:2008).
 
-Each part is one sigma in the channel's unit, typical of the record (the root of its mean square). A limit that is never
+Each part is one sigma in the channel's unit. What grows with the force or the voltage is that of their largest value in the record;
+what grows with the force's rate that of its root mean square. A limit that is never
 passed, +-a, counts as :math:`a/\sqrt{3}`, a step q of a converter or an encoder as :math:`q/\sqrt{12}`. What was measured by
 `dampyr calibrate` stands with its own uncertainty, what the settings assume with theirs. What the rig found in the test
 itself goes in as well: counts that were lost, the shift of the force's zero.
@@ -64,37 +65,39 @@ class LostCounts:
         return max(self._apart, *(min(abs(place - edge) for edge in edges) for place in self._passes))
 
 
-class Squares:
-    """Means of squares over the pieces of a record."""
+class Sizes:
+    """The largest force [N] and voltage [V] of a record that comes in pieces, and the force's rate."""
 
     def __init__(self, bandwidth: float) -> None:
-        self.n, self._sums, self.bandwidth = 0, {"force": 0.0, "rate": 0.0, "voltage": 0.0}, bandwidth
+        self.bandwidth, self.force, self.voltage = bandwidth, 0.0, 0.0
+        self._n, self._sum = 0, 0.0
 
     def add(self, time: Array, force: Array, voltage: Array | float) -> None:
         """A piece, (n,) SI each."""
-        rate = differentiate(time, force, self.bandwidth)
-        self.n += len(time)
-        for name, values in (("force", force), ("rate", rate), ("voltage", voltage)):
-            self._sums[name] += float(np.sum(np.broadcast_to(values, len(time)) ** 2))
+        self._n += len(time)
+        self._sum += float(np.sum(differentiate(time, force, self.bandwidth) ** 2))
+        self.force = max(self.force, float(np.abs(force).max()))
+        self.voltage = max(self.voltage, float(np.abs(voltage).max()))
 
-    def rms(self, name: str) -> float:
-        """The root of the mean square: of the ``force`` [N], its ``rate`` [N/s], the ``voltage`` [V]."""
-        return math.sqrt(self._sums[name] / max(1, self.n))
+    @property
+    def rate(self) -> float:
+        """The root of the mean square of the force's rate, N/s: its peaks are those of a few samples at reversals."""
+        return math.sqrt(self._sum / max(1, self._n))
 
 
 def budget(
     rig: RigSettings, evidence: Evidence, duration: float, pieces: Iterable[tuple[Array, Array, Array | float]]
 ) -> dict[str, dict[str, float]]:
     """The parts of each channel's standard uncertainty; ``pieces`` are time, force and voltage of a record in turn."""
-    squares = Squares(rig.board.velocity_bandwidth)
+    sizes = Sizes(rig.board.velocity_bandwidth)
     for time, force, voltage in pieces:
-        squares.add(time, force, voltage)
+        sizes.add(time, force, voltage)
     parts = {
         "time": {"clock": rig.board.clock_accuracy * duration / math.sqrt(3.0)},
         "displacement": _displacement(rig, evidence),
         "velocity": {"resolution of the encoder": _velocity_noise(rig)},
-        "force": _force(rig, evidence, squares),
-        "voltage": _voltage(rig, evidence, squares),
+        "force": _force(rig, evidence, sizes),
+        "voltage": _voltage(rig, evidence, sizes),
     }
     if "temperature" in rig.inputs:
         parts["temperature"] = {"thermocouple": THERMOCOUPLE}
@@ -123,7 +126,7 @@ def _velocity_noise(rig: RigSettings) -> float:
     return rig.encoder.count / math.sqrt(12.0) * float(np.sqrt(np.sum(response**2)))
 
 
-def _force(rig: RigSettings, evidence: Evidence, squares: Squares) -> dict[str, float]:
+def _force(rig: RigSettings, evidence: Evidence, sizes: Sizes) -> dict[str, float]:
     cell = rig.load_cell
     if evidence.zero_shift is None:
         shift = UNSEEN_DRIFT / math.sqrt(3.0)
@@ -131,18 +134,18 @@ def _force(rig: RigSettings, evidence: Evidence, squares: Squares) -> dict[str, 
         before, after = evidence.zero_shift
         shift = math.sqrt((before**2 + before * after + after**2) / 3.0)  # it went from one to the other in the test
     return {
-        "scale": cell.scale_uncertainty * squares.rms("force"),
+        "scale": cell.scale_uncertainty * sizes.force,
         "zero": cell.zero_uncertainty,
         "shift of the zero": shift,
         "linearity and hysteresis": math.sqrt(2.0 / 3.0) * cell.linearity * cell.capacity,
         "noise": cell.noise,
         "converter": rig.step * abs(cell.scale) / math.sqrt(12.0),
-        "delay of the amplifier": cell.delay_uncertainty * squares.rms("rate"),
+        "delay of the amplifier": cell.delay_uncertainty * sizes.rate,
     }
 
 
-def _voltage(rig: RigSettings, evidence: Evidence, squares: Squares) -> dict[str, float]:
-    supply, volts = rig.supply, squares.rms("voltage")
+def _voltage(rig: RigSettings, evidence: Evidence, sizes: Sizes) -> dict[str, float]:
+    supply, volts = rig.supply, sizes.voltage
     read = "coil_voltage" in rig.inputs
     warm = WARMING * COPPER * abs(evidence.warming) * volts if supply.compensated else 0.0
     return {

@@ -21,6 +21,7 @@ from tests.records.test_self_contained import PLANTS, planted
 
 from dampyr import records
 from dampyr.console import app, limits
+from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.to_json import plain
 
 KEY = "labcontrol/ensaio.A.1.mat"
@@ -43,6 +44,18 @@ def test_the_list_tells_what_the_command_tells(client, campaign_folder):
     assert {one["about"]["name"]: one["about"] for one in reply} == own
     keys = [one["key"] for one in reply]
     assert keys.index("labcontrol/ensaio.A.10.mat") - keys.index(KEY) == 9
+
+
+def test_marks_and_uncertainty_of_a_record_are_shown(client, data):
+    t = np.arange(600) / 100.0
+    mark, stated = "the force's zero moved by +16 N", {"force": Uncertainty({"zero": 5.0, "noise": 0.4})}
+    x = 8e-3 * np.sin(t / 0.12)
+    marked = records.Record(t, x, 300.0 * np.cos(t / 0.12), voltage=1.0, marks=(mark,), uncertainty=stated)
+    (data / "uploads").mkdir()
+    records.write(marked, data / "uploads" / "one.h5")
+    (one,) = client.get("/api/records/list").json()
+    assert mark in one["about"]["notes"]
+    assert one["about"]["uncertainty"]["force"]["parts"] == {"zero": 5.0, "noise": 0.4}
 
 
 def test_curves_keep_the_peaks(client, campaign_folder):
