@@ -11,13 +11,23 @@ from click.testing import CliRunner
 
 from dampyr import records
 from dampyr.campaigns import perform, read_journal
-from dampyr.campaigns.marks import Measured, drifting_zero, flat_force, force_at_rail, marks_of
+from dampyr.campaigns.marks import (
+    Measured,
+    created_energy,
+    drifting_zero,
+    flat_force,
+    force_at_rail,
+    marks_of,
+    sudden_force,
+    zero_moved,
+)
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, RigFault
 from dampyr.identification import identify
 from dampyr.identification.identify import IdentifyOptions
 from dampyr.records.formats import h5
 from dampyr.rig import RigSettings, simulated
+from dampyr.rig.uncertainty_budget import Evidence
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 RIG = RigSettings()
@@ -190,3 +200,76 @@ def test_a_drifting_cell_is_marked_and_told_where_its_records_are_used(
 def test_no_kind_of_step_is_marked_where_nothing_is_wrong(tmp_path: Path) -> None:
     folder = perform(EXAMPLES / "every_kind.toml", simulated(in_process=True), tmp_path / "out")
     assert {record.name: record.marks for record in records.read_campaign(folder) if record.marks} == {}
+
+
+@pytest.mark.parametrize("at", [0.5, 1.6, 3.52, 6.02, 11.5])
+@pytest.mark.parametrize("size", [-40.0, 300.0])
+def test_a_force_that_leaps_while_the_table_slides_or_stands_is_marked(at: float, size: float) -> None:
+    """Such as at the end of a drift that has come and gone, or where the cell's wires are swapped in a test."""
+    measured = sine()
+    leapt = read_by_board(
+        measured.time, measured.displacement, measured.force + np.where(measured.time > at, size, 0.0)
+    )
+    (mark,) = sudden_force(leapt)
+    assert not mark.spoils
+    assert float(mark.text.split("leaps by ")[1].split()[0]) == pytest.approx(size, abs=8.0)
+    assert f"at {at:.4g}" in mark.text
+
+
+@pytest.mark.parametrize("speed", [0.002, 0.03, 0.08])
+def test_a_stiff_damper_that_turns_does_not_leap(speed: float) -> None:
+    """4 N/um, the stiffest of the original specimen's: at full speed 170 N from a sample to the next."""
+    measured, frequency = sine(), speed / (2 * np.pi * 0.005)
+    t = measured.time
+    x = np.where((t > 1.0) & (t < 11.0), 0.005 * np.sin(2 * np.pi * frequency * (t - 1.0)), 0.0)
+    force, dahl = np.zeros(t.size), 0.0
+    for k, step in enumerate(np.diff(x, prepend=0.0)):
+        dahl = np.sign(step) + (dahl - np.sign(step)) * np.exp(-2e4 * abs(step))  # grows over 50 um to 200 N
+        force[k] = 200.0 * dahl
+    noise = 0.4 * np.random.default_rng(2).standard_normal(t.size)
+    assert not list(sudden_force(read_by_board(t, 5e-6 * np.round(x / 5e-6), force + noise)))
+
+
+@pytest.mark.parametrize("begin", [0.0, 5.0])
+def test_a_force_with_the_wrong_sign_spoils_its_test(begin: float) -> None:
+    measured = sine()
+    inverted = with_volts(measured, np.where(measured.time >= begin, -measured.volts, measured.volts))
+    (mark,) = created_energy(inverted)
+    assert mark.spoils
+    assert "the force's sign inverted" in mark.text
+    assert not list(created_energy(measured))
+
+
+def test_a_zero_that_differs_before_and_after_a_test_is_marked() -> None:
+    assert not zero_moved(Evidence())
+    assert not zero_moved(Evidence(zero_shift=(1.0, 5.0)))
+    (mark,) = zero_moved(Evidence(zero_shift=(1.0, -40.0)))
+    assert "moved by -41 N in the test" in mark.text
+    (mark,) = zero_moved(Evidence(zero_shift=(15.0, 16.0)))
+    assert "moved by +16 N since the run began" in mark.text
+    assert not zero_moved(Evidence(zero_shift=(0.0, 16.0), rise=12.0, warming=12.0))  # a gas charge that warmed
+
+
+@pytest.mark.parametrize("rate", [10.0, -40.0])
+@pytest.mark.parametrize(
+    "step", ['kind = "sine"\namplitude = "4 mm"\nfrequency = "2 Hz"\ncycles = 2', 'kind = "rest"\nduration = "3 s"']
+)
+def test_a_drift_in_a_short_test_is_seen_on_the_way_past_the_index(tmp_path: Path, rate: float, step: str) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(f'check_amplitude = "0 mm"\n[[step]]\n{step}\nvoltage = "1 V"\n', "utf-8")
+    for faults, count in (([], 0), ([f"drifting-cell={rate}@5s"], 1)):
+        rig = simulated(faults=faults, in_process=True)
+        folder = perform(path, rig, tmp_path / f"out{count}")
+        (path_of_record,) = folder.glob("*.h5")
+        record = records.read(path_of_record)
+        assert len([text for text in record.marks if "the force's zero moved by" in text]) == count
+
+
+@pytest.mark.parametrize("check", [0, 1])
+def test_a_cell_whose_wires_are_swapped_ends_the_campaign(tmp_path: Path, check: int) -> None:
+    path = tmp_path / "short.toml"
+    text = SHORT.format(voltage='"1 V"').replace('"0 mm"', f'"{check} mm"')
+    path.write_text(text, "utf-8")
+    rig = simulated(faults=["inverted-cell@0s"], in_process=True)
+    with pytest.raises(RigFault, match="sign inverted"):
+        perform(path, rig, tmp_path / "out")

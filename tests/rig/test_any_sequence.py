@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -32,10 +33,14 @@ from dampyr.errors import DampyrWarning, InputError, RigFault
 from dampyr.rig import Drive, Rig, RigSettings, Table
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.simulated import Serial
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
+from dampyr.rig.instruments.connection import open_instruments
+from dampyr.rig.instruments.ni_daqmx.daqmx_service import start_server
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import no_check
+from dampyr.rig.simulation.clock import Clock, EventLog
 from dampyr.rig.simulation.faults import KINDS, FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
 
@@ -99,6 +104,7 @@ class Bench(RuleBasedStateMachine):
     def __init__(self) -> None:
         super().__init__()
         self.rig: Rig | None = None
+        self.gone: Rig | None = None
         self.table: Table | None = None
         self.block: Any = None
         self.folder = Path(tempfile.mkdtemp(prefix="dampyr-any-"))
@@ -115,10 +121,14 @@ class Bench(RuleBasedStateMachine):
         board = InProcessBoard(self.simulator)
         return Rig(self.simulator.settings, Uno(InProcess(self.simulator.serial)), board, threaded=False)
 
+    def idle(self, seconds: float) -> None:
+        """Time passes without a host."""
+        self.simulator.run_unattended(seconds)
+
     def vanish(self) -> None:
         """The host's process is gone; its board's task ends with it, and the Uno is left to itself."""
         self.simulator.stop()
-        self.simulator.run_unattended(WATCHED)
+        self.idle(WATCHED)
 
     def close(self) -> None:
         """The host lets go of the rig."""
@@ -155,10 +165,10 @@ class Bench(RuleBasedStateMachine):
     # what is allowed to be raised
 
     @contextmanager
-    def asked(self, what: str) -> Iterator[None]:
+    def said(self, what: str) -> Iterator[None]:
         """Whatever is asked for either works or says what is wrong; a host that was killed says nothing."""
         self.log.append(f"{self.simulator.time:.3f} {what}")
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always")
             try:
                 yield
@@ -171,7 +181,7 @@ class Bench(RuleBasedStateMachine):
                 check_sentence(problem)
                 if isinstance(problem, RigFault):
                     self.leave(problem)
-        for each in told:
+        for each in warned:
             assert issubclass(each.category, DampyrWarning), each
             assert "the Uno" in str(each.message)
         self.check()
@@ -179,7 +189,7 @@ class Bench(RuleBasedStateMachine):
     def leave(self, problem: BaseException | None) -> None:
         """Leave the block in which the rig is armed, as ``problem`` makes a program do."""
         if isinstance(problem, Killed):
-            self.rig = self.table = self.block = None
+            self.gone, self.rig, self.table, self.block = self.rig, None, None, None
             self.vanish()
         elif self.block is not None:
             block, self.table, self.block = self.block, None, None
@@ -193,7 +203,7 @@ class Bench(RuleBasedStateMachine):
                     check_sentence(raised)
             if self.talks:
                 assert not self.simulator.twin.enabled
-            self.simulator.run_unattended(0.0 if self.talks else WATCHED)
+            self.idle(0.0 if self.talks else WATCHED)
             self.check_left()
 
     @property
@@ -206,17 +216,17 @@ class Bench(RuleBasedStateMachine):
     @precondition(lambda self: self.rig is None)
     @rule()
     def connect(self) -> None:
-        with self.asked("connect"):
+        with self.said("connect"):
             self.rig = self.host()
-            self.rig.identity  # noqa: B018 - asked for by every program first
+            self.rig.identity  # noqa: B018 - looked at by every program first
 
     @precondition(lambda self: self.rig is not None and self.table is None)
     @rule(new=st.booleans())
     def disconnect(self, new: bool) -> None:
-        with self.asked("disconnect"):
+        with self.said("disconnect"):
             self.close()
         self.rig = None
-        self.simulator.run_unattended(WATCHED)
+        self.idle(WATCHED)
         self.check_left()
         if new:
             self.connect()
@@ -225,7 +235,7 @@ class Bench(RuleBasedStateMachine):
     @rule()
     def arm(self) -> None:
         assert self.rig is not None
-        with self.asked("arm"):
+        with self.said("arm"):
             block = self.rig.armed()
             self.table = block.__enter__()
             self.block = block
@@ -238,7 +248,7 @@ class Bench(RuleBasedStateMachine):
     @rule(how=st.sampled_from(["disarm", "abort", "stop", "Ctrl-C", "an error", "kill"]))
     def end(self, how: str) -> None:
         """The block in which the rig is armed is left in one of the ways in which it can be."""
-        with self.asked(how):
+        with self.said(how):
             assert self.table is not None
             if how == "kill":
                 raise Killed
@@ -253,16 +263,16 @@ class Bench(RuleBasedStateMachine):
     @rule(seconds=st.sampled_from([0.1, 1.0]), event=EVENTS)
     def wait(self, seconds: float, event: Event) -> None:
         if self.table is not None:
-            with self.asked(f"rest {seconds} {event}"), self.event(event):
+            with self.said(f"rest {seconds} {event}"), self.event(event):
                 self.table.rest(seconds)
         else:
             self.begin_fault(event)
-            self.simulator.run_unattended(seconds)
+            self.idle(seconds)
 
     @precondition(lambda self: self.table is not None)
     @rule(here=st.booleans(), event=EVENTS)
     def home(self, here: bool, event: Event) -> None:
-        with self.asked(f"home here={here} {event}"), self.event(event):
+        with self.said(f"home here={here} {event}"), self.event(event):
             assert self.table is not None
             self.placed = False
             self.table.home(here=here)
@@ -278,14 +288,14 @@ class Bench(RuleBasedStateMachine):
         event=EVENTS,
     )
     def jog(self, speed: float, seconds: float, waits: bool, event: Event) -> None:
-        with self.asked(f"jog {speed} {seconds} {waits} {event}"), self.event(event):
+        with self.said(f"jog {speed} {seconds} {waits} {event}"), self.event(event):
             assert self.table is not None
             self.table.jog(speed, seconds, wait=waits)
 
     @precondition(lambda self: self.table is not None)
     @rule(to=st.sampled_from([0.0, 0.011, -0.02, 0.002, -0.0364, 0.0364, 0.0368, -0.05]), event=EVENTS)
     def go(self, to: float, event: Event) -> None:
-        with self.asked(f"go {to} {event}"), self.event(event):
+        with self.said(f"go {to} {event}"), self.event(event):
             assert self.table is not None
             self.table.go(to)
 
@@ -293,7 +303,7 @@ class Bench(RuleBasedStateMachine):
     @rule(cycles=st.sampled_from([1, 3]), event=EVENTS)
     def play(self, cycles: int, event: Event) -> None:
         """Strokes about where the table stands."""
-        with self.asked(f"play {cycles} {event}"), self.event(event):
+        with self.said(f"play {cycles} {event}"), self.event(event):
             assert self.table is not None
             t = np.arange(round(cycles / 0.02) + 1) * 0.01
             path = self.table.position + 0.005 * np.sin(4 * np.pi * t) * np.minimum(1, np.minimum(t, t[-1] - t) * 4)
@@ -326,14 +336,14 @@ class Bench(RuleBasedStateMachine):
 
         self.begin_fault(event)
         self.rig.watchers.append(press)
-        with self.asked(f"start check={check} {event}"):
+        with self.said(f"start check={check} {event}"):
             try:
                 with suppress(Stopped, KeyboardInterrupt):
                     perform(path, self.rig, self.folder / str(self.campaigns), watch, control)
             finally:
                 self.rig.watchers.remove(press)
         if self.rig is not None:
-            self.simulator.run_unattended(0.0 if self.talks else WATCHED)
+            self.idle(0.0 if self.talks else WATCHED)
             self.check_left()
 
     def begin_fault(self, event: Event) -> None:
@@ -387,36 +397,36 @@ class Bench(RuleBasedStateMachine):
         truth = self.simulator.truth
         new = truth.time > self.judged
         limits = self.simulator.settings.limits
-        assert np.abs(truth.force[new]).max(initial=0.0) <= limits.force, self.told()
-        assert np.abs(truth.speed[new]).max(initial=0.0) <= limits.speed, self.told()
-        assert np.abs(truth.position[new]).max(initial=0.0) <= STOP + GIVES, self.told()
+        assert np.abs(truth.force[new]).max(initial=0.0) <= limits.force, self.history()
+        assert np.abs(truth.speed[new]).max(initial=0.0) <= limits.speed, self.history()
+        assert np.abs(truth.position[new]).max(initial=0.0) <= STOP + GIVES, self.history()
         live = new & (truth.voltage != 0.0)
         if live.any():
             beats = np.array(self.beats)
             last = beats[np.searchsorted(beats, truth.time[live], side="right") - 1]
-            assert (truth.time[live] - last).max() <= limits.heartbeat + 0.002, self.told()
+            assert (truth.time[live] - last).max() <= limits.heartbeat + 0.002, self.history()
         moves = (truth.state >= State.FOLLOWING) & (truth.state <= State.STOPPING)
         since = np.where(moves, truth.time, 0.0)
         undriven = new & (truth.time - np.maximum.accumulate(since) > BRAKED)
-        assert np.all(truth.speed[undriven] == 0.0), self.told()
+        assert np.all(truth.speed[undriven] == 0.0), self.history()
         self.judged = float(truth.time[-1]) if truth.time.size else 0.0
 
     def check_left(self) -> None:
         """Nothing is armed, moves or has voltage."""
         self.check()
-        assert not self.simulator.twin.enabled, self.told()
-        assert self.simulator.command == 0.0, self.told()
-        assert self.simulator.timed is None or self.simulator.timed.empty(self.simulator.time), self.told()
+        assert not self.simulator.twin.enabled, self.history()
+        assert self.simulator.command == 0.0, self.history()
+        assert self.simulator.timed is None or self.simulator.timed.empty(self.simulator.time), self.history()
 
     def check_place(self) -> None:
         """Homed by the index: the Uno's position is the table's, and so is the board's."""
         assert self.table is not None
         block = next(self.table.loop.blocks())
         true = self.simulator.truth.position[-1]
-        assert self.table.position == pytest.approx(true, abs=1.6e-5), self.told()
-        assert block.displacement[-1] == pytest.approx(true, abs=1.6e-5), self.told()
+        assert self.table.position == pytest.approx(true, abs=1.6e-5), self.history()
+        assert block.displacement[-1] == pytest.approx(true, abs=1.6e-5), self.history()
 
-    def told(self) -> str:
+    def warned(self) -> str:
         """What was done so far."""
         return "\n".join(self.log)
 
@@ -430,10 +440,10 @@ class Bench(RuleBasedStateMachine):
     def recover(self) -> None:
         """With the faults over, the rig is armed and homed again by what its errors say."""
         if self.table is not None:
-            with self.asked("disarm at the end"):
+            with self.said("disarm at the end"):
                 self.leave(None)
         over = max((fault.until for fault in self.simulator.faults if np.isfinite(fault.until)), default=0.0)
-        self.simulator.run_unattended(max(over - self.simulator.time, 0.0) + 0.1)
+        self.idle(max(over - self.simulator.time, 0.0) + 0.1)
         message = ""
         for _ in range(4):
             if self.rig is None:
@@ -455,8 +465,57 @@ class Bench(RuleBasedStateMachine):
                 self.end("disarm")
                 return
             message = self.log[-1]
-            assert HOMES.search(message) or FREES.search(message) or AGAIN.search(message), self.told()
-        raise AssertionError(f"it could not be armed and homed again:\n{self.told()}")
+            assert HOMES.search(message) or FREES.search(message) or AGAIN.search(message), self.history()
+        raise AssertionError(f"it could not be armed and homed again:\n{self.history()}")
+
+
+class WiredBench(Bench):
+    """The same over the wires: pyserial's socket and NI-DAQmx's gRPC, with the clock of a rig in a process of its own.
+
+    Its server is a thread of this process, so that its truth can be looked at and its faults be set.
+    """
+
+    def make(self, rig: RigSettings, position: float) -> None:
+        super().make(rig, position)
+        self.clock = Clock(self.simulator, EventLog(None))
+        self.simulator.delay_read = lambda _: None
+        self.server, port = start_server(self.clock)
+        self.serial = Serial(self.clock)
+        wires = replace(rig.wires, serial=f"socket://127.0.0.1:{self.serial.port}", grpc=f"127.0.0.1:{port}")
+        self.wired = replace(rig, wires=wires)
+        self.clock.start()
+
+    def host(self) -> Rig:
+        until = time.monotonic() + 10.0
+        while self.serial.busy and time.monotonic() < until:  # the server sees a moment later that a host has gone
+            time.sleep(0.002)
+        uno, board = open_instruments(self.wired, simulated=True)
+        return Rig(self.simulator.settings, uno, board, threaded=False)
+
+    def idle(self, seconds: float) -> None:
+        with self.clock.lock:
+            super().idle(seconds)
+
+    def vanish(self) -> None:
+        """Its sockets are closed, and nothing was said to the board."""
+        assert self.gone is not None
+        self.gone.uno.close()
+        self.idle(WATCHED)
+
+    def check(self) -> None:
+        with self.clock.lock:
+            super().check()
+
+    def teardown(self) -> None:
+        try:
+            super().teardown()
+        finally:
+            if hasattr(self, "clock"):
+                if self.rig is not None:
+                    self.rig.close()
+                self.clock.finished.set()
+                self.serial.listener.close()
+                self.server.stop(None)
 
 
 def check_sentence(problem: Exception) -> None:
@@ -494,4 +553,16 @@ def test_many_sequences(endurance: Endurance) -> None:
         "what a person may do with a rig in random order, with faults between, from anywhere",
         None,
         f"{count} sequences of 16 steps; always safe, and each rig was armed and homed again",
+    )
+
+
+@pytest.mark.prove
+@pytest.mark.endure
+def test_many_sequences_over_the_wires(endurance: Endurance) -> None:
+    count = 100 if endurance.full else 5
+    run(WiredBench, count, 10)
+    endurance.report(
+        "the same over the wires of the simulated rig",
+        None,
+        f"{count} sequences of 10 steps; always safe, and usable again",
     )

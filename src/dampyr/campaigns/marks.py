@@ -44,6 +44,12 @@ COIL_KELVIN = (
 )
 SETTLED_COIL = 8.0  # time constants of the coil after which its current is within 0.03 %
 COIL_STEADY = 0.01  # V: a command that changes less from sample to sample is a slow ramp
+SUDDEN = 25.0  # N from sample to sample
+SLIDES = 3.0e-4  # m of way in one direction, after which the force of any damper changes slowly
+SLID = 2.0  # s in which such a way is looked for
+MAX_LEAPS = 2000  # candidates that are looked at: a good test at 60 mm/s has some hundred
+CREATED = 5.0  # N, the mean force over the path: a damper that is looser than this gives nothing to identify
+CLOSED = 0.1  # of the stroke, within which a test ends where it began
 RESTED = 0.25  # s of a rest from which its force is taken
 
 
@@ -305,7 +311,74 @@ def _steady(command: Array, measured: Measured) -> NDArray[np.bool_]:
     return np.asarray(~near)
 
 
-CHECKS: tuple[Check, ...] = (flat_force, force_at_rail, coil_without_its_voltage, coil_without_its_current)
+def sudden_force(measured: Measured) -> Iterator[Mark]:
+    """A force that leaps where no damper's does: while the table slides or stands, at one voltage."""
+    leaps = np.flatnonzero(np.abs(np.diff(measured.force)) > SUDDEN)
+    for at in leaps[:MAX_LEAPS].tolist():
+        if _is_steady(measured, at):
+            size = float(measured.force[at + 1] - measured.force[at])
+            yield Mark(
+                f"the force leaps by {size:+.4g} N from a sample to the next at {float(measured.time[at]):.4g} s, while "
+                "nothing that moves the damper does: look at the load cell's wires and amplifier"
+            )
+            return
+
+
+def _is_steady(measured: Measured, at: int) -> bool:
+    """Whether the table about a sample slides one way for `SLIDES` already, or stands, at one voltage."""
+    x, n = measured.displacement, max(2, round(ABRUPT * measured.rig.board.rate))
+    # A reading strays by a count at the border of two; within two counts the stiffest of dampers has 30 N.
+    near, jitter = slice(max(0, at - n), at + n), 1.5 * measured.rig.encoder.count
+    if np.ndim(measured.voltage) and float(np.ptp(np.asarray(measured.voltage)[max(0, at - 2 * n) : at + n])):
+        return False
+    if float(np.ptp(x[near])) <= jitter:
+        return True
+    past = x[max(0, at - round(SLID * measured.rig.board.rate)) : at + 1]
+    gone = np.abs(past - x[at])
+    far = np.flatnonzero(gone >= SLIDES)
+    if not far.size:
+        return False
+    way = past[far[-1] :]
+    ahead, behind = x[at : at + n // 2], x[max(0, at - n // 2) : at]
+    forward = float(np.sign(way[-1] - way[0]))
+    one_way = float(np.ptp(way)) <= abs(float(way[-1] - way[0])) + jitter
+    goes, went = forward * float(ahead[-1] - ahead[0]), forward * float(behind[-1] - behind[0])
+    return (
+        one_way
+        and went >= jitter
+        and goes >= max(jitter, 0.5 * went)
+        and float(np.min(forward * np.diff(ahead))) >= 0.0
+    )
+
+
+def created_energy(measured: Measured) -> Iterator[Mark]:
+    """A damper that gives energy in a whole cycle, or in the whole test: the force's sign is inverted."""
+    try:
+        record = Record(measured.time, measured.displacement, measured.force)
+    except InputError:  # samples that are no record are told elsewhere
+        return
+    x, force = measured.displacement, measured.force
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x))])
+    path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(x)))])
+    spans = [*cycles(record), *([(0, record.n - 1)] if abs(float(x[-1] - x[0])) < CLOSED * float(np.ptp(x)) else [])]
+    for first, last in spans:
+        gained, gone = float(work[first] - work[last]), float(path[last] - path[first])
+        if gained > CREATED * gone:
+            yield Mark(
+                f"the damper gives {gained:.3g} J from {float(measured.time[first]):.4g} s to {float(measured.time[last]):.4g} "
+                "s, and should take some: is the force's sign inverted? Look at the load cell's wires",
+                spoils=True,
+            )
+            return
+
+
+CHECKS: tuple[Check, ...] = (
+    flat_force,
+    force_at_rail,
+    coil_without_its_voltage,
+    coil_without_its_current,
+    sudden_force,
+)
 """The checks of every stretch of a test, in the order in which their marks stand in a record."""
-CHECKS_OF_WHOLE: tuple[Check, ...] = (drifting_zero,)
+CHECKS_OF_WHOLE: tuple[Check, ...] = (drifting_zero, created_energy)
 """The checks of a test as a whole, whose marks follow."""

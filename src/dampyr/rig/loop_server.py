@@ -26,6 +26,7 @@ from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.connection import open_instruments
 from dampyr.rig.interlock import Interlock
 from dampyr.rig.loop_process import described, rebuilt
+from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.thermal_model import Warmth
 
@@ -197,6 +198,7 @@ def main() -> int:
     for each in ("SIGINT", "SIGTERM", "SIGHUP"):  # these are for the host, which asks for what it wants
         if hasattr(signal, each):
             signal.signal(getattr(signal, each), signal.SIG_IGN)
+    raise_priority()
     address, key = sys.argv[1], sys.stdin.buffer.read()
     with Client(address, authkey=key) as questions, Client(address, authkey=key) as blocks:
         LoopServer(questions, blocks).serve()

@@ -17,6 +17,7 @@ from dampyr.errors import DampyrError
 from dampyr.models import Damper
 from dampyr.rig.gc_control import freeze_objects
 from dampyr.rig.instruments.catalogue import with_absolute_folders
+from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.clock import Clock, EventLog
 from dampyr.rig.simulation.faults import FaultSpec
@@ -68,6 +69,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except DampyrError as problem:
         print(problem, file=sys.stderr)
         return 2
+    if parsed.real_time:
+        raise_priority()  # it stands for hardware, which waits for nobody; before its threads, which inherit it
     try:
         wires = serve_instruments(clock.rig.settings, clock)
     except DampyrError as problem:
