@@ -272,8 +272,8 @@ class NiBoard:
                 ) from problem
             if code == UNDERFLOW:
                 raise RigFault(
-                    f"the command on the board {board} has run out (NI-DAQmx {code}): the host was held up for longer than it is "
-                    "ahead; end what else keeps the machine busy"
+                    f"the command on the board {board} has run out (error {code}): the host was held up for longer than it "
+                    "runs ahead; end what else keeps the machine busy"
                 ) from problem
             message = " ".join(str(problem).split())
             raise RigFault(f"the board {board} gives an error: {message}") from problem
