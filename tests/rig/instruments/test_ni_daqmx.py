@@ -211,7 +211,9 @@ def test_listening_is_no_error_where_the_output_runs_out(connect: Open) -> None:
         rig.listen(0.1)
     board.start(1000.0, np.zeros(10))
     board.read(50)
-    with pytest.raises(RigFault, match="-200290"):  # but it is one where the command is to go on
+    with pytest.raises(
+        RigFault, match=r"has run out \(error -200290\): the host was held up"
+    ):  # but it is one where the command is to go on
         board.queue(np.zeros(10))
     board.stop()
     board.write(0.0)

@@ -265,9 +265,15 @@ class NiBoard:
                 "with the driver in wires.grpc"
             ) from problem
         except errors.Error as problem:
-            if getattr(problem, "error_code", 0) in (NOT_YET_WRITTEN, NO_SPACE):
+            code = getattr(problem, "error_code", 0)
+            if code in (NOT_YET_WRITTEN, NO_SPACE):
                 raise RigFault(
                     f"the command's buffer on the board {board} is full and nothing leaves it: has its sample clock stopped?"
+                ) from problem
+            if code == UNDERFLOW:
+                raise RigFault(
+                    f"the command on the board {board} has run out (error {code}): the host was held up for longer than it "
+                    "runs ahead; end what else keeps the machine busy"
                 ) from problem
             message = " ".join(str(problem).split())
             raise RigFault(f"the board {board} gives an error: {message}") from problem
