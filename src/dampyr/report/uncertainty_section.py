@@ -39,7 +39,7 @@ def uncertainty_section(records: Sequence[Record]) -> Section | None:
         rows.append([channel, shown, float(np.median(sizes)), float(sizes.min()), float(sizes.max()), frequent, rest])
     sources = sorted({text for record in stated if (text := record.provenance.get("voltage", ""))})
     words = [
-        "One standard uncertainty (one sigma) of each channel, typical of a record: encoder, load cell, amplifier, supply, "
+        "One standard uncertainty (one sigma) of each channel: encoder, load cell, amplifier, supply, "
         "coil and converter, and what each test has shown of lost counts and of the shift of the force's zero. Two of them "
         "hold about 95 % of the errors. The parts are added in squares (JCGM 100:2008)."
     ]

@@ -1,10 +1,10 @@
 r"""Standard uncertainty of what a rig measures, a budget per channel (JCGM 100:2008).
 
-Each part is one sigma in the channel's unit. What grows with the force or the voltage is that of their largest value in the record;
-what grows with the force's rate that of its root mean square. A limit that is never
-passed, +-a, counts as :math:`a/\sqrt{3}`, a step q of a converter or an encoder as :math:`q/\sqrt{12}`. What was measured by
-`dampyr calibrate` stands with its own uncertainty, what the settings assume with theirs. What the rig found in the test
-itself goes in as well: counts that were lost, the shift of the force's zero.
+Each part is one sigma in the channel's unit. What grows with the force or the voltage is that of their largest value in the
+record; what grows with the force's rate that of its root mean square. A limit that is never passed, +-a, counts as
+:math:`a/\sqrt{3}`, a step q of a converter or an encoder as :math:`q/\sqrt{12}`. What was measured by `dampyr calibrate` stands
+with its own uncertainty, what the settings assume with theirs. What a test itself has shown goes in as well: counts that
+were lost, the shift of the force's zero.
 """
 
 from __future__ import annotations
