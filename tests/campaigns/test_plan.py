@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from dampyr import campaigns
-from dampyr.campaigns import available_steps, kind, plan, planned
+from dampyr.campaigns import available_steps, kind, perform, plan, planned
+from dampyr.campaigns.plan import WAYS
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.rig import RigSettings
+from dampyr.rig import RigSettings, simulated
 from dampyr.studies import raminelli_2020
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -40,10 +41,22 @@ def test_the_duration_counts_rests_and_the_stroke_before():
     campaign_plan = plan(read(SINE, SINE, rest_between="7 s", check_amplitude="2 mm"))
     assert campaign_plan.preliminary is not None
     assert np.abs(campaign_plan.preliminary.displacement).max() == pytest.approx(0.002)
-    assert campaign_plan.duration == pytest.approx(2 * 24.5 + 7.0 + campaign_plan.preliminary.duration)
+    assert campaign_plan.duration == pytest.approx(2 * (24.5 + WAYS) + 7.0 + campaign_plan.preliminary.duration)
     without = plan(read(SINE, check_amplitude=0))
     assert without.preliminary is None
-    assert without.duration == pytest.approx(24.5)
+    assert without.duration == pytest.approx(24.5 + WAYS)
+
+
+@pytest.mark.prove
+def test_a_campaign_takes_as_long_as_its_plan_says_and_homing(tmp_path: Path) -> None:
+    with simulated(in_process=True) as rig:
+        campaign_plan = plan(campaigns.read(EXAMPLES / "every_kind.toml"), rig.settings)
+        with rig.armed() as table:
+            table.home()
+        begun = rig.board.simulator.time
+        perform(campaign_plan, rig, tmp_path / "out")
+        took = rig.board.simulator.time - begun
+    assert took == pytest.approx(campaign_plan.duration, rel=0.05)
 
 
 def test_without_a_card_the_plan_says_that_the_force_is_not_known():
@@ -120,7 +133,7 @@ def test_the_quick_campaign_is_quick():
     campaign_plan = planned(EXAMPLES / "quick_campaign.toml")
     assert campaign_plan.refusals == ()
     assert len(campaign_plan.tests) == 3
-    assert campaign_plan.duration < 20.0
+    assert campaign_plan.duration < 30.0
 
 
 def test_an_example_shows_thirteen_kinds_and_passes():

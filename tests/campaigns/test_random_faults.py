@@ -11,6 +11,8 @@ no sensor of the rig can tell (`UNSEEN`):
   thermocouple would tell, or the coil's current; a lower force is that of another damper as well as of a warm one. |
 | dead coil | A supply that gives nothing, or a broken wire, in a rig that reads neither the coil's voltage nor its current: the
   record says that its voltage is the commanded one. A lower force is that of another damper. |
+| constant force | A shunt that is left across the bridge from before the first slow pass of a run until its end: a constant
+  force on the cell is what the damper's own gas charge is, and nothing says how large that is. |
 
 The rigs are what their hosts take them for within the stated uncertainties only: each constant strays by its own, of three in
 ten rigs as they were bought and of the others as they were calibrated.
@@ -178,7 +180,8 @@ def a_host(simulator: Simulator, rig: RigSettings, calibration: Calibration, bef
 def _hot_coil(trial: Trial) -> bool:
     """Heat from elsewhere in a rig without a thermocouple: only the voltage is wrong."""
     hot = any(fault.kind == "hot-specimen" for fault in trial.faults)
-    return hot and not trial.rig.wires.temperature and set(trial.worst) == {"voltage"}
+    wires = trial.rig.wires
+    return hot and not (wires.temperature or wires.coil_current) and set(trial.worst) == {"voltage"}
 
 
 def _dead_coil(trial: Trial) -> bool:
@@ -187,7 +190,17 @@ def _dead_coil(trial: Trial) -> bool:
     return dead and not trial.rig.wires.coil_voltage and set(trial.worst) == {"voltage"}
 
 
-UNSEEN: dict[str, Callable[[Trial], bool]] = {"hot coil": _hot_coil, "dead coil": _dead_coil}
+def _constant_force(trial: Trial) -> bool:
+    """A force on the cell from before the first pass of a run until its end."""
+    constant = any(fault.kind == "shunted-cell" and np.isinf(fault.duration) for fault in trial.faults)
+    return constant and set(trial.worst) == {"force"}
+
+
+UNSEEN: dict[str, Callable[[Trial], bool]] = {
+    "hot coil": _hot_coil,
+    "dead coil": _dead_coil,
+    "constant force": _constant_force,
+}
 """What no sensor of the rig can tell, see above."""
 
 

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+WAYS = (
+    3.0  # s of the slow ways to a test and, after it, past the index; 3.1 s on the average of examples/every_kind.toml
+)
 UNCHECKED = "unchecked, as check_amplitude = 0: whether the load cell's sign is right and the encoder's scale is"
 
 
@@ -108,7 +111,7 @@ class Plan(Representation):
         forces = [each.peak_force for each in self.tests if each.peak_force is not None]
         rows = [
             ("rig", self.rig.name),
-            ("tests", f"{len(self.tests)}, {self.duration:.4g} s with the rests between them"),
+            ("tests", f"{len(self.tests)}, {self.duration:.4g} s with the rests and slow ways between them"),
             ("force", f"up to {max(forces):.4g} N expected" if forces else "not known"),
             (
                 "damper",
@@ -151,10 +154,10 @@ class Plan(Representation):
 
     @property
     def duration(self) -> float:
-        """s, with the rests between the tests and the stroke before them."""
+        """s, with the rests and slow ways between the tests and the stroke before them, homing left out."""
         rests = self.campaign.header.rest_between * max(len(self.tests) - 1, 0)
         before = 0.0 if self.preliminary is None else self.preliminary.duration
-        return sum(each.duration for each in self.tests) + rests + before
+        return sum(each.duration + WAYS for each in self.tests) + rests + before
 
     def require(self) -> None:
         """Raise :class:`~dampyr.errors.InputError` with all refusals, where there are any."""
