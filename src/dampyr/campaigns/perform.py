@@ -306,7 +306,6 @@ class _Run:
             self._say("homing")
             table.home()
             self.journal.note("homed")
-            table.verify_index()
         if self.plan.preliminary is not None:
             self._say("preliminary check")
             table.go(float(self.plan.preliminary.displacement[0]))

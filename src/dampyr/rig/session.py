@@ -37,6 +37,7 @@ from dampyr.rig.thermal_model import Warmth
 Array = NDArray[np.float64]
 GENTLE = 0.010  # m/s, the mean speed on the way to the start of a test
 ARRIVED = 5e-4  # m: from there on a drive's first step is one that the table follows
+STANDING = 2e-4  # m by which a table that has arrived may be off
 QUICK = 0.2  # s of work during which the board's buffer is enough
 HOMING = 240.0  # s that the search for the index may take: to and fro over a stroke at 2 mm/s
 BACK = 0.4  # s of a jog on the way back from outside of the limits, renewed before its 0.5 s are over
@@ -488,7 +489,8 @@ class Table(Representation):
         smooth = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
         for samples, _ in self.play(Drive(0.01, self.position + path * smooth, np.zeros(n))):
             yield samples
-        if abs(displacement - self.position) > ARRIVED:
+        short = max(STANDING, min(ARRIVED, 0.5 * abs(path)))  # a motor that stands is seen in a short move, too
+        if abs(displacement - self.position) > short:
             raise RigFault(
                 f"the table was driven to {displacement * 1e3:.2f} mm and stands at {self.position * 1e3:.2f} mm; "
                 "look at the motor, its driver and the screw",
