@@ -44,7 +44,8 @@ COIL_KELVIN = (
 )
 SETTLED_COIL = 8.0  # time constants of the coil after which its current is within 0.03 %
 COIL_STEADY = 0.01  # V: a command that changes less from sample to sample is a slow ramp
-SUDDEN = 25.0  # N from sample to sample
+SUDDEN = 25.0  # N from sample to sample, and
+SUDDEN_RATE = 2.5e4  # N/s between samples that are further apart than a millisecond
 SLIDES = 3.0e-4  # m of way in one direction, after which the force of any damper changes slowly
 SLID = 2.0  # s in which such a way is looked for
 MAX_LEAPS = 2000  # candidates that are looked at: a good test at 60 mm/s has some hundred
@@ -313,13 +314,14 @@ def _steady(command: Array, measured: Measured) -> NDArray[np.bool_]:
 
 def sudden_force(measured: Measured) -> Iterator[Mark]:
     """A force that leaps where no damper's does: while the table slides or stands, at one voltage."""
-    leaps = np.flatnonzero(np.abs(np.diff(measured.force)) > SUDDEN)
+    limit = max(SUDDEN, SUDDEN_RATE / measured.rig.board.rate)
+    leaps = np.flatnonzero(np.abs(np.diff(measured.force)) > limit)
     for at in leaps[:MAX_LEAPS].tolist():
         if _is_steady(measured, at):
             size = float(measured.force[at + 1] - measured.force[at])
             yield Mark(
                 f"the force leaps by {size:+.4g} N from a sample to the next at {float(measured.time[at]):.4g} s, while "
-                "nothing that moves the damper does: look at the load cell's wires and amplifier"
+                "nothing that moves the damper does: look at the load cell's wires and amplifier, and for play in the pins"
             )
             return
 
