@@ -86,8 +86,15 @@ def evidence(table: Table, lost: LostCounts, cool: float) -> Evidence:
     zero = table.zero
     shift = (zero[-2] - zero[0], zero[-1] - zero[0]) if len(zero) > 1 else None
     warm = table.temperature
-    room = table.rig.settings.specimen.room
-    return Evidence(lost.number(table.loop.index), shift, warm, warm - room, warm - cool)
+    return dataclasses.replace(
+        warmth_of(table), lost_counts=lost.number(table.loop.index), zero_shift=shift, rise=warm - cool
+    )
+
+
+def warmth_of(table: Table) -> Evidence:
+    """What a test that was ended early has shown of its measurement: how warm the damper is, and how late its supply."""
+    warm, rig = table.temperature, table.rig
+    return Evidence(temperature=warm, warming=warm - rig.settings.specimen.room, command_delay=rig.command_delay)
 
 
 @contextmanager
@@ -106,7 +113,7 @@ def ended(
             DampyrError
         ):  # a full disk, or too few samples for a record: what was acknowledged is in the file
             recording.close() if isinstance(problem, FileError) else recording.finish(
-                outcome, complete=False, uncertainty=uncertainty(recording, table.rig.settings, Evidence())
+                outcome, complete=False, uncertainty=uncertainty(recording, table.rig.settings, warmth_of(table))
             )
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
