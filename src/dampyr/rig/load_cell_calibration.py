@@ -119,10 +119,10 @@ class Calibrating:
 
     def _within_range(self, volts: Array) -> Array:
         """The volts; :class:`InputError` where some are at the end of the converter's range."""
-        limit, most = RAIL * self.rig.settings.board.range, float(np.abs(volts).max())
-        if most >= limit:
+        limit, largest = RAIL * self.rig.settings.board.range, float(np.abs(volts).max())
+        if largest >= limit:
             raise InputError(
-                f"the cell reads {most:.4g} V, which is at the end of the board's range, {limit:.4g} V or more: look at the "
+                f"the cell reads {largest:.4g} V, which is at the end of the board's range, {limit:.4g} V or more: look at the "
                 "cell's wires and amplifier, or take a lighter load"
             )
         return volts
