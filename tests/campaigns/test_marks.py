@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from dampyr import records
-from dampyr.campaigns import perform, read_journal
+from dampyr.campaigns import campaign_of, perform, read_journal
 from dampyr.campaigns.marks import (
     Measured,
     created_energy,
@@ -214,6 +214,17 @@ def test_a_force_that_leaps_while_the_table_slides_or_stands_is_marked(at: float
     assert not mark.spoils
     assert float(mark.text.split("leaps by ")[1].split()[0]) == pytest.approx(size, abs=8.0)
     assert f"at {at:.4g}" in mark.text
+
+
+def test_a_force_that_grows_from_one_slow_sample_to_the_next_does_not_leap(tmp_path: Path) -> None:
+    """At 200 Hz the spring of the original specimen gives 30 N from a sample to the next."""
+    base = RigSettings()
+    rig = replace(base, board=replace(base.board, rate=200.0, velocity_bandwidth=50.0))
+    step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "cycles": 6, "voltage": "3.2 V"}
+    folder = perform(campaign_of({"step": [step]}), simulated(rig, in_process=True), tmp_path / "out")
+    (record,) = records.read_campaign(folder)
+    assert np.abs(np.diff(record.force)).max() > 50.0
+    assert record.marks == ()
 
 
 @pytest.mark.parametrize("speed", [0.002, 0.03, 0.08])

@@ -98,7 +98,7 @@ def a_campaign(draw: np.random.Generator) -> str:
         kind = str(draw.choice([*STEPS, "sine", "sine"]))
         f = round(float(draw.uniform(0.5, 3.0)), 2)
         numbers = {
-            "a": round(float(min(30.0, draw.uniform(1.0, 9.0) / f)), 2),
+            "a": round(float(min(30.0, draw.uniform(1.0, 8.0) / f)), 2),
             "b": round(float(draw.uniform(1.0, 4.0)), 2),
             "f": f,
             "c": int(draw.integers(2, 6)),

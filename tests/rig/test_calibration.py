@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from dampyr.cli import cli
 from dampyr.errors import FileError, InputError, RigFault
-from dampyr.rig import RigSettings, simulated
+from dampyr.rig import Drive, RigSettings, simulated
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration, save_calibration
 from dampyr.rig.coil_calibration import fit_coil, measure_coil
 from dampyr.rig.load_cell_calibration import Calibrating, step_bandwidth
@@ -51,6 +51,41 @@ def test_a_reading_without_a_step_and_one_with_a_bouncing_switch_are_refused() -
     bouncing = np.where((time > 1.05) & (time < 1.06), 0.1, volts)
     with pytest.raises(InputError, match="does the switch bounce"):
         step_bandwidth(time, bouncing)
+    two = 0.6 * volts + 0.4 * np.roll(volts, 400)  # the second one 20 ms later
+    with pytest.raises(InputError, match="was it switched twice"):
+        step_bandwidth(time, two)
+    with pytest.raises(InputError, match="does the switch bounce"):
+        step_bandwidth(time, np.where((time > 1.031) & (time < 1.032), 0.1, volts))
+
+
+def test_a_reading_at_the_end_of_the_boards_range_is_no_calibration() -> None:
+    with simulated(RIG, in_process=True, faults=["broken-cell=10@5s"]) as rig:
+        steps = Calibrating(rig, 0.5)
+        steps.zero()
+        rig.board.simulator.run_unattended(6.0)
+        before = steps.calibration
+        for read in (lambda: steps.loaded("500 N"), lambda: steps.shunted("100 kohm"), steps.zero, steps.amplifier):
+            with pytest.raises(InputError, match=r"the cell reads 10 V, which is at the end of the board's range"):
+                read()
+        assert steps.calibration == before
+
+
+def test_the_noise_is_that_of_the_scale_that_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    readings = iter([(0.0, 1e-5), (1.0, 1e-5)])
+    with simulated(RIG, in_process=True) as rig:
+        steps = Calibrating(rig)
+        steps.noise = 0.613
+        monkeypatch.setattr(steps, "_volts", lambda: next(readings))
+        steps.zero()
+        steps.loaded("1226 N")
+    assert steps.calibration.scale == pytest.approx(1226.0)
+    assert steps.calibration.noise == pytest.approx(1.226)
+
+
+def test_the_coils_heat_is_that_of_the_resistance_that_was_measured() -> None:
+    with simulated(RIG, in_process=True) as rig:
+        rig.use(replace(calibration_of(RIG), resistance=8.8, resistance_uncertainty=0.1))
+        assert rig.warmth.rig.supply.resistance == 8.8
 
 
 @pytest.mark.parametrize(("resistance", "inductance", "gain"), [(4.4, 0.044, 1.0), (4.0, 0.08, 0.9), (6.0, 0.006, 1.1)])
@@ -128,6 +163,12 @@ def test_a_calibration_of_an_earlier_version_is_read_and_a_wrong_one_refused(tmp
     (tmp_path / "calibration.toml").write_text(old.replace("[told]", "resistance = -1.0\n[told]"))
     with pytest.raises(FileError, match=r"calibration\.resistance = -1 ohm is not allowed"):
         load_calibration(tmp_path)
+    (tmp_path / "calibration.toml").write_text(old.replace("[told]", "gain_uncertainty = 0.01\n[told]"))
+    with pytest.raises(FileError, match=r"gain_uncertainty = 0\.01 is not allowed without gain"):
+        load_calibration(tmp_path)
+    (tmp_path / "calibration.toml").write_text(old.replace("scale = 620.0", "scale = 0.0"))
+    with pytest.raises(FileError, match="scale = 0 N/V is not allowed"):
+        load_calibration(tmp_path)
 
 
 def test_a_reading_says_its_uncertainty() -> None:
@@ -157,3 +198,25 @@ def test_the_command_line_says_each_value_with_its_uncertainty(tmp_path: Path) -
     refused = CliRunner().invoke(cli, [*arguments[:-1], "--amplifier"])
     assert refused.exit_code == 2
     assert "no step of 20 times" in refused.output
+
+
+def test_a_supply_whose_gain_was_calibrated_gets_its_whole_voltage(tmp_path: Path) -> None:
+    """Over the wires: the board's range is that of the gain that was measured."""
+    (tmp_path / "rig.toml").write_text("")
+    save_calibration(replace(calibration_of(RIG), gain=0.5, gain_uncertainty=0.002), tmp_path)
+    voltage = np.concatenate([np.zeros(5), np.full(30, 3.0), np.zeros(5)])
+    true = replace(RigSettings(), supply=replace(RigSettings().supply, gain=0.5))
+    with simulated(tmp_path / "rig.toml", parts=true) as rig, rig.armed() as table:
+        drive = Drive(0.01, np.full(40, table.position), voltage, standing=True)
+        assert max(float(samples.voltage.max()) for samples, _ in table.play(drive)) == 3.0
+
+
+def test_an_encoder_too_fine_for_the_uno_is_said_so() -> None:
+    fine = replace(RigSettings(), encoder=replace(RigSettings().encoder, count=1e-6))
+    fine = replace(fine, board=replace(fine.board, encoder_filter=125e-9))
+    with (
+        simulated(fine, in_process=True) as rig,
+        pytest.raises(InputError, match=r"limits\.speed of at most 40 mm/s"),
+        rig.armed(),
+    ):
+        pass

@@ -10,6 +10,7 @@ import pytest
 
 from dampyr import records
 from dampyr.campaigns import campaign_of, perform
+from dampyr.errors import RigFault
 from dampyr.records import Record
 from dampyr.rig import Rig, RigSettings, simulated
 from dampyr.rig.calibration import Calibration
@@ -17,6 +18,7 @@ from dampyr.rig.load_cell_calibration import Calibrating
 from dampyr.rig.simulation import plant
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
+from dampyr.rig.uncertainty_budget import Evidence, budget
 
 BELIEVED = replace(RigSettings(), wires=replace(RigSettings().wires, coil_voltage="ai2", coil_current="ai3"))
 TRUE = replace(
@@ -112,3 +114,30 @@ def calibrate(opened: Rig) -> Calibration:
     steps.coil()
     opened.use(steps.calibration)
     return steps.calibration
+
+
+def test_a_supply_that_comes_late_is_in_the_uncertainty_of_a_voltage_that_changes() -> None:
+    """Late by any part of 40 ms."""
+    rig, t = RigSettings(), np.arange(8000) / 1000.0
+    voltage, generator = 2.0 * (np.floor(2.0 * t) % 2.0), np.random.default_rng(0)
+    pieces = [(t, 0.0 * t, 0.0 * t, voltage)]
+    late = budget(rig, Evidence(command_delay=0.04), 8.0, pieces)["voltage"]["delay of the supply"]
+    each = [voltage - np.roll(voltage, n) for n in generator.integers(0, 41, 200)]
+    assert late == pytest.approx(np.sqrt(np.mean(np.square(each))), rel=0.1)
+    assert "delay of the supply" not in budget(rig, Evidence(), 8.0, pieces)["voltage"]
+    read = budget(BELIEVED, Evidence(command_delay=0.04), 8.0, pieces)["voltage"]
+    assert "delay of the supply" not in read  # what was read is not late
+    steady = budget(rig, Evidence(command_delay=0.04), 8.0, [(t, 0.0 * t, 0.0 * t, 2.0)])["voltage"]
+    assert steady["delay of the supply"] == 0.0
+
+
+def test_a_test_that_was_stopped_states_the_warmth_of_its_coil(tmp_path: Path) -> None:
+    step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "cycles": 20, "voltage": "1.98 V"}
+    with simulated(in_process=True, faults=["board-overrun@20s"]) as opened:
+        opened.warmth.temperature = 40.0
+        with pytest.raises(RigFault):
+            perform(campaign_of({"step": [step]}), opened, tmp_path)
+    (path,) = tmp_path.glob("*.h5")
+    record = records.read(path)
+    assert record.provenance["complete"] == "no"
+    assert record.uncertainty["voltage"].parts["warmth of the coil"] > 0.03

@@ -35,6 +35,7 @@ ZERO_OF_CYCLES = 10.0  # N, and
 SHARE_OF_CYCLES = 0.03  # of half the range; the mean of a cycle holds no hysteresis, and strays by 4 N in a good test
 MIN_CYCLES = 4  # inner ones, from which the drift of their mean is taken
 ZERO_OF_PASSES = 6.0  # N by which the force of two slow passes may differ: they agree to 1 N
+SHARE_OF_PASSES = 0.005  # of the force, peak to peak
 ZERO_PER_KELVIN = 1.0  # N/K: a gas charge under 300 N gains a 293rd of its force a kelvin
 COIL_OFF, COIL_SPARE = 0.05, 0.02  # of the largest command, and V, by which the coil's voltage may differ from it
 SPOILED = 0.2  # of the command: a coil that has less is not at the test's voltage
@@ -44,7 +45,8 @@ COIL_KELVIN = (
 )
 SETTLED_COIL = 8.0  # time constants of the coil after which its current is within 0.03 %
 COIL_STEADY = 0.01  # V: a command that changes less from sample to sample is a slow ramp
-SUDDEN = 25.0  # N from sample to sample
+SUDDEN = 25.0  # N from sample to sample, and
+SUDDEN_RATE = 2.5e4  # N/s between samples that are further apart than a millisecond
 SLIDES = 3.0e-4  # m of way in one direction, after which the force of any damper changes slowly
 SLID = 2.0  # s in which such a way is looked for
 MAX_LEAPS = 2000  # candidates that are looked at: a good test at 60 mm/s has some hundred
@@ -232,8 +234,11 @@ def force_at_rail(measured: Measured) -> Iterator[Mark]:
         )
 
 
-def zero_moved(shown: Evidence) -> list[Mark]:
-    """A zero of the force that moved between the slow passes before and after the test, or since the run's first one."""
+def zero_moved(shown: Evidence, span: float = 0.0) -> list[Mark]:
+    """A zero of the force that moved between the slow passes before and after the test, or since the run's first one.
+
+    ``span`` [N] is the force's, peak to peak: a damper that relaxes slowly is not quite the same after a test.
+    """
     if shown.zero_shift is None:
         return []
     before, after = shown.zero_shift
@@ -241,7 +246,7 @@ def zero_moved(shown: Evidence) -> list[Mark]:
         (after - before, shown.rise, "in the test"),
         (after, shown.warming, "since the run began"),
     ):
-        limit = ZERO_OF_PASSES + ZERO_PER_KELVIN * abs(rise)
+        limit = ZERO_OF_PASSES + SHARE_OF_PASSES * span + ZERO_PER_KELVIN * abs(rise)
         if abs(change) > limit:
             return [
                 Mark(
@@ -313,13 +318,14 @@ def _steady(command: Array, measured: Measured) -> NDArray[np.bool_]:
 
 def sudden_force(measured: Measured) -> Iterator[Mark]:
     """A force that leaps where no damper's does: while the table slides or stands, at one voltage."""
-    leaps = np.flatnonzero(np.abs(np.diff(measured.force)) > SUDDEN)
+    limit = max(SUDDEN, SUDDEN_RATE / measured.rig.board.rate)
+    leaps = np.flatnonzero(np.abs(np.diff(measured.force)) > limit)
     for at in leaps[:MAX_LEAPS].tolist():
         if _is_steady(measured, at):
             size = float(measured.force[at + 1] - measured.force[at])
             yield Mark(
                 f"the force leaps by {size:+.4g} N from a sample to the next at {float(measured.time[at]):.4g} s, while "
-                "nothing that moves the damper does: look at the load cell's wires and amplifier"
+                "nothing that moves the damper does: look at the load cell's wires and amplifier, and for play in the pins"
             )
             return
 

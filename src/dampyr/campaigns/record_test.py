@@ -86,8 +86,15 @@ def evidence(table: Table, lost: LostCounts, cool: float) -> Evidence:
     zero = table.zero
     shift = (zero[-2] - zero[0], zero[-1] - zero[0]) if len(zero) > 1 else None
     warm = table.temperature
-    room = table.rig.settings.specimen.room
-    return Evidence(lost.number(table.loop.index), shift, warm, warm - room, warm - cool)
+    return dataclasses.replace(
+        warmth_of(table), lost_counts=lost.number(table.loop.index), zero_shift=shift, rise=warm - cool
+    )
+
+
+def warmth_of(table: Table) -> Evidence:
+    """What a test that was ended early has shown of its measurement: how warm the damper is, and how late its supply."""
+    warm, rig = table.temperature, table.rig
+    return Evidence(temperature=warm, warming=warm - rig.settings.specimen.room, command_delay=rig.command_delay)
 
 
 @contextmanager
@@ -106,7 +113,7 @@ def ended(
             DampyrError
         ):  # a full disk, or too few samples for a record: what was acknowledged is in the file
             recording.close() if isinstance(problem, FileError) else recording.finish(
-                outcome, complete=False, uncertainty=uncertainty(recording, table.rig.settings, Evidence())
+                outcome, complete=False, uncertainty=uncertainty(recording, table.rig.settings, warmth_of(table))
             )
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
@@ -119,7 +126,7 @@ def ended(
 def _finish(recording: Recording, rig: RigSettings, outcome: dict[str, str], shown: Evidence) -> list[Mark]:
     """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks."""
     marks = marks_of(lambda rows: measured(recording, rig, rows, shown.temperature), recording.rows)
-    marks += zero_moved(shown)
+    marks += zero_moved(shown, float(np.ptp(recording.read("calibrated/force"))) if recording.rows else 0.0)
     about: dict[str, Any] = {"marks": tuple(mark.text for mark in marks)}
     about["uncertainty"] = uncertainty(recording, rig, shown)
     if "voltage" in recording.header.constants and "raw/coil_voltage" in recording.datasets:
@@ -140,10 +147,10 @@ def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict
         return {}
     voltage, count = recording.header.constants.get("voltage"), max(1, rows // PIECE)
 
-    def piece(k: int) -> tuple[Array, Array, Array | float]:
+    def piece(k: int) -> tuple[Array, Array, Array, Array | float]:
         some = slice(rows * k // count, rows * (k + 1) // count)
-        time, force = (recording.read(f"calibrated/{name}", some) for name in ("time", "force"))
-        return time, force, recording.read("calibrated/voltage", some) if voltage is None else voltage
+        time, x, force = (recording.read(f"calibrated/{name}", some) for name in ("time", "displacement", "force"))
+        return time, x, force, recording.read("calibrated/voltage", some) if voltage is None else voltage
 
     parts = budget(rig, shown, rows / rig.board.rate, map(piece, range(count)))
     return {name: Uncertainty(each) for name, each in parts.items()}

@@ -77,6 +77,8 @@ def command(
         if coil:
             _wait("Let the damper have the room's temperature; nothing moves, the coil gets a voltage.", yes)
             steps.coil()
+        if steps.doubt and not yes and not click.confirm(f"{steps.doubt}. Save it all the same?", err=True):
+            raise InputError("nothing is saved; calibrate again")
         path = steps.save(
             rig.parent, {"date": datetime.now(UTC).isoformat(timespec="seconds"), "load": load or shunt or ""}
         )

@@ -24,6 +24,7 @@ from dampyr.rig.settings import LoadCell, RigSettings
 from dampyr.units import Quantity
 
 Array = NDArray[np.float64]
+MEASURED = ("bandwidth", "gain", "resistance", "inductance")  # values that may be absent, with their uncertainty
 SPREAD = 0.02  # by which a measured scale may differ from the one before without a warning
 
 
@@ -54,6 +55,16 @@ class Calibration(Representation):
     resistance_uncertainty: Annotated[float | None, Quantity("ohm", low=0.0)] = None
     inductance: Annotated[float | None, Quantity("H", low=0.0)] = None
     inductance_uncertainty: Annotated[float | None, Quantity("H", low=0.0)] = None
+
+    def __post_init__(self) -> None:
+        if self.scale == 0.0:
+            raise InputError("scale = 0 N/V is not allowed; it must not be 0: no force would show")
+        for name in MEASURED:
+            if getattr(self, name) is None and getattr(self, f"{name}_uncertainty") is not None:
+                raise InputError(
+                    f"{name}_uncertainty = {getattr(self, f'{name}_uncertainty'):g} is not allowed without {name}; give both, "
+                    "or neither"
+                )
 
     def _summary(self) -> Summary:
         return "Calibration", [
@@ -164,4 +175,7 @@ def doubt(scale: float, before: float) -> str:
     off = scale / before - 1.0
     if abs(off) <= SPREAD:
         return ""
-    return f"the scale {scale:.4g} N/V differs from {before:.4g} N/V by {off:+.1%}; check the cell before you save it"
+    return (
+        f"the scale {scale:.4g} N/V differs from {before:.4g} N/V by {off:+.1%}; check the cell and its load, and calibrate it "
+        "again if they are not right"
+    )

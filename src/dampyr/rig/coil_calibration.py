@@ -109,7 +109,7 @@ def fit_coil(rig: RigSettings, output: Array, coil: Array | None, current: Array
         delayed = (1.0 - late) * volts + late * np.concatenate(([volts[0]], volts[:-1]))
         return zero + _current(resistance, inductance, step, delayed)
 
-    start = np.array([supply.resistance, max(supply.inductance, 1e-4), 0.0, 0.0])
+    start = np.array([supply.resistance, min(max(supply.inductance, 1e-4), 1.0), 0.0, 0.0])
     low = [0.05 * supply.resistance, 1e-6, -1.0, -1.0]
     high = [20.0 * supply.resistance, 10.0, 1.0, 2.0]
     fitted = least_squares(

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from dampyr.errors import InputError
+from dampyr.rig.calibration import load_calibration
 from dampyr.rig.instruments.catalogue import with_absolute_folders
 from dampyr.rig.instruments.connection import open_instruments
 from dampyr.rig.loop_process import LoopProcess, remote_rig
@@ -79,7 +80,8 @@ def simulated(
         wired = replace(rig, wires=replace(rig.wires, **wires))
         if real_time:
             return _in_real_time(rig, wired, folder, [process.close], damper_persists=False)
-        answering, sampling = open_instruments(with_absolute_folders(wired, folder), simulated=True)
+        named = with_absolute_folders(_calibrated(wired, folder), folder)
+        answering, sampling = open_instruments(named, simulated=True)
         closing = [process.close]
         return Rig(rig, answering, sampling, threaded=False, folder=folder, on_close=closing, damper_persists=False)
     except BaseException:
@@ -111,12 +113,18 @@ def _in_real_time(
     damper_persists: bool = True,
 ) -> Rig:
     """A rig that is read, at the wires of ``wired``, by a process of its own."""
-    process = LoopProcess(with_absolute_folders(wired, folder))
+    process = LoopProcess(with_absolute_folders(_calibrated(wired, folder), folder))
     try:
         return remote_rig(process, rig, folder, on_close, damper_persists)
     except BaseException:
         process.close()
         raise
+
+
+def _calibrated(rig: RigSettings, folder: Path | None) -> RigSettings:
+    """The settings with the calibration that lies beside them: an instrument that is opened takes its ranges from these."""
+    calibration = load_calibration(folder) if folder else None
+    return rig if calibration is None else calibration.corrected(rig)
 
 
 def _settings(given: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:

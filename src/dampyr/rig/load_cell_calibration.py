@@ -18,6 +18,7 @@ import numpy as np
 from dampyr.errors import InputError
 from dampyr.rig.calibration import Array, doubt, save_calibration, shunt_point, two_point
 from dampyr.rig.coil_calibration import Coil, measure_coil
+from dampyr.rig.interlock import RAIL
 from dampyr.rig.session import Rig
 from dampyr.units import STANDARD_GRAVITY, parse
 
@@ -69,7 +70,7 @@ class Calibrating:
         """
         rate = min(AMPLIFIER_RATE, FASTEST_READING / len(self.rig.settings.inputs))
         time, volts = self._fast(rate, seconds)
-        bandwidth, uncertainty = step_bandwidth(time, volts)
+        bandwidth, uncertainty = step_bandwidth(time, volts, self.rig.settings.step)
         self.calibration = replace(self.calibration, bandwidth=bandwidth, bandwidth_uncertainty=uncertainty)
         return bandwidth
 
@@ -87,7 +88,7 @@ class Calibrating:
             blocks = [board.read(block)[0][0] for _ in range(-(-n // block))]
         finally:
             board.stop()
-        volts = np.concatenate(blocks)
+        volts = self._within_range(np.concatenate(blocks))
         return np.arange(len(volts)) / rate, volts
 
     @property
@@ -111,19 +112,34 @@ class Calibrating:
         line = np.sqrt(2.0 / 3.0) * cell.linearity * cell.capacity / abs(scale * apart)
         read = np.hypot(error, self.calibration.zero_uncertainty or 0.0) / apart
         relative = float(np.sqrt(load**2 + read**2 + line**2))
-        self.calibration = replace(self.calibration, scale=scale, scale_uncertainty=relative * abs(scale), how=how)
+        noise = None if self.calibration.noise is None else self.calibration.noise * abs(scale / self.calibration.scale)
+        self.calibration = replace(
+            self.calibration, scale=scale, scale_uncertainty=relative * abs(scale), noise=noise, how=how
+        )
+
+    def _within_range(self, volts: Array) -> Array:
+        """The volts; :class:`InputError` where some are at the end of the converter's range."""
+        limit, largest = RAIL * self.rig.settings.board.range, float(np.abs(volts).max())
+        if largest >= limit:
+            raise InputError(
+                f"the cell reads {largest:.4g} V, which is at the end of the board's range, {limit:.4g} V or more: look at the "
+                "cell's wires and amplifier, or take a lighter load"
+            )
+        return volts
 
     def _volts(self) -> tuple[float, float]:
         """The mean of the cell's volts, and its standard uncertainty."""
-        volts = self.rig.listen(self.seconds)[0][0]
+        volts = self._within_range(self.rig.listen(self.seconds)[0][0])
         self.noise = float(np.std(volts)) * abs(self.calibration.scale)
         means = np.array([float(np.mean(part)) for part in np.array_split(volts, PARTS)])
         error = float(np.std(means, ddof=1)) / np.sqrt(PARTS)
         return float(np.mean(volts)), float(np.hypot(error, self.rig.settings.step / np.sqrt(12.0)))
 
 
-def step_bandwidth(time: Array, volts: Array) -> tuple[float, float]:
+def step_bandwidth(time: Array, volts: Array, resolution: float = 0.0) -> tuple[float, float]:
     r"""Bandwidth [Hz] and its standard uncertainty from a step in a reading ``volts`` (n,) at ``time`` (n,) [s].
+
+    ``resolution`` [V] is the converter's step.
 
     :math:`v = a + b (1 - e^{-(t - t_0)/\tau})` from :math:`t_0` on is fitted by least squares. Where the step takes less than a
     sample, the bandwidth is no less than :math:`1/(2 \pi \tau)` with the sample's length for :math:`\tau`; that is given, with
@@ -133,7 +149,7 @@ def step_bandwidth(time: Array, volts: Array) -> tuple[float, float]:
 
     dt = float(time[1] - time[0])
     low, high = (float(np.median(part)) for part in (volts[: len(volts) // 20], volts[-(len(volts) // 20) :]))
-    noise = max(1.4826 * float(np.median(np.abs(volts[: len(volts) // 20] - low))), 1e-9)  # of white noise, one sigma
+    noise = max(1.4826 * float(np.median(np.abs(volts[: len(volts) // 20] - low))), resolution / 3.5, 1e-9)
     if abs(high - low) < LEAST_STEP * noise:
         raise InputError(
             f"the reading went from {low:.5g} V to {high:.5g} V with a noise of {noise:.2g} V: no step of {LEAST_STEP:g} times "
@@ -158,10 +174,11 @@ def step_bandwidth(time: Array, volts: Array) -> tuple[float, float]:
         bounds=([-np.inf, -np.inf, -np.inf, 0.05 * dt], np.inf),
     )
     tau, misfit = float(fitted.x[3]), float(np.sqrt(np.mean(fitted.fun**2)))
-    if misfit > 5.0 * noise + 0.02 * abs(high - low):
+    farthest = float(np.abs(fitted.fun).max())  # of a few samples, which a long stretch dilutes in the mean
+    if misfit > 5.0 * noise + 0.02 * abs(high - low) or farthest > 10.0 * noise + 0.1 * abs(high - low):
         raise InputError(
-            f"the reading does not go straight to its new value ({misfit:.2g} V rms off, with a noise of {noise:.2g} V): "
-            "does the switch bounce, or was it switched twice? try again"
+            f"the reading does not go straight to its new value ({misfit:.2g} V rms and {farthest:.2g} V at most off, with a "
+            f"noise of {noise:.2g} V): does the switch bounce, or was it switched twice? try again"
         )
     if tau < dt:
         return 1.0 / (2.0 * np.pi * dt), 0.5 / (2.0 * np.pi * dt)

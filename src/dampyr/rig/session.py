@@ -168,6 +168,7 @@ class Rig(Representation):
     def use(self, calibration: Calibration) -> None:
         """Use ``calibration`` from the next arming on, with what it says of the rig's parts."""
         self.calibration, self.settings = calibration, calibration.corrected(self.settings)
+        self.warmth.rig = self.settings
 
     @cached_property
     def identity(self) -> str:

@@ -23,6 +23,7 @@ from dampyr.rig.firmware.protocol import (
     encode,
     status_of,
 )
+from dampyr.rig.firmware.twin import FARTHEST, FASTEST
 from dampyr.rig.instruments.arduino_uno.wire import Wire, open_wire
 from dampyr.rig.instruments.contract import Hello
 from dampyr.rig.settings import RigSettings
@@ -91,6 +92,13 @@ class Uno:
         """Give the Uno its limits, those of ``rig``."""
         count, limits = rig.encoder.count, rig.limits
         half = int(rig.travel / count)
+        if limits.speed / count > FASTEST or half > FARTHEST:
+            raise InputError(
+                f"encoder.count = {1e6 * count:g} um is too fine for the Uno's firmware, which counts {FASTEST} a second and "
+                f"{FARTHEST} from the middle at most: give limits.speed of at most {1e3 * FASTEST * count:.4g} mm/s "
+                f"(now {1e3 * limits.speed:g}) and limits.stroke of at most {2e3 * FARTHEST * count:.4g} mm "
+                f"(now {1e3 * limits.stroke:g})"
+            )
         heartbeat = round(limits.heartbeat * 1000)
         wired = ENDS_WIRED * rig.wires.end_switches | EMERGENCY_WIRED * rig.wires.emergency_stop
         self._ask(Request.LIMITS, -half, half, int(limits.speed / count), heartbeat, 255, 300, wired)
