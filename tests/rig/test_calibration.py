@@ -212,8 +212,9 @@ def test_a_supply_whose_gain_was_calibrated_gets_its_whole_voltage(tmp_path: Pat
 
 
 def test_an_encoder_too_fine_for_the_uno_is_said_so() -> None:
-    fine = replace(RigSettings(), encoder=replace(RigSettings().encoder, count=1e-6))
-    fine = replace(fine, board=replace(fine.board, encoder_filter=125e-9))
+    usual = RigSettings()
+    encoder, board = replace(usual.encoder, count=1e-6), replace(usual.board, encoder_filter=125e-9)
+    fine = replace(usual, encoder=encoder, board=board)
     with (
         simulated(fine, in_process=True) as rig,
         pytest.raises(InputError, match=r"limits\.speed of at most 40 mm/s"),
