@@ -13,6 +13,8 @@ no sensor of the rig can tell (`UNSEEN`):
   record says that its voltage is the commanded one. A lower force is that of another damper. |
 | constant force | A shunt that is left across the bridge from before the first slow pass of a run until its end: a constant
   force on the cell is what the damper's own gas charge is, and nothing says how large that is. |
+| passing drift | A zero that goes and comes back within a test: it is right on the slow passes before and after, and a
+  force that changes by some 20 N in two seconds is what a damper that relaxes, or warms, gives. |
 
 The rigs are what their hosts take them for within the stated uncertainties only: each constant strays by its own, of three in
 ten rigs as they were bought and of the others as they were calibrated.
@@ -196,10 +198,17 @@ def _constant_force(trial: Trial) -> bool:
     return constant and set(trial.worst) == {"force"}
 
 
+def _passing_drift(trial: Trial) -> bool:
+    """A drift that has come and gone between the slow passes before a test and after it."""
+    passing = any(fault.kind == "drifting-cell" and np.isfinite(fault.duration) for fault in trial.faults)
+    return passing and set(trial.worst) == {"force"}
+
+
 UNSEEN: dict[str, Callable[[Trial], bool]] = {
     "hot coil": _hot_coil,
     "dead coil": _dead_coil,
     "constant force": _constant_force,
+    "passing drift": _passing_drift,
 }
 """What no sensor of the rig can tell, see above."""
 
@@ -312,11 +321,13 @@ def run_trial(
     return trial, ratios
 
 
-def run_trials(count: int, seed: int, folder: Path) -> tuple[list[Trial], dict[str, list[tuple[float, float]]]]:
+def run_trials(
+    count: int, seed: int, folder: Path, first: int = 0
+) -> tuple[list[Trial], dict[str, list[tuple[float, float]]]]:
     """Campaigns with faults on rigs that are used for `RUNS` of them."""
     trials: list[Trial] = []
     ratios = defaultdict(list)
-    for k in range(count):
+    for k in range(first, count):
         draw = np.random.default_rng([seed, k])
         if k % RUNS == 0:
             believed, calibration = a_rig(draw)
@@ -347,12 +358,9 @@ def test_whatever_goes_wrong_is_safe_and_no_wrong_record_is_good(tmp_path: Path,
     ended = Counter(trial.ended for trial in trials)
     assert [str(trial) for trial in trials if trial.unsafe] == []
     assert all(trial.reason for trial in trials if trial.ended != "complete")
-    unseen = Counter[str]()
-    for trial in trials:
-        if trial.wrong:
-            classes = [name for name, holds in UNSEEN.items() if holds(trial)]
-            assert classes, trial
-            unseen[classes[0]] += 1
+    classes = [[name for name, holds in UNSEEN.items() if holds(trial)] for trial in trials if trial.wrong]
+    assert all(classes), [str(trial) for trial in trials if trial.wrong and not any(h(trial) for h in UNSEEN.values())]
+    unseen = Counter(each[0] for each in classes)
     few = 0.0 if endurance.full else 2.0 * np.sqrt(UNSEEN_SHARE * count)  # what chance may add to a tenth
     assert sum(unseen.values()) < UNSEEN_SHARE * count + few, unseen
     medians = {

@@ -35,6 +35,7 @@ def command(host: str, port: int, data: Path, token: str | None, quota: int, no_
     """
     try:
         from dampyr.console import serve
+        from dampyr.rig.priority import before_ordinary
     except ModuleNotFoundError as problem:
         raise InputError(
             f"the console needs {problem.name}, which is missing; install it with pip install 'dampyr[console]'"
@@ -46,4 +47,5 @@ def command(host: str, port: int, data: Path, token: str | None, quota: int, no_
         else:
             click.echo(f"the console is at {address} (Ctrl+C ends it)")
 
+    before_ordinary()
     serve(data, host, port, token, not no_browser, quota * 2**20, tell)

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 
 ROUND_ROBIN = 10  # of 99: above all that is no real-time process, below the kernel's own threads
 NICE = -10
+CONSOLE_NICE = -5
+
+
+def before_ordinary() -> None:
+    """Give this process more of a busy processor than ordinary ones get, where the system allows it: an abort goes through it."""
+    with suppress(AttributeError, OSError):
+        os.nice(CONSOLE_NICE)
 
 
 def raise_priority() -> str:
