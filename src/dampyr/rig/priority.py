@@ -11,9 +11,9 @@ CONSOLE_NICE = -5
 
 
 def before_ordinary() -> None:
-    """Give this process more of a busy processor than ordinary ones get, where the system allows it: an abort goes through it."""
+    """Give this process more of a busy processor than ordinary ones get, where the system allows it: aborts go through it."""
     with suppress(AttributeError, OSError):
-        os.nice(CONSOLE_NICE)
+        os.setpriority(os.PRIO_PROCESS, 0, CONSOLE_NICE)
 
 
 def raise_priority() -> str:
