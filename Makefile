@@ -9,19 +9,22 @@ BENCH_BIN := $(BENCH_VENV)/$(notdir $(BIN))
 BENCH_LOCK := requirements/bench.lock
 BENCH_READY := $(BENCH_VENV)/ready
 WORKERS ?= 2
+OUT ?= out/pictures
 # Generated tests draw the same examples each time, also where they go through sets.
 export PYTHONHASHSEED := 0
 
-.PHONY: help demo test prove endure check docs bench lock clean compiler chromium axe blas
+.PHONY: help demo test prove endure check docs bench pictures lock clean compiler chromium axe blas firmware firmware-tools
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
 	@echo "make test    the tests, without the long proofs"
 	@echo "make prove   the long proofs (fixed seeds)"
 	@echo "make endure  long campaigns and the bench in real time, for about an hour, on a machine with nothing else to do"
-	@echo "make check   style, types, names and the layers of the packages"
+	@echo "make check   style, types, names, the layers of the packages, and no copyright notice of others"
+	@echo "make firmware   the Arduino Uno's program, out/firmware/dampyr-uno.hex, with its size (BAUD=115200, DIRECTION_PIN=1)"
 	@echo "make docs    the generated lists and pages of README.md and docs, written again"
 	@echo "make bench   timings on this machine, printed and never asserted (BENCH=million: that one)"
+	@echo "make pictures  every page of the console as PNG and every report as PDF, in OUT=$(OUT)"
 	@echo "make lock    resolve $(LOCK) and $(BENCH_LOCK) again (needs uv)"
 	@echo "make clean   remove .venv, .venv-bench, out and all caches"
 
@@ -46,6 +49,18 @@ compiler:
 	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq gcc libc6-dev >/dev/null 2>&1; } || \
 	  echo "no C compiler was found or installed; the test that compiles the C export will be skipped"
 
+# The Uno's program is compiled with avr-gcc and tried in simavr. Without these its tests are skipped, and say so.
+firmware-tools:
+	@{ command -v avr-gcc >/dev/null 2>&1 && [ -f /usr/include/simavr/sim_avr.h ]; } || { \
+	  [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1 && apt-get update -qq >/dev/null 2>&1 && \
+	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends gcc-avr binutils-avr avr-libc libsimavr-dev >/dev/null 2>&1; } || \
+	  echo "avr-gcc or simavr was not found or installed; the tests of the Uno's program will be skipped"
+
+firmware: firmware-tools
+	@$(MAKE) --no-print-directory -C src/dampyr/rig/firmware/uno OUT=$(CURDIR)/out/firmware $(if $(BAUD),BAUD=$(BAUD)) \
+	  $(if $(DIRECTION_PIN),DIRECTION_PIN=$(DIRECTION_PIN))
+	@echo "out/firmware/dampyr-uno.hex; docs/how-to/firmware.md says how it is flashed"
+
 # The console's pages are tried in Debian's Chromium. Without it those tests are skipped, and say so.
 chromium:
 	@command -v chromium >/dev/null 2>&1 || { \
@@ -63,13 +78,13 @@ axe:
 demo: $(READY)
 	$(BIN)/dampyr demo --out out/demo
 
-test: $(READY) compiler chromium axe
+test: $(READY) compiler firmware-tools chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not prove and not by_hand"
 
-prove: $(READY) compiler chromium axe
+prove: $(READY) compiler firmware-tools chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not by_hand"
 
-endure: $(READY) compiler chromium axe
+endure: $(READY) compiler firmware-tools chromium axe
 	$(BIN)/python -m pytest --endure -o faulthandler_timeout=0 -m "endure or by_hand"
 
 check: $(READY)
@@ -78,6 +93,7 @@ check: $(READY)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tools/check_names.py
+	$(BIN)/python tools/check_copyright.py
 
 docs: $(READY)
 	$(BIN)/python tools/make_docs.py
@@ -99,6 +115,10 @@ blas:
 
 bench: $(BENCH_READY) blas
 	$(BENCH_BIN)/python -m benchmarks $(BENCH)
+
+# A quarter of an hour: it makes the records, fits and responses that are shown.
+pictures: $(READY) chromium
+	$(BIN)/python tools/pictures.py $(OUT)
 
 lock:
 	@command -v uv >/dev/null 2>&1 || { echo "make lock needs uv: pip install uv" >&2; exit 1; }

@@ -9,6 +9,7 @@ takes ``speed = "78 mm/s"`` or, SI already, ``speed = 0.078``. Dataclasses may h
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
@@ -22,15 +23,43 @@ from dampyr.units import Quantity, parse
 T = TypeVar("T")
 
 
+MAX_DOTTED = 32  # parts of a key such as a.b.c: no table of ours nests deeper than 4
+KEY = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+DOTTED = re.compile(rf"(?<![\w-]){KEY}(?:[ \t]*+\.[ \t]*+{KEY}){{{MAX_DOTTED},}}")
+"""A key whose reading would take memory with the square of its length."""
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """The tables of a text in TOML, SI values not yet read; :class:`InputError` with what is wrong and where.
+
+    Nested too deeply, a key of more than ``MAX_DOTTED`` parts and a whole number of thousands of digits are refused too.
+    """
+    if (long := DOTTED.search(text)) is not None:
+        line = text.count("\n", 0, long.start()) + 1
+        raise InputError(
+            f"line {line} has a key of more than {MAX_DOTTED} parts separated by dots; write it with fewer"
+        )
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as problem:
+        raise InputError(f"{' '.join(str(problem).split())}; repair that place") from None
+    except RecursionError:
+        raise InputError("its tables or lists nest too deeply; write them flat") from None
+    except ValueError:  # Python refuses to read a whole number of more than 4300 digits
+        raise InputError("a number in it has thousands of digits; write a shorter one") from None
+
+
 def load_toml(path: str | Path) -> dict[str, Any]:
     """The tables of a TOML file; :class:`FileError` where it is no TOML, :class:`MissingData` where it is not there."""
     path = Path(path)
     try:
-        return tomllib.loads(path.read_text("utf-8"))
+        return parse_toml(path.read_text("utf-8"))
     except FileNotFoundError:
         raise MissingData(f"{path}: there is no such file; check the path") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
-        raise FileError(path, f"is no TOML ({' '.join(str(problem).split())}); repair that place") from None
+    except InputError as problem:
+        raise FileError(path, f"is no TOML that can be read: {problem}") from None
+    except UnicodeDecodeError as problem:
+        raise FileError(path, f"is no TOML ({problem}); save it as UTF-8 text") from None
     except OSError as problem:
         raise FileError(path, f"cannot be read ({problem.strerror})") from None
 

@@ -19,7 +19,7 @@ import pytest
 from tests.rig_time import HANG, SimulatedTime
 
 from dampyr.errors import FileError, InputError, RigFault
-from dampyr.rig import Drive, Rig, RigSettings, connect, loop_process, simulated
+from dampyr.rig import Drive, Rig, RigSettings, acquisition, connect, loop_process, simulated
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.loop_process import Link, LoopProcess, StandIn, described, rebuilt, remote_rig
 from dampyr.rig.loop_server import LoopServer
@@ -44,7 +44,7 @@ def test_errors_pass_from_one_process_to_the_other() -> None:
 def test_what_cannot_be_opened_there_is_told_here() -> None:
     settings = RigSettings()
     absent = replace(settings, wires=replace(settings.wires, serial="/dev/no-such-port"))
-    with pytest.raises(RigFault, match=r"/dev/no-such-port: the serial port cannot be opened .*is the Uno plugged in"):
+    with pytest.raises(RigFault, match="/dev/no-such-port: there is no such serial port; plug the Uno in"):
         connect(absent)
 
 
@@ -61,7 +61,7 @@ class Served:
         self.time = SimulatedTime(*faults)
         self.inner = self.time.connect(RigSettings())
         (questions, self._questions), (blocks, self._blocks) = Pipe(), Pipe()
-        server = LoopServer(questions, blocks, lambda _: (self.inner.uno, self.inner.board), self.time)
+        server = LoopServer(questions, blocks, lambda *_: (self.inner.uno, self.inner.board), self.time)
         self.thread = threading.Thread(target=server.serve, daemon=True)
         self.thread.start()
         self.link = Link(self._questions, self._blocks)
@@ -159,6 +159,16 @@ def test_blocks_that_nobody_takes_stop_the_rig_at_last(served: Served, monkeypat
 
     with pytest.raises(RigFault, match=r"blocks waited for 0\.4 s to be stored; is the disk too slow"):
         wait_for_nothing()
+
+
+def test_samples_that_never_come_stop_the_rig_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(acquisition, "SILENT", 0.3)
+    made = Served()
+    with pytest.raises(RigFault, match=r"the rig gave no samples for 0\.3 s; is the board still there"):
+        hold(made.rig, 5.0)  # time does not pass
+    with made.time.passing():
+        made.rig.close()
+    made.inner.close()
 
 
 def test_a_host_that_is_gone_leaves_a_rig_at_rest() -> None:

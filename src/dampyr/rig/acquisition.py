@@ -23,7 +23,7 @@ from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import Fault, State, Status
 from dampyr.rig.instruments.contract import HERE, INDEX, Board, TableDrive
 from dampyr.rig.interlock import Interlock, Samples
-from dampyr.rig.player import Player
+from dampyr.rig.player import Player, player_of
 from dampyr.rig.read_latency import Lateness
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.thermal_model import Warmth
@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 AHEAD = 2  # blocks by which the command runs ahead of the reading: one is output while the next is computed
 AHEAD_OF_CLOCK = 5  # the same where the clock does not wait for a busy host: 0.2 s of reserve
 SETTLED = 0.3  # s in which a table that decelerates is at rest
+SILENT = 30.0  # s without a block, after which none will come: the board itself gives an error within two
 HELD = 10.0  # s of blocks that may wait to be stored: longer than a slow disk's pauses
 
 WORDS = {
@@ -131,7 +132,10 @@ class Acquisition:
             yield self._waited() if self._thread else self.cycle()
 
     def _waited(self) -> Samples:
-        block = self.waiting.get(timeout=30.0)
+        try:
+            block = self.waiting.get(timeout=SILENT)
+        except queue.Empty:
+            raise self.halt(RigFault(f"the rig gave no samples for {SILENT:g} s; is the board still there?")) from None
         if isinstance(block, RigFault):
             raise block
         return block
@@ -161,7 +165,7 @@ class Acquisition:
             with self.lock:
                 samples = self._samples(volts, counts, passes, self.uno.heartbeat())
                 self._judge(samples, waiting)
-                self._feed()
+                self._feed(samples)
         except RigFault as problem:
             raise self.halt(problem) from None
         for watch in self.watchers:
@@ -219,9 +223,9 @@ class Acquisition:
             if trip:
                 raise RigFault(f"the interlock stopped the rig: {trip}", "interlock")
 
-    def _feed(self) -> None:
+    def _feed(self, samples: Samples) -> None:
         if self.player:
-            self.player.feed(self._next, self.status)
+            self.player.feed(samples)
         if self._timed:
             n = self._ahead - len(self._command)
             volts = self.player.voltage(self.queued, n) if self.player else np.zeros(n)
@@ -245,7 +249,7 @@ class Acquisition:
     def play(self, drive: Drive) -> Player:
         """Play a drive from the first sample on whose command is not fixed yet."""
         with self.lock:
-            self.player = Player(drive, self.rig, self.uno, self.queued)
+            self.player = player_of(drive, self.rig, self.uno, self.queued)
             return self.player
 
     def end_drive(self) -> None:

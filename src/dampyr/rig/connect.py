@@ -17,6 +17,7 @@ from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.instrument_ends import simulate_instruments
 from dampyr.rig.simulation.process import Process
+from dampyr.rig.simulation.shared_clock import SharedClock
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.specimen import specimen_of
 
@@ -42,6 +43,7 @@ def simulated(
     real_time: bool = False,
     black_box: str | Path | None = None,
     parts: RigSettings | None = None,
+    chip: tuple[str | Path, str | Path] | None = None,
 ) -> Rig:
     """A simulated rig: a process of its own that speaks the real wires, or, ``in_process``, the plant without them.
 
@@ -54,12 +56,16 @@ def simulated(
     faults
         The faults and their times, such as "stuck-encoder@12.5s for 3s" (`dampyr.rig.simulation.faults`).
     real_time
-        The rig follows the wall clock; without it the host advances it, and thirty seconds take one.
+        The rig follows the wall clock; without it the host advances it, and thirty seconds take one. Where the machine is too
+        busy to keep up its clock is held back, by ``Rig.clock_held`` s in all, which its records say.
     black_box
         A file for a line of JSON per event, as it happens; only of a process.
     parts
         What the rig really is, where ``settings`` are wrong about it: its supply, load cell, actuator and the others but wires,
         board and limits. None: what ``settings`` say.
+    chip
+        The program that runs the firmware's binary in simavr, and the binary, in place of the firmware's model
+        (docs/how-to/firmware.md); only of a process.
 
     Raises :class:`~dampyr.errors.InputError` for a wrong argument, :class:`~dampyr.errors.RigFault` where the process does
     not start.
@@ -69,17 +75,17 @@ def simulated(
     true = rig if parts is None else replace(parts, wires=rig.wires, board=rig.board, limits=rig.limits)
     specimen = specimen_of(true, folder)
     if in_process:
-        if real_time or black_box is not None:
-            raise InputError("a rig in this process has no clock and no black box of its own; leave in_process out")
+        if real_time or black_box is not None or chip is not None:
+            raise InputError("a rig in this process has no clock, no black box and no chip; leave in_process out")
         simulator = Simulator(true, seed, fault_specs, specimen)
         uno, board = simulate_instruments(with_absolute_folders(rig, folder), simulator)
         return Rig(rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True, damper_persists=False)
-    process = Process(with_absolute_folders(true, folder), specimen, seed, fault_specs, real_time, black_box)
+    process = Process(with_absolute_folders(true, folder), specimen, seed, fault_specs, real_time, black_box, chip)
     try:
         wires: dict[str, Any] = dict(process.wires)
         wired = replace(rig, wires=replace(rig.wires, **wires))
         if real_time:
-            return _in_real_time(rig, wired, folder, [process.close], damper_persists=False)
+            return _in_real_time(rig, wired, folder, [process.close], damper_persists=False, clock=process.clock)
         named = with_absolute_folders(_calibrated(wired, folder), folder)
         answering, sampling = open_instruments(named, simulated=True)
         closing = [process.close]
@@ -95,13 +101,16 @@ def open_rig(
     faults: Sequence[FaultSpec | str] = (),
     in_process: bool = False,
     real_time: bool = False,
+    chip: tuple[str | Path, str | Path] | None = None,
 ) -> Rig:
     """The real rig where ``settings`` name its wires, else a simulated one; see `connect` and `simulated`."""
     rig, _ = _settings(settings)
     if not rig.wires.serial:
-        return simulated(settings, seed, faults, in_process, real_time)
-    if faults or in_process or real_time:
-        raise InputError("faults, in_process and real_time are of a simulated rig, and wires.serial names a real one")
+        return simulated(settings, seed, faults, in_process, real_time, chip=chip)
+    if faults or in_process or real_time or chip:
+        raise InputError(
+            "faults, in_process, real_time and chip are of a simulated rig, and wires.serial names a real one"
+        )
     return connect(rig if settings is None else settings)
 
 
@@ -111,11 +120,12 @@ def _in_real_time(
     folder: Path | None,
     on_close: Sequence[Callable[[], None]] = (),
     damper_persists: bool = True,
+    clock: SharedClock | None = None,
 ) -> Rig:
-    """A rig that is read, at the wires of ``wired``, by a process of its own."""
-    process = LoopProcess(with_absolute_folders(_calibrated(wired, folder), folder))
+    """A rig that is read, at the wires of ``wired``, by a process of its own; ``clock``: simulated, by that time."""
+    process = LoopProcess(with_absolute_folders(_calibrated(wired, folder), folder), clock)
     try:
-        return remote_rig(process, rig, folder, on_close, damper_persists)
+        return remote_rig(process, rig, folder, on_close, damper_persists, clock)
     except BaseException:
         process.close()
         raise

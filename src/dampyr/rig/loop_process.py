@@ -34,6 +34,7 @@ from dampyr.rig.interlock import Samples
 from dampyr.rig.player import Player
 from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings
+from dampyr.rig.simulation.shared_clock import SharedClock
 from dampyr.rig.thermal_model import Warmth
 
 START = 30.0  # s that the process may take to import what it needs on a busy machine
@@ -122,9 +123,11 @@ class Link:
 
 
 class LoopProcess(Link):
-    """A running ``python -m dampyr.rig.loop_server`` with the instruments at the wires of ``settings``."""
+    """A running ``python -m dampyr.rig.loop_server`` with the instruments at the wires of ``settings``; ``clock``: simulated
+    ones, by that time.
+    """
 
-    def __init__(self, settings: RigSettings) -> None:
+    def __init__(self, settings: RigSettings, clock: SharedClock | None = None) -> None:
         key = secrets.token_bytes(32)
         with tempfile.TemporaryDirectory(prefix="dampyr-loop-") as folder:
             address = None if sys.platform == "win32" else str(Path(folder) / "wire")
@@ -140,7 +143,7 @@ class LoopProcess(Link):
                     self._process.stdin.write(key)
                 super().__init__(*self._accepted(listener))
         try:
-            self.ask("open", settings)
+            self.ask("open", settings, None if clock is None else str(clock.path))
         except BaseException:
             self.close()
             raise
@@ -339,6 +342,7 @@ def remote_rig(
     folder: Path | None = None,
     on_close: Sequence[Callable[[], None]] = (),
     damper_persists: bool = True,
+    clock: SharedClock | None = None,
 ) -> Rig:
     """The rig whose instruments are open at the other end of ``link``; closing it closes the link."""
 
@@ -359,4 +363,5 @@ def remote_rig(
         acquisition=loop,
         on_close=closing,
         damper_persists=damper_persists,
+        shared_clock=clock,
     )

@@ -28,9 +28,10 @@ from dampyr.rig.interlock import Interlock
 from dampyr.rig.loop_process import described, rebuilt
 from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings
+from dampyr.rig.simulation.shared_clock import SharedClock
 from dampyr.rig.thermal_model import Warmth
 
-Opener = Callable[[RigSettings], tuple[Any, Any]]
+Opener = Callable[[RigSettings, bool], tuple[Any, Any]]
 Clock = Callable[[], float]
 ANSWERING = 4  # threads: an abort does not wait behind what another thread of the host has asked
 
@@ -88,10 +89,12 @@ class LoopServer:
                 return getattr(instrument, name)(*given)
         return getattr(self, f"do_{what}")(*given)
 
-    def do_open(self, rig: RigSettings) -> None:
-        """Connect to the instruments."""
+    def do_open(self, rig: RigSettings, shared_clock: str | None = None) -> None:
+        """Connect to the instruments; ``shared_clock``: the file that tells the time of simulated ones."""
         self.rig = rig
-        self.uno, self.board = self.opener(rig)
+        if shared_clock is not None:
+            self.clock = SharedClock(shared_clock)
+        self.uno, self.board = self.opener(rig, shared_clock is not None)
         self.release_gc = disable_gc()
 
     def do_acquire(self, calibration: Calibration, interlocked: bool, temperature: float) -> Status:

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.rig.drive import Drive
-from dampyr.rig.firmware.protocol import MAX_POINTS, State, Status
+from dampyr.rig.firmware.protocol import MAX_POINTS, State
 from dampyr.rig.instruments.contract import TableDrive
+from dampyr.rig.interlock import Samples
 from dampyr.rig.settings import RigSettings
 
 Array = NDArray[np.float64]
@@ -47,8 +48,9 @@ class Player:
         at = np.clip(np.floor(time / self.drive.period + 1e-9).astype(int), 0, self.drive.n - 1)
         return np.where(time > self.drive.duration + 1e-9, 0.0, self.drive.voltage[at])
 
-    def feed(self, now: int, status: Status) -> None:
-        """Start at its time, keep the queue filled, detect the end; ``now`` is the next sample to be read."""
+    def feed(self, samples: Samples) -> None:
+        """Start at its time, keep the queue filled, detect the end, after a block of samples was read."""
+        now, status = samples.first + samples.n, samples.status
         if not self.running and now >= self.start:
             self._begin()
         elif self.running and not self.finished:
@@ -79,3 +81,9 @@ class Player:
             points = self.drive.displacement[self.sent : self.sent + n] / count
             self.uno.points(self.sent, [round(float(p)) for p in points])
             self.sent, free = self.sent + n, free - n
+
+
+def player_of(drive: Drive, rig: RigSettings, uno: TableDrive, start: int) -> Player:
+    """The player of a drive: its own where its set points follow from what is measured, such as in a hybrid test."""
+    own: type[Player] = getattr(drive, "player", Player)
+    return own(drive, rig, uno, start)

@@ -6,10 +6,10 @@ import math
 import time
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
@@ -32,6 +32,7 @@ from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.signal_deferral import deferred_signals
+from dampyr.rig.simulation.shared_clock import SharedClock
 from dampyr.rig.thermal_model import Warmth
 
 Array = NDArray[np.float64]
@@ -49,6 +50,7 @@ INDEX_GONE = (
     "the encoder's index was not passed where homing put it, so counts were lost or the scale has slipped; look at the "
     "encoder and its wires, and home the table again"
 )
+ZEROED = ", zeroed at rest"
 ZERO_SIDE = 1.0e-3  # m on both sides of the place about which the force's zero is looked at: hysteresis saturates in it
 
 
@@ -59,6 +61,7 @@ class Rig(Representation):
     ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
     ``clock``: the host's monotonic time [s], by which late readings are noticed.
     ``acquisition`` makes the loop that reads it where that is not in this process.
+    ``shared_clock``: that of a simulated rig in real time.
     ``damper_persists``: the damper is as warm as the last host left it; that of a simulated rig is a new one.
     Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick.
     """
@@ -76,6 +79,7 @@ class Rig(Representation):
     on_close: list[Callable[[], None]] = field(default_factory=list)
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     damper_persists: bool = True
+    shared_clock: SharedClock | None = None
     warmth: Warmth = field(init=False)
     was_armed: bool = field(init=False, default=False)
     """Whether it has been armed since it was connected: before, nothing has moved."""
@@ -108,6 +112,13 @@ class Rig(Representation):
             ("calibration", "none" if calibration is None else f"{calibration.scale:.6g} N/V, {calibration.how}"),
             ("interlock", "on" if self.interlocked else "off"),
         ]
+
+    @property
+    def clock_held(self) -> float:
+        """s for which the clock of a simulated rig in real time was held back since it was connected, as this machine was too
+        busy for it; 0 for any other rig.
+        """
+        return 0.0 if self.shared_clock is None else self.shared_clock.held
 
     @contextmanager
     def armed(self) -> Iterator[Table]:
@@ -165,10 +176,53 @@ class Rig(Representation):
         finally:
             self.board.stop()
 
+    def monitor(self, block: float = 0.05) -> Generator[Samples, None, None]:
+        """Blocks of ``block`` [s] while the rig is not armed, without end: nothing moves, and the command is 0 V.
+
+        Displacements are counted from the middle where the table is homed, else from where it stands. Close the iterator
+        before anything else is asked of the rig.
+        """
+        calibration, n = self.calibration, max(2, round(block * self.settings.board.rate))
+        assert calibration is not None
+        self.warmth.restart()
+        self.board.start(self.settings.board.rate, np.zeros(n))
+        try:
+            self.board.write(0.0)  # what was queued is dropped: reading needs no command
+            first, middle = 0, None
+            while True:
+                volts, counts = self.board.read(n)
+                status = self.uno.heartbeat()
+                if middle is None:
+                    middle = float(counts[-1]) - (status.position if status.homed else 0.0)
+                    calibration = replace(calibration, middle=middle)
+                readings = dict(zip(self.settings.inputs, volts, strict=True))
+                volts_at_coil = readings.get("coil_voltage", np.zeros(n)) * self.settings.supply.voltage_scale
+                samples = Samples(
+                    first,
+                    np.arange(first, first + n) / self.settings.board.rate,
+                    calibration.displacement(counts),
+                    calibration.force(volts[0]),
+                    calibration.temperature(readings["temperature"]) if "temperature" in readings else None,
+                    volts,
+                    counts,
+                    volts_at_coil,
+                    status,
+                )
+                self.warmth.take(samples)
+                yield samples
+                first += n
+        finally:
+            self.board.stop()
+
     def use(self, calibration: Calibration) -> None:
         """Use ``calibration`` from the next arming on, with what it says of the rig's parts."""
         self.calibration, self.settings = calibration, calibration.corrected(self.settings)
         self.warmth.rig = self.settings
+
+    @property
+    def time_passes(self) -> bool:
+        """Whether its time passes by itself, and not only while it is read."""
+        return self.threaded or self.acquisition is not None
 
     @cached_property
     def identity(self) -> str:
@@ -416,7 +470,8 @@ class Table(Representation):
     def zero_force(self, seconds: float = 1.0) -> float:
         """Zero the force at the mean signal at rest; the volts."""
         volts = self.signal(seconds)
-        self.calibrate(self.loop.calibration.zeroed(volts))
+        zeroed = self.loop.calibration.zeroed(volts)
+        self.calibrate(replace(zeroed, how=f"{zeroed.how.removesuffix(ZEROED)}{ZEROED}"))
         return volts
 
     def signal(self, seconds: float = 1.0) -> float:
@@ -468,16 +523,24 @@ class Table(Representation):
 
         Raises :class:`InputError`, before anything moves, for a place outside of the travel or a table that is not homed.
         """
-        farthest = round(self.rig.settings.travel - OVERSHOOT, 9)
-        if not abs(displacement) <= farthest:
-            raise InputError(
-                f"displacement = {displacement * 1e3:g} mm is not allowed; the table goes from {-farthest * 1e3:g} mm to "
-                f"{farthest * 1e3:g} mm"
-            )
-        if not self.homed:
-            raise InputError("the table is not homed, so its middle is not known; home the table first")
+        self.check_place(displacement)
         for _ in self._on_the_way(displacement):
             pass
+
+    def check_place(self, place: float, name: str = "displacement") -> None:
+        """Raise :class:`InputError` where the table cannot go to ``place`` [m], called ``name``, or is not homed."""
+        farthest = round(self.rig.settings.travel - OVERSHOOT, 9)
+        if not abs(place) <= farthest:
+            raise InputError(
+                f"{name} = {place * 1e3:g} mm is not allowed; the table goes from {-farthest * 1e3:g} mm to "
+                f"{farthest * 1e3:g} mm"
+            )
+        self.check_homed()
+
+    def check_homed(self) -> None:
+        """Raise :class:`InputError` where the table is not homed."""
+        if not self.homed:
+            raise InputError("the table is not homed, so its middle is not known; home the table first")
 
     def _on_the_way(self, displacement: float) -> Iterator[Samples]:
         """The blocks of a slow move."""

@@ -1,11 +1,15 @@
-"""The model of the firmware against docs/reference/protocol.md: states, refusals, faults, and what no bytes can do to it."""
+"""The firmware's core in C, and its model, against docs/reference/protocol.md: states, refusals, faults, and what no bytes can
+do to them.
+"""
 
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.rig.firmware.native_core import Native, compiled
 
 from dampyr.rig.firmware import control_core as c
 from dampyr.rig.firmware.protocol import (
@@ -27,11 +31,28 @@ LIMITS = (-7000, 7000, 24000, 100, 255, 500, 0)
 RAMP = [20 * k for k in range(30)]
 
 
+def firmware() -> Twin:
+    """What is tested; the fixture `which` puts the core in C in its place."""
+    return Twin()
+
+
+@pytest.fixture(params=["model", "C"], scope="module", autouse=True)
+def which(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Every test runs with the model and with the C."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "C":
+            if shutil.which("gcc") is None:
+                pytest.skip("no gcc was found; `make compiler` installs Debian's")
+            library = compiled(tmp_path_factory.mktemp("core"))
+            patch.setitem(globals(), "firmware", lambda: Native(library))
+        yield
+
+
 class Bench:
     """A twin with a motor that moves as it is driven: ``gain`` counts/s for each duty beyond the dead one, between ``ends``."""
 
     def __init__(self) -> None:
-        self.twin, self.reader, self.number = Twin(), Reader(), 0
+        self.twin, self.reader, self.number = firmware(), Reader(), 0
         self.counts, self.place, self.gain, self.latched, self.glitch = 0, 0.0, 65.0, False, False
         self.index, self.inputs, self.ends = 10**9, 0, (-(10**9), 10**9)
         self.dead = self.swapped = False  # the encoder
@@ -71,7 +92,7 @@ class Bench:
             if not self.dead:
                 self.counts += (int(self.place // 1) - int(old // 1)) * (-1 if self.swapped else 1)
             index = self.index - int(self.place // 1) + self.counts
-            c.tick(self.twin.registers, self.counts, latched, index, self.glitch, self.inputs)
+            self.twin.tick(self.counts, latched, index, self.glitch, self.inputs)
 
     def at(self, place: float) -> None:
         """Put the table somewhere, where it stays."""
@@ -682,7 +703,7 @@ def test_an_emergency_stop_is_a_fault_everywhere(armed: Bench, state: State) -> 
 
 def pass_index(bench: Bench, at: int) -> None:
     """One tick in which the index is seen at a count."""
-    c.tick(bench.twin.registers, bench.counts, True, at, False)
+    bench.twin.tick(bench.counts, True, at, False, 0)
 
 
 @pytest.mark.parametrize("by_hand", [True, False])

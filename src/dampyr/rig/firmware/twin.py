@@ -46,7 +46,7 @@ WITHOUT_HELLO = (Request.HELLO, Request.STOP, Request.ABORT, Request.DISARM)
 
 
 class Twin:
-    """The Uno: `receive` takes the host's bytes, `dampyr.rig.firmware.control_core.tick` is to be run every millisecond.
+    """The Uno: `receive` takes the host's bytes, `tick` is to be run every millisecond.
 
     ``on_heartbeat`` is called when a HEARTBEAT has been carried out, before its status is made.
     """
@@ -86,6 +86,10 @@ class Twin:
     def free(self) -> int:
         """Free places in the queue."""
         return c.QUEUE - int(self.registers[c.R_NEXT] - self.registers[c.R_HEAD])
+
+    def tick(self, counts: int, latched: bool, index: int, glitch: bool, inputs: int = 0) -> None:
+        """One millisecond; see `dampyr.rig.firmware.control_core.tick`."""
+        c.tick(self.registers, counts, latched, index, glitch, inputs)
 
     def receive(self, data: bytes) -> bytes:
         """Bytes from the host -> the replies to what is whole with them."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from dampyr.rig.firmware.protocol import Fault, State
 from dampyr.rig.firmware.twin import Twin
 from dampyr.rig.simulation import plant
+from dampyr.rig.simulation.chip import ChipFirmware
 
 Array = NDArray[np.float64]
 MAX_ROWS = 1_800_000  # rows: half an hour
@@ -81,7 +82,7 @@ class TruthLog:
                 "dead", ("coil dead", "coil live"), self.coil_dead_since, float(rows[-1, T])
             )
 
-    def record_state(self, time: float, twin: Twin) -> None:
+    def record_state(self, time: float, twin: Twin | ChipFirmware) -> None:
         """Report what a request changed immediately, between two rows."""
         self._note(time, int(twin.enabled), int(twin.state), int(twin.faults), self.previous[3])
 

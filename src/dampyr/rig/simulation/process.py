@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,7 @@ from dampyr.errors import RigFault
 from dampyr.models import Damper
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.faults import FaultSpec
+from dampyr.rig.simulation.shared_clock import SharedClock
 
 # by what people install: what is imported
 NEEDED = {"pyserial": "serial"}
@@ -35,6 +37,7 @@ class Process:
         faults: Sequence[FaultSpec],
         real_time: bool,
         black_box: str | Path | None,
+        chip: tuple[str | Path, str | Path] | None = None,
     ) -> None:
         needed = NEEDED | (NEEDED_BY_NI if rig.wires.acquisition == "ni-daqmx" else {})
         if absent := [library for library, module in needed.items() if find_spec(module) is None]:
@@ -42,6 +45,9 @@ class Process:
                 f"the simulated rig needs {' and '.join(absent)} for its wires; install the extra: pip install 'dampyr[rig]', "
                 "or simulate it without them (--in-process, in_process=True)"
             )
+        self.clock: SharedClock | None = None
+        """By how much it was held back, of one in real time."""
+        self._clock_folder = tempfile.mkdtemp(prefix="dampyr-clock-") if real_time else None
         with tempfile.TemporaryDirectory(prefix="dampyr-rig-") as folder:
             specimen.save(Path(folder) / "card.toml")
             settings = replace(rig, specimen=replace(rig.specimen, card="card.toml"))
@@ -49,8 +55,11 @@ class Process:
             path.write_text(tomli_w.dumps(asdict(settings)), "utf-8")
             command = [sys.executable, "-m", "dampyr.rig.simulation.server", "--once", "--seed", str(seed)]
             command += ["--rig", str(path), *(word for fault in faults for word in ("--fault", str(fault)))]
-            command += ["--real-time"] if real_time else []
+            if self._clock_folder is not None:
+                self.clock = SharedClock(Path(self._clock_folder) / "clock")
+                command += ["--real-time", "--shared-clock", str(self.clock.path)]
             command += ["--black-box", str(black_box)] if black_box is not None else []
+            command += ["--terminal", "--chip", *map(str, chip)] if chip is not None else []
             self._process = subprocess.Popen(
                 command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
             )
@@ -79,3 +88,5 @@ class Process:
         for stream in (self._process.stdout, self._process.stderr):
             if stream is not None:
                 stream.close()
+        if self._clock_folder is not None:
+            shutil.rmtree(self._clock_folder, ignore_errors=True)

@@ -22,6 +22,7 @@ from dampyr.rig.settings import RigSettings, load_settings
 from dampyr.rig.simulation.clock import Clock, EventLog
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.instrument_ends import serve_instruments
+from dampyr.rig.simulation.shared_clock import SharedClock
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.specimen import specimen_of
 
@@ -35,7 +36,19 @@ def parse_options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="of noise and lost bytes")
     parser.add_argument("--real-time", action="store_true", help="the rig follows the wall clock, not its host")
     parser.add_argument("--fault", action="append", default=[], metavar="KIND@TIME [for TIME]", help="may be repeated")
+    parser.add_argument("--terminal", action="store_true", help="the serial wire is a pseudo-terminal")
+    parser.add_argument(
+        "--chip",
+        nargs=2,
+        metavar=("PROGRAM", "ELF"),
+        help="the firmware's binary, and the program that runs it in simavr, in place of the firmware's model",
+    )
     parser.add_argument("--black-box", metavar="FILE", help="a line of JSON per event")
+    parser.add_argument(
+        "--shared-clock",
+        metavar="FILE",
+        help="with --real-time: a file that tells by how much the clock was held back on a busy machine",
+    )
     parser.add_argument(
         "--once", action="store_true", help="end when the last client has disconnected and the table is at rest"
     )
@@ -50,8 +63,9 @@ def build_clock(parsed: argparse.Namespace) -> Clock:
     specimen = specimen_of(settings, folder)
     event_log = EventLog(parsed.black_box)
     _warm_up(settings, specimen)
-    rig = Simulator(settings, parsed.seed, faults, specimen, on_event=event_log)
-    return Clock(rig, event_log, parsed.real_time, parsed.once)
+    rig = Simulator(settings, parsed.seed, faults, specimen, on_event=event_log, chip=parsed.chip)
+    shared = SharedClock(parsed.shared_clock) if parsed.shared_clock else None
+    return Clock(rig, event_log, parsed.real_time, parsed.once, shared, parsed.terminal)
 
 
 def _warm_up(settings: RigSettings, specimen: Damper) -> None:

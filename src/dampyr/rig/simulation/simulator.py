@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from time import sleep
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
+from dampyr.rig.firmware.control_core import R_DUTY
 from dampyr.rig.firmware.twin import Twin
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation import plant
@@ -25,6 +27,7 @@ from dampyr.rig.simulation.board_signals import (
     converted,
     volts_of_force,
 )
+from dampyr.rig.simulation.chip import Chip, ChipFirmware
 from dampyr.rig.simulation.constants import DELAYED, constants_of
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.ground_truth import Truth, TruthLog
@@ -39,6 +42,10 @@ HEARTBEAT_INTERVAL = (
     0.02  # s that a heartbeat advances the clock while no task samples: seven fit in the watchdog's 0.15 s
 )
 WANDER_TIME = 0.5  # s, correlation time of the load cell's slow errors; assumed
+START_UP = 5e-3  # s until the firmware's binary listens
+OF_THE_MODEL = {
+    "stuck-encoder", "stuck-encoder-uno", "glitching-encoder", "swapped-encoder", "slipped-encoder", "restarted-uno",
+}  # fmt: skip
 BUFFER = 10.0  # s of samples that the board buffers: what the driver asks NI-DAQmx for
 
 
@@ -68,6 +75,9 @@ class Simulator:
         Where the table rests at first, m from the middle.
     step
         s of the plant's integration; a millisecond must be a whole number of steps.
+    chip
+        A simulator of the chip with the program and the binary of the firmware, which take the place of its model; it knows no
+        faults of the encoder and of the Uno. None: the model.
     on_event
         Called with the time and a sentence for each thing that happens ("enable low", "coil dead", "at rest" ...).
     """
@@ -81,6 +91,7 @@ class Simulator:
         position: float = 0.0,
         step: float = STEP,
         on_event: EventListener | None = None,
+        chip: tuple[str | Path, str | Path] | None = None,
     ) -> None:
         self.settings, self.faults = settings, tuple(faults)
         self.specimen = add_free_play(
@@ -88,7 +99,7 @@ class Simulator:
         )
         self.constants = constants_of(settings, self.specimen, step)
         self.noise_rng, self.loss_rng, self.wander_rng = (np.random.default_rng([seed, k]) for k in range(3))
-        self.twin = Twin(self._on_heartbeat)
+        self.twin: Twin | ChipFirmware = Twin(self._on_heartbeat)
         self.truth_log = TruthLog(on_event)
         self._task: Task | None = None
         self._index_taken = 0
@@ -100,6 +111,8 @@ class Simulator:
         self.delay_read: Callable[[float], None] = sleep
         self._kernel = bind(plant.run, (self.specimen.composition,))
         self._initialise(position)
+        if chip is not None:
+            self._use_chip(*chip)
 
     def _initialise(self, position: float) -> None:
         """Set the arrays that the kernel works on, at rest."""
@@ -123,6 +136,14 @@ class Simulator:
         self.plant[[plant.Y_FORCE, plant.Y_CELL]] = start
         self.past = np.full(DELAYED, start)
 
+    def _use_chip(self, program: str | Path, elf: str | Path) -> None:
+        """Put the firmware's binary in the place of its model."""
+        if strange := sorted({fault.kind for fault in self.faults} & OF_THE_MODEL):
+            raise InputError(f"only the firmware's model knows the fault {', '.join(strange)}; leave the binary out")
+        mark = self.constants.mark + int(self.counters[plant.N_UNO])
+        self.twin = ChipFirmware(Chip(program, elf, mark))
+        self.advance_to(self.time + START_UP)
+
     # requests of the host
 
     @property
@@ -140,7 +161,10 @@ class Simulator:
         self._apply_faults()
         if self._active_fault("unplugged-serial"):
             return b""
-        reply = self.twin.receive(self._transmit(data))
+        if isinstance(self.twin, Twin):
+            reply = self.twin.receive(self._transmit(data))
+        else:
+            reply = self.twin.exchange(self._transmit(data), lambda: self.advance_to(self.time + 1e-3))
         self.truth_log.record_state(self.time, self.twin)
         return self._transmit(reply)
 
@@ -256,7 +280,11 @@ class Simulator:
         last = int(np.ceil(time / self.constants.dt - 1e-6))
         while self.counters[plant.N_STEP] < last:
             self._apply_faults()
-            self._advance(min(last, self._next_change_step(), int(self.counters[plant.N_STEP]) + 100000))
+            until = min(last, self._next_change_step(), int(self.counters[plant.N_STEP]) + 100000)
+            if isinstance(self.twin, Twin):
+                self._advance(until)
+            else:
+                self._advance_with_chip(self.twin, until)
             self._output_command()
         self._apply_faults()
 
@@ -266,6 +294,16 @@ class Simulator:
         if value is not None and value != self._commanded:
             self.write(value)
 
+    def _advance_with_chip(self, firmware: ChipFirmware, until: int) -> None:
+        """Steps to the end of the chip's millisecond at most; the model, which is compiled with the plant, does not count."""
+        per_tick = self.constants.per_tick
+        end = min(until, (int(self.counters[plant.N_STEP]) // per_tick + 1) * per_tick)
+        firmware.show()
+        self._advance(end)
+        if end % per_tick == 0:
+            inputs = plant.open_inputs(self.constants, self.plant, self.fault_flags)
+            firmware.tick(int(self.counters[plant.N_SHOWN] + self.counters[plant.N_UNO]), inputs)
+
     def _advance(self, until: int) -> None:
         """Steps during which no fault begins or ends."""
         here, task = int(self.counters[plant.N_STEP]), self._task
@@ -274,7 +312,7 @@ class Simulator:
         readings, counts = np.empty((3, wanted)), np.empty(wanted, np.int64)
         rows = np.empty(((until // self.constants.per_tick) - (here // self.constants.per_tick), len(plant.TRUTH)))
         self.counters[plant.N_TAKEN] = 0
-        cell_faults = self._cell_faults()
+        cell_faults, duty = self._cell_faults(), float(self.twin.registers[R_DUTY])
         given = (self.states, self.parameters, self.table, self.static, self.past, self.twin.registers)
         self._kernel(
             until,
@@ -289,6 +327,8 @@ class Simulator:
             counts,
             rows,
         )
+        if isinstance(self.twin, ChipFirmware):  # the model has written its own
+            rows[:, plant.TRUTH.index("duty")] = duty
         self.truth_log.add(rows)
         if task is not None and wanted:
             taken = self.counters[plant.N_TAKEN]
@@ -389,6 +429,7 @@ class Simulator:
                 if fault.kind == "hot-specimen":
                     self.plant[plant.Y_TEMPERATURE] += fault.size
                 if fault.kind == "restarted-uno":
+                    assert isinstance(self.twin, Twin)
                     self.twin.restart()
                 if fault.kind == "slipped-encoder":
                     self.counters[[plant.N_UNO, plant.N_NI]] += round(fault.size / self.constants.pulse)

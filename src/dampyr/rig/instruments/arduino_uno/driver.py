@@ -49,6 +49,8 @@ RESTARTED = (
     "the Uno started anew while it was in use (its power, its reset, its watchdog, or another program opened its port); "
     "its encoder is no longer homed: home the table again"
 )
+HOW = "make firmware; docs/how-to/firmware.md"
+HEARD, SHOWN = 100, 8  # bytes of what a stranger answered
 
 
 class Uno:
@@ -68,7 +70,7 @@ class Uno:
     ) -> None:
         self.wait, self.tries = wait, tries
         self._clock, self._sleep, self._opened = clock, sleep, clock()
-        self._answered = False
+        self._answered, self._heard = False, b""
         self._wire, self._reader = wire, Reader()
         self._lock = threading.Lock()
         self._number = random.randrange(256)  # so that a new host is not taken for the one before it
@@ -84,7 +86,9 @@ class Uno:
         version, firmware, rate, queue = reply.values
         if version != VERSION:
             raise RigFault(
-                f"the Uno's firmware has version {version} of the protocol and this dampyr {VERSION}; flash it again"
+                f"the Uno's firmware has version {version} of the protocol and this dampyr {VERSION}; flash it with this "
+                f"dampyr's program ({HOW})",
+                "firmware",
             )
         return Hello(version, f"{firmware >> 8}.{firmware & 255}", rate, queue)
 
@@ -163,6 +167,7 @@ class Uno:
             request = b"\0" + encode(Frame(Request.HELLO, self._number, (VERSION,)))  # the 0 ends what was sent before
             wait = max(self.wait, HELLO_INTERVAL) if self._wire.answer else self.wait
             tries = 0
+            self._heard = b""
             while tries < self.tries or self._clock() < self._opened + self._wire.answer:
                 self._wire.discard()  # a boot loader's bytes, or what an earlier host was sent
                 self._reader = Reader()
@@ -172,10 +177,22 @@ class Uno:
                 if reply is not None:
                     self._answered = True
                     return self._checked(Request.HELLO, reply)
-            raise RigFault(
-                f"the Uno does not answer HELLO, asked {tries} times in {self._clock() - self._opened:.1f} s; check its "
-                "cable, its power and its firmware"
+            raise RigFault(self._no_hello(request, f"asked {tries} times in {self._clock() - self._opened:.1f} s"))
+
+    def _no_hello(self, request: bytes, how_often: str) -> str:
+        """Who is there instead of an Uno with dampyr's firmware, and the repair."""
+        repair = f"name the Uno's port in wires.serial, or flash dampyr's program ({HOW})"
+        if not self._heard:
+            return (
+                f"the Uno does not answer HELLO, {how_often}; check its cable, its power and that wires.serial is its port, or "
+                f"flash dampyr's program ({HOW})"
             )
+        if self._heard.startswith(request[1:]) or self._heard.startswith(request):
+            return f"what is connected only sends back what it is sent, {how_often}; {repair}"
+        return (
+            f"what is connected is no Uno with dampyr's program, or its line has another speed than wires.baud: {how_often}, "
+            f"it sends {self._heard[:SHOWN].hex(' ')}; {repair}"
+        )
 
     def _ask(self, kind: Request, *values: int) -> Frame:
         with self._lock:  # one question at a time: an abort comes from any thread
@@ -195,6 +212,7 @@ class Uno:
         until = self._clock() + wait
         while True:
             data = self._wire.receive()
+            self._heard = (self._heard + data)[:HEARD]
             for frame in self._reader.feed(data):
                 if frame.number == self._number and isinstance(frame.kind, Reply):
                     return frame

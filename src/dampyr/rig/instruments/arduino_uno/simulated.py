@@ -1,14 +1,20 @@
-"""Simulated end of the Uno: its firmware's model, in this process or behind a TCP port in the place of its serial wire."""
+"""Simulated end of the Uno: its firmware's model in this process, or behind a TCP port or a pseudo-terminal in the place of
+its serial wire.
+"""
 
 from __future__ import annotations
 
+import os
 import socket
+import time
 from threading import Thread
 
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.simulation.clock import Clock
 from dampyr.rig.simulation.simulator import Simulator
+
+NOBODY = 0.01  # s between two looks whether somebody has opened the terminal
 
 
 class Serial:
@@ -45,11 +51,45 @@ class Serial:
             client.close()
 
 
+class Terminal:
+    """The Uno's serial wire as a pseudo-terminal, which pyserial opens as it does a port; of POSIX systems."""
+
+    def __init__(self, clock: Clock) -> None:
+        import tty
+
+        self.clock = clock
+        self.master, host = os.openpty()
+        tty.setraw(host)
+        self.name = os.ttyname(host)
+        os.close(host)
+        Thread(target=self._serve, name="terminal", daemon=True).start()
+
+    def _serve(self) -> None:
+        connected = False
+        while True:
+            try:
+                data = os.read(self.master, 4096)
+            except OSError:  # nobody has it open
+                if connected:
+                    self.clock.client_disconnected()
+                connected = False
+                time.sleep(NOBODY)
+                continue
+            if not connected:
+                self.clock.client_connected()
+                connected = True
+            with self.clock.locked() as rig:
+                reply = rig.serial(data)
+            os.write(self.master, reply)
+
+
 def in_process(simulator: Simulator) -> Uno:
     """The Uno of a rig that is simulated in this process."""
     return Uno(InProcess(simulator.serial))
 
 
 def serve(clock: Clock) -> dict[str, str]:
-    """Serve the serial wire on the loopback; the wire to it."""
+    """Serve the serial wire, on the loopback or as a pseudo-terminal; the wire to it."""
+    if clock.terminal:
+        return {"serial": Terminal(clock).name}
     return {"serial": f"socket://127.0.0.1:{Serial(clock).port}"}

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 from collections.abc import Callable
 from typing import Any, Protocol
 
 from dampyr.errors import RigFault
 
+LOST: tuple[type[Exception], ...] = (OSError,)
+try:
+    import termios
+except ImportError:  # Windows has none
+    pass
+else:
+    LOST = (OSError, termios.error)
+
 PATIENCE = 0.02  # s of waiting for a reply: the Uno answers within a few ms
 BOOT = (
     2.2  # s: opening a port resets an Uno, and its boot loader (0.5 to 2 s) takes what is sent meanwhile for a program
 )
 ANSWER = 6.0  # s after opening until an Uno has answered: more than 3 s of asking after the slowest boot loader
+PULLED = "check its cable, connect again and home the table (the Uno has cut the coil by itself)"
 
 
 class Wire(Protocol):
@@ -118,32 +128,58 @@ class Serial:
         try:
             self._serial: Any = serial.Serial(port, baud, timeout=PATIENCE, write_timeout=0.5, exclusive=True)
         except (OSError, ValueError) as problem:
-            raise RigFault(f"{port}: the serial port cannot be opened ({problem}); is the Uno plugged in?") from problem
+            raise RigFault(f"{port}: {_why_closed(problem)}") from problem
 
     def discard(self) -> None:
         """Drop what has come: a boot loader's bytes, or replies to another host."""
         try:
             self._serial.reset_input_buffer()
-        except OSError as problem:
-            raise RigFault(f"{self.port}: the connection to the Uno is lost ({problem}); check its cable") from problem
+        except LOST as problem:
+            raise self._lost(problem) from problem
 
     def send(self, data: bytes) -> None:
         """Send all of it."""
         try:
             self._serial.write(data)
-        except OSError as problem:
-            raise RigFault(f"{self.port}: the connection to the Uno is lost ({problem}); check its cable") from problem
+        except LOST as problem:
+            raise self._lost(problem) from problem
 
     def receive(self) -> bytes:
         """What comes within `PATIENCE`."""
         try:
             return bytes(self._serial.read(max(1, self._serial.in_waiting)))
-        except OSError as problem:
-            raise RigFault(f"{self.port}: the connection to the Uno is lost ({problem}); check its cable") from problem
+        except LOST as problem:
+            raise self._lost(problem) from problem
+
+    def _lost(self, problem: Exception) -> RigFault:
+        return RigFault(f"{self.port}: the connection to the Uno is lost ({problem}); {PULLED}")
 
     def close(self) -> None:
         """Close the port."""
         self._serial.close()
+
+
+def _why_closed(problem: Exception) -> str:
+    """Why a serial port cannot be opened, and the repair; Windows' errors have only a text."""
+    number, text = getattr(problem, "errno", None), str(problem)
+    if number == errno.ENOENT or "FileNotFoundError" in text:
+        return f"there is no such serial port; plug the Uno in and name its port in wires.serial ({_ports_here()})"
+    if number == errno.EACCES:
+        return (
+            "the serial port cannot be opened by this user; join its group (sudo usermod -a -G dialout $USER on Debian) "
+            "and log in again"
+        )
+    if number in (errno.EAGAIN, errno.EBUSY) or "PermissionError" in text:
+        return "the serial port is in use by another program; close that (a serial monitor, another dampyr)"
+    return f"the serial port cannot be opened ({text}); name the Uno's port in wires.serial ({_ports_here()})"
+
+
+def _ports_here() -> str:
+    """The serial ports of this computer."""
+    from serial.tools.list_ports import comports
+
+    names = [each.device for each in comports()]
+    return f"here: {', '.join(names)}" if names else "this computer has none now"
 
 
 def open_wire(address: str, baud: int) -> Wire:

@@ -1,0 +1,393 @@
+"""What goes wrong at the Uno's end of the wire: one line each, with the repair, and a table that comes to rest."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.rig.firmware.chip import Chip, build
+from tests.rig.firmware.native_core import SOURCES
+
+from dampyr.errors import RigFault
+from dampyr.rig import RigSettings
+from dampyr.rig.firmware import control_core as c
+from dampyr.rig.firmware.protocol import VERSION, Fault, State
+from dampyr.rig.firmware.twin import Twin
+from dampyr.rig.instruments.arduino_uno.driver import Uno
+from dampyr.rig.instruments.arduino_uno.wire import InProcess, Serial
+
+PAGE = (Path(__file__).parents[3] / "docs/how-to/firmware.md").read_text("utf-8")
+TABLE = [line.split("|")[1].strip().replace("`", "") for line in PAGE.splitlines() if line.startswith("| ")]
+posix = pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals of POSIX")
+
+
+def one_line(problem: object, *words: str) -> None:
+    """It is one line, with these words, and the page on the firmware has it in its table."""
+    text = str(problem).strip()
+    assert "\n" not in text, text
+    for each in words:
+        assert re.search(each, text), text
+    assert any(all(part.strip() in text for part in row.split("...")) for row in TABLE if len(row) > 15), text
+
+
+# the port
+
+
+@contextmanager
+def terminal(answer: Callable[[bytes], bytes]) -> Iterator[str]:
+    """A pseudo-terminal with a device at its end that is no Uno."""
+    import pty
+    import select
+    import tty
+
+    near, far = pty.openpty()
+    tty.setraw(near)
+    over = threading.Event()
+
+    def run() -> None:
+        while not over.is_set():
+            data = os.read(near, 256) if select.select([near], [], [], 0.02)[0] else b""
+            if reply := answer(data):
+                os.write(near, reply)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield os.ttyname(far)
+    finally:
+        over.set()
+        thread.join()
+        os.close(near)
+        os.close(far)
+
+
+def opened(port: str) -> RigFault:
+    with pytest.raises(RigFault) as raised:
+        Serial(port, 250000)
+    return raised.value
+
+
+@posix
+def test_a_port_that_is_not_there() -> None:
+    one_line(
+        opened("/dev/ttyACM77"), "^/dev/ttyACM77: ", "plug the Uno in and name its port in wires.serial", "here|none"
+    )
+
+
+@posix
+@pytest.mark.parametrize("path", ["/dev/null", "/", __file__])
+def test_a_file_that_is_no_port(path: str) -> None:
+    one_line(opened(path), f"^{path}: ", "name the Uno's port in wires.serial")
+
+
+@posix
+def test_a_port_that_another_program_has() -> None:
+    with terminal(lambda _: b"") as port:
+        first = Serial(port, 250000)
+        one_line(opened(port), "close that")
+        first.close()
+        Serial(port, 250000).close()
+
+
+@pytest.mark.parametrize(
+    ("number", "text", "words"),
+    [
+        (
+            13,
+            "[Errno 13] could not open port /dev/ttyACM0: [Errno 13] Permission denied: '/dev/ttyACM0'",
+            "usermod -a -G dialout",
+        ),
+        (16, "[Errno 16] could not open port /dev/ttyACM0: [Errno 16] Device or resource busy", "close that"),
+        (None, "could not open port 'COM3': PermissionError(13, 'Access is denied.', None, 5)", "close that"),
+        (
+            None,
+            "could not open port 'COM3': FileNotFoundError(2, 'The system cannot find ...', None, 2)",
+            "plug the Uno in",
+        ),
+    ],
+)
+def test_a_port_that_the_system_refuses(
+    monkeypatch: pytest.MonkeyPatch, number: int | None, text: str, words: str
+) -> None:
+    """The words of Linux and of Windows, as pyserial hands them on."""
+    serial = pytest.importorskip("serial")
+
+    def refuse(*_: object, **__: object) -> None:
+        problem = serial.SerialException(text)
+        problem.errno = number
+        raise problem
+
+    monkeypatch.setattr(serial, "Serial", refuse)
+    one_line(opened("COM3"), words)
+
+
+STRANGERS: dict[str, tuple[Callable[[bytes], bytes], str]] = {
+    "silent": (lambda _: b"", "check its cable, its power and that wires.serial is its port"),
+    "echo": (lambda data: data, "only sends back what it is sent"),
+    "a sketch that prints": (lambda _: b"T=21.5;H=40\r\n", r"it sends 54 3d 32.*flash dampyr's program"),
+    "zeros": (lambda _: bytes(64), "it sends 00 00"),
+    "an older boot loader": (lambda data: b"\x14\x10" * bool(data), "it sends 14 10"),
+    "another speed of the line": (lambda data: bytes(b ^ 0xE6 for b in data[::2]), "another speed than wires.baud"),
+}
+
+
+@posix
+@pytest.mark.parametrize("who", STRANGERS)
+def test_another_board(monkeypatch: pytest.MonkeyPatch, who: str) -> None:
+    answer, words = STRANGERS[who]
+    monkeypatch.setattr(Serial, "boot", 0.0)
+    monkeypatch.setattr(Serial, "answer", 0.6)
+    with terminal(answer) as port:
+        uno = Uno(Serial(port, 250000), tries=2)
+        start = time.monotonic()
+        with pytest.raises(RigFault) as raised:
+            uno.hello()
+        assert time.monotonic() - start < 3.0
+        uno.close()
+    one_line(raised.value, words, r"asked \d+ times in", "wires.serial", "make firmware")
+
+
+def planted(folder: Path, name: str, old: str, new: str) -> Path:
+    """The firmware's sources, one place changed."""
+    copy = folder / "uno"
+    shutil.copytree(SOURCES, copy)
+    text = (copy / name).read_text("utf-8")
+    assert old in text
+    (copy / name).write_text(text.replace(old, new, 1), "utf-8")
+    return copy
+
+
+@pytest.mark.parametrize("version", [VERSION - 1, VERSION + 1])
+def test_a_firmware_of_another_version(tmp_path: Path, version: int) -> None:
+    """The binary itself, built with another number of the protocol; nothing but the greeting was said."""
+    sources = planted(tmp_path, "core.h", f"#define PROTOCOL {VERSION}\n", f"#define PROTOCOL {version}\n")
+    chip = Chip(build(tmp_path / "built", sources=sources))
+    try:
+        chip.run(3, beat=False)
+
+        def say(data: bytes) -> bytes:
+            return chip.ms(data) + b"".join(chip.ms() for _ in range(5))
+
+        with pytest.raises(RigFault) as raised:
+            Uno(InProcess(say)).hello()
+        one_line(
+            raised.value, f"version {version} of the protocol and this dampyr {VERSION}; flash it", "make firmware"
+        )
+        assert raised.value.ring == "firmware"
+        assert (chip.pins.enabled, chip.pins.duty) == (False, 0)
+    finally:
+        chip.close()
+
+
+# the program
+
+
+@pytest.mark.parametrize(
+    ("added", "words"),
+    [
+        ("PROGMEM const uint8_t table[22000] = {1}", "beside its boot loader; leave out"),
+        (
+            "PROGMEM const uint8_t table[30000] = {1}; __attribute__((used)) PROGMEM const uint8_t more[30000] = {1}",
+            "has 7",
+        ),
+        ("uint8_t table[1200]", "beside the stack; leave out"),
+        ("uint8_t table[9000]", "beside the stack; leave out"),
+    ],
+)
+def test_a_program_that_is_too_large(tmp_path: Path, added: str, words: str) -> None:
+    """No .hex is left, not even that of an earlier build, so that none is flashed."""
+    build(tmp_path)
+    assert (tmp_path / "dampyr-uno.hex").exists()
+    end = "int main(void)\n"
+    sources = planted(tmp_path, "main.c", end, f"#include <avr/pgmspace.h>\n__attribute__((used)) {added};\n{end}")
+    done = subprocess.run(["make", "-s", "-C", str(sources), f"OUT={tmp_path}"], capture_output=True, text=True)
+    assert done.returncode != 0
+    (mine,) = (line for line in done.stderr.splitlines() if not line.startswith("make"))
+    one_line(mine, words)
+    assert not (tmp_path / "dampyr-uno.hex").exists()
+
+
+# the cable
+
+
+class Model:
+    """The model of the firmware and a table, a millisecond at a time; what `Chip` is of the binary."""
+
+    def __init__(self) -> None:
+        self.twin, self.place, self.speed = Twin(), 0.0, 0.0
+
+    def ms(self, data: bytes = b"") -> bytes:
+        """A millisecond; the bytes of the reply."""
+        wanted = 65.0 * max(0, abs(self.duty) - 15) * np.sign(self.duty)
+        self.speed += (wanted - self.speed) / 24.0
+        self.place += self.speed / 1000.0
+        reply = self.twin.receive(data) if data else b""
+        self.twin.tick(int(self.place // 1), False, 0, False, 0)
+        return reply
+
+    @property
+    def duty(self) -> int:
+        """The motor's duty."""
+        return int(self.twin.registers[c.R_DUTY])
+
+    @property
+    def enabled(self) -> bool:
+        """The enable line of the coil's supply."""
+        return self.twin.enabled
+
+    def close(self) -> None:
+        """Nothing to end."""
+
+
+class Binary(Chip):
+    """The binary, with the same two."""
+
+    @property
+    def duty(self) -> int:
+        """The motor's duty."""
+        return self.pins.duty
+
+    @property
+    def enabled(self) -> bool:
+        """The enable line of the coil's supply."""
+        return self.pins.enabled
+
+
+class Cable:
+    """A pseudo-terminal between pyserial and a firmware that lives on when it is pulled."""
+
+    def __init__(self, firmware: Model | Binary) -> None:
+        import pty
+        import tty
+
+        self.firmware, self._pulled, self.ms_after = firmware, threading.Event(), 0
+        self.near, far = pty.openpty()
+        tty.setraw(self.near)
+        self.port = os.ttyname(far)
+        self._far = far
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        import select
+
+        while not self._pulled.is_set():
+            data = os.read(self.near, 4096) if select.select([self.near], [], [], 0.0005)[0] else b""
+            if reply := self.firmware.ms(data):
+                os.write(self.near, reply)
+
+    def pull(self) -> None:
+        """Both ends of the wire are gone; the firmware has its own power."""
+        if not self._pulled.is_set():
+            self._pulled.set()
+            self._thread.join()
+            os.close(self.near)
+            os.close(self._far)
+
+
+def make_following(uno: Uno) -> None:
+    points = [round(2000 * (1 - np.cos(2 * np.pi * k / 60))) for k in range(60)]
+    for k in range(0, 60, 16):
+        uno.points(k, points[k : k + 16])
+    uno.follow(20, 60)
+
+
+def make_stopping(uno: Uno) -> None:
+    uno.jog(8000, 500)
+    for _ in range(3):
+        uno.heartbeat()
+    uno.stop()
+
+
+STATES: dict[State, Callable[[Uno], object]] = {
+    State.IDLE: lambda uno: uno.disarm(),
+    State.ARMED: lambda uno: None,
+    State.FOLLOWING: make_following,
+    State.REVERSING: lambda uno: uno.reverse(200, 2000, 1000, 3),
+    State.JOGGING: lambda uno: uno.jog(8000, 500),
+    State.HOMING: lambda uno: uno.home(1, 0),
+    State.STOPPING: make_stopping,
+    State.FAULT: lambda uno: uno.abort(),
+}
+
+
+def make_model(_: Path) -> Model:
+    return Model()
+
+
+def make_binary(folder: Path) -> Binary:
+    chip = Binary(build(folder))
+    chip.run(3, beat=False)
+    return chip
+
+
+@posix
+@pytest.mark.parametrize(
+    "firmware", [pytest.param(make_model, id="model"), pytest.param(make_binary, id="binary", marks=pytest.mark.prove)]
+)
+@pytest.mark.parametrize("state", STATES, ids=lambda state: state.name)
+def test_the_cable_is_pulled(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, state: State, firmware: Callable[[Path], Model | Binary]
+) -> None:
+    """The host has one line; the Uno's own watchdog brings the table to rest, and the coil is off."""
+    monkeypatch.setattr(Serial, "boot", 0.0)
+    settings = RigSettings()
+    beats = round(1000 * settings.limits.heartbeat)
+    device = firmware(tmp_path)
+    cable = Cable(device)
+    try:
+        uno = Uno(Serial(cable.port, 250000), wait=0.25)
+        uno.hello()
+        uno.clear()
+        uno.configure(settings)
+        uno.home(0, 0)
+        uno.heartbeat()
+        uno.arm()
+        STATES[state](uno)
+        assert uno.heartbeat().state == state
+        cable.pull()
+        for call in (uno.heartbeat, uno.stop, uno.abort, uno.disarm, uno.hello):
+            with pytest.raises(RigFault) as raised:
+                call()
+            one_line(raised.value, f"^{cable.port}: ", "check its cable, connect again and home the table")
+        with pytest.raises(RigFault) as raised:
+            Serial(cable.port, 250000)
+        one_line(raised.value, "plug the Uno in")
+        uno.close()
+        for _ in range(beats + 2):
+            device.ms()
+        assert (device.enabled, device.duty) == (False, 0)  # the watchdog: no heartbeat came
+        for _ in range(200):
+            device.ms()
+        still = device.place
+        for _ in range(50):
+            device.ms()
+        assert abs(device.place - still) < 0.1  # counts
+        status = Uno(InProcess(lambda data: device.ms(data) + b"".join(device.ms() for _ in range(5)))).heartbeat()
+        causes = {State.IDLE: (State.IDLE, Fault(0)), State.FAULT: (State.FAULT, Fault.ABORTED)}
+        assert (status.state, status.faults) == causes.get(state, (State.FAULT, Fault.HEARTBEAT))
+    finally:
+        cable.pull()
+        device.close()
+
+
+@posix
+def test_the_cable_is_pulled_before_the_first_word(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Serial, "boot", 0.0)
+    cable = Cable(Model())
+    uno = Uno(Serial(cable.port, 250000))
+    cable.pull()
+    with pytest.raises(RigFault) as raised:
+        uno.hello()
+    one_line(raised.value, "the connection to the Uno is lost", "check its cable")
+    uno.close()
