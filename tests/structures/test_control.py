@@ -174,6 +174,7 @@ def test_the_input_is_held_between_decisions(damper):
     assert np.unique(held[:, 0]).size > 10
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("lag", [0.0, 0.004])
 def test_the_mean_input_is_one_over_time(damper, lag):
     """Laws decide every 5 ms and the motion has a sample every 20: the mean is that of the same motion with 5 ms, and less."""

@@ -23,6 +23,7 @@ def test_the_parts_that_say_so_are_those_whose_page_does() -> None:
     assert said == {"hysteretic_biviscous", "sigmoid"}
 
 
+@pytest.mark.prove
 def test_a_response_and_an_ensemble_warn() -> None:
     with pytest.warns(DampyrWarning, match=WORDS):
         respond(two_storey(), MOTION, SIGMOID, voltage=0.0)

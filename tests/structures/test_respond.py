@@ -80,6 +80,7 @@ def test_small_amplitude_and_high_voltage_keep_the_accuracy(cubics):
     assert strict.peak_drift == pytest.approx(fine.peak_drift, rel=2e-4)
 
 
+@pytest.mark.prove
 def test_two_dampers_in_two_storeys_equal_a_stiff_reference(cubics, stiff_reference):
     motion = short(3.0)
     values = cubics.values(0.0), cubics.values(1.98)

@@ -11,6 +11,7 @@ from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.models import Damper
+    from dampyr.structures import Building
 
 control_option = click.option(
     "--control",
@@ -24,6 +25,18 @@ control_option = click.option(
 temperature_option = click.option(
     "--temperature", type=float, metavar="DEGC", help="Of the damper, for a card whose laws depend on it."
 )
+
+
+structure_option = click.option(
+    "--structure", metavar="FILE", help="A structure's TOML file or published name.  [default: raminelli_2020]"
+)
+
+
+def structure_of(name: str | None) -> Building:
+    """The structure of a file or a published name; the two-storey building of Raminelli (2020) without one."""
+    from dampyr import studies
+
+    return studies.load_structure(studies.THESIS if name is None else name)
 
 
 def inputs_for(

@@ -13,7 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dampyr.cli._control import control_option, damper_of, inputs_for, place_of, temperature_option
+from dampyr.cli._control import (
+    control_option,
+    damper_of,
+    inputs_for,
+    place_of,
+    structure_of,
+    structure_option,
+    temperature_option,
+)
 from dampyr.cli._motion import acceleration, after_option
 from dampyr.errors import InputError
 
@@ -30,6 +38,7 @@ class EnsembleRequest:
     """The command line's options of the cases."""
 
     card: Path | None
+    structure: str | None
     voltages: tuple[float, ...]
     currents: tuple[float, ...]
     controls: tuple[str, ...]
@@ -54,11 +63,10 @@ class EnsembleRequest:
 
     def models(self) -> tuple[Building, list[GroundMotion], Damper]:
         """The building, the motions and the damper."""
-        from dampyr import structures
-
+        building = structure_of(self.structure)
         damper = damper_of(self.card, self.temperature, self.allow_extrapolation)
         inputs_for(damper, self.voltages, self.currents, self.controls)
-        return structures.two_storey(), self._motions(), damper
+        return building, self._motions(), damper
 
     def options(self, limits: tuple[Limit, ...] = (), intensity: str = "pga") -> EnsembleOptions:
         """The options of the job."""
@@ -97,6 +105,7 @@ def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that say which cases there are; they come as ``request``, an `EnsembleRequest`."""
     options = [
         click.argument("card", required=False, type=click.Path(path_type=Path)),
+        structure_option,
         click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; may be repeated."),
         click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current."),
         control_option,

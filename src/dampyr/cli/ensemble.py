@@ -49,7 +49,9 @@ def command(
     report: Path | None,
     as_json: bool,
 ) -> None:
-    """Run a building through many earthquakes: peaks and fragility.
+    """Run a structure through many earthquakes: peaks and fragility.
+
+    The structure is the two-storey building of Raminelli (2020), or that of --structure.
 
     CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken.
     Every damper runs at every input under every motion at every scale.
@@ -121,6 +123,7 @@ def _run(
 ) -> EnsembleResult:
     from dampyr.structures import run_ensemble
     from dampyr.structures.ensemble_run import requested_cases
+    from dampyr.structures.modal_coordinates import truncation_in_words
     from dampyr.structures.store import progress_of
 
     models, options = request.models(), request.options(limits, intensity)
@@ -129,6 +132,8 @@ def _run(
     if done:
         click.echo(f"{out}: {done} of {shards} shards are there; going on with the others", err=True)
         before = requested_cases(*models, options).size * done // shards
+    if note := truncation_in_words(models[0], models[1][0]):
+        click.echo(f"{models[1][0].name}: {note}", err=True)
     with counting(before) as progress:
         return run_ensemble(*models, options, progress, out, workers)
 

@@ -1,4 +1,4 @@
-"""Simulate: a building with dampers in an earthquake."""
+"""Simulate: a structure with dampers in an earthquake."""
 
 from __future__ import annotations
 
@@ -8,10 +8,19 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dampyr.cli._control import control_option, damper_of, inputs_for, place_of, temperature_option
+from dampyr.cli._control import (
+    control_option,
+    damper_of,
+    inputs_for,
+    place_of,
+    structure_of,
+    structure_option,
+    temperature_option,
+)
 from dampyr.cli._motion import Ground, after_option, motion_options
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
+from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.structures import Response
@@ -19,6 +28,8 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("card", required=False, type=click.Path(path_type=Path))
+@structure_option
+@click.option("--without-damper", is_flag=True, help="The structure alone, without any damper.")
 @click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; repeat it to compare.")
 @click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current.")
 @control_option
@@ -33,8 +44,12 @@ if TYPE_CHECKING:
 @click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
 @report_options()
 @as_json_option
+@click.pass_context
 def command(
+    context: click.Context,
     card: Path | None,
+    structure: str | None,
+    without_damper: bool,
     voltages: tuple[float, ...],
     currents: tuple[float, ...],
     controls: tuple[str, ...],
@@ -50,24 +65,30 @@ def command(
     report: Path | None,
     as_json: bool,
 ) -> None:
-    """Simulate the two-storey building with and without a damper.
+    """Simulate a structure with and without a damper.
+
+    The structure is the two-storey building of Raminelli (2020), or that of --structure.
 
     CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken.
     The case without damper always comes first, then one case per --voltage (or --current).
     """
     from dampyr import structures
 
-    damper = damper_of(card, temperature, allow_extrapolation)
+    building = structure_of(structure)
+    if without_damper:
+        _refuse_damper(context)
+    damper = None if without_damper else damper_of(card, temperature, allow_extrapolation)
     options = structures.SimulateOptions(
-        inputs=inputs_for(damper, voltages, currents, controls),
+        inputs=() if damper is None else inputs_for(damper, voltages, currents, controls),
         laws=controls,
         place=place_of(storey, between),
         brace=brace,
         without=without,
         allow_extrapolation=allow_extrapolation,
         after=after,
+        bare=without_damper,
     )
-    result = structures.simulate(structures.two_storey(), ground.motion(motion), damper, options)
+    result = structures.simulate(building, ground.motion(motion), damper, options)
     if report:
         from dampyr.report import write_response_page
 
@@ -75,22 +96,43 @@ def command(
     if as_json:
         print_json(result.as_dict())
     else:
-        _print(f"{result.title}: peaks", result.cases, result.end)
+        _print(f"{result.title}: peaks", result.cases, result.end, result.note)
 
 
-def _print(title: str, cases: Mapping[str, Response], end: str) -> None:
+WIDE = 8  # floors that a table has columns for
+OF_A_DAMPER = ("card", "voltages", "currents", "controls", "storey", "between", "brace", "temperature", "without")
+
+
+def _refuse_damper(context: click.Context) -> None:
+    """Refuse what is of a damper where there is none."""
+    for parameter in context.command.params:
+        source = context.get_parameter_source(str(parameter.name))
+        if parameter.name in OF_A_DAMPER and source is not click.core.ParameterSource.DEFAULT:
+            name = parameter.opts[0] if isinstance(parameter, click.Option) else "CARD"
+            raise InputError(f"{name} is of a damper, and --without-damper leaves it out; give one of the two")
+
+
+def _print(title: str, cases: Mapping[str, Response], end: str, note: str) -> None:
+    names = list(cases["no damper"].floors)
+    many = len(names) > WIDE
+    floors = [f"largest of {len(names)} floors"] if many else [f"floor {name}" for name in names]
     rows = [
-        [name, *(1e3 * r.peak_displacement), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
+        [name, *_floors(r, many), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
          max(r.peak_force, default=None), r.mean_input.mean() if r.mean_input.size else None, r.scheme]
         for name, r in cases.items()
     ]  # fmt: skip
     unit = next((r.input_units[0] for r in cases.values() if r.input_units), "")
-    floors = [f"floor {k + 1}" for k in range(len(cases["no damper"].peak_displacement))]
     print_table(
         title,
         ["case", *floors, "drift", "acceleration", "base shear", "damper force", "mean input", "scheme"],
         rows,
         ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", unit, ""],
         digits=5,
-        notes=[f"the response {end}"],
+        notes=[f"the response {end}", *([note] if note else [])],
     )
+
+
+def _floors(response: Response, many: bool) -> list[float]:
+    """The floors' peak displacements [mm]; the largest alone where they are many."""
+    peaks = 1e3 * response.peak_displacement
+    return [float(peaks.max())] if many else peaks.tolist()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,6 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from dampyr.atomic_write import write_whole
+from dampyr.config import parse_toml
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
@@ -56,12 +56,12 @@ def read(path: Path, make: Callable[..., Damper]) -> Damper:
     FileError says what is wrong, and refuses a schema that this version cannot read.
     """
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = parse_toml(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise MissingData(
             f"{path}: there is no such card; `dampyr identify ... --save {path.name}` writes one"
         ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+    except (InputError, UnicodeDecodeError) as problem:
         raise FileError(path, f"this is not a TOML file: {problem}") from None
     if tables.get("schema") != SCHEMA:
         raise FileError(path, f"schema {tables.get('schema')!r} is not supported; this dampyr reads schema {SCHEMA}")

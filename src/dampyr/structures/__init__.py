@@ -3,10 +3,10 @@
 ``respond(building, motion, dampers={storey: damper}, voltage=...)`` integrates a building through a ground motion; a
 damper stands in a storey or between any two floors, ``{(0, 2): damper}``, and one alone in storey 1. ``two_storey()``
 is the building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
-``condense`` make others, ``state_space`` writes one as matrices. ``control_law`` makes a law that sets an input in
-the place of a number. ``ensemble`` runs the outer product of buildings, dampers, inputs, motions and scales, and
-returns the peaks; ``fragility`` and ``incremental`` evaluate them, ``write_part`` and ``collect`` divide the work for
-a batch system.
+``condense`` make others, ``load`` reads one from a TOML file, ``state_space`` writes one as matrices. ``control_law``
+makes a law that sets an input in the place of a number. ``ensemble`` runs the outer product of buildings, dampers,
+inputs, motions and scales, and returns the peaks; ``fragility`` and ``incremental`` evaluate them, ``write_part`` and
+``collect`` divide the work for a batch system.
 """
 
 from dampyr.structures.building import Building, Condensed, condense
@@ -25,6 +25,7 @@ from dampyr.structures.shear import shear_building, single_mass
 from dampyr.structures.simulate import Simulated, SimulateOptions, simulate
 from dampyr.structures.state_space import StateSpace, state_space
 from dampyr.structures.store import read_ensemble
+from dampyr.structures.structure_file import load
 from dampyr.structures.summary import summary
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "road",
     "condense",
     "Condensed",
+    "load",
     "respond",
     "control_law",
     "available_control_laws",

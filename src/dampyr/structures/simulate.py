@@ -13,6 +13,7 @@ from dampyr.models import Damper
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import control_law
+from dampyr.structures.modal_coordinates import truncation_in_words
 from dampyr.structures.respond import respond
 from dampyr.structures.response import Response
 from dampyr.structures.step_size import ACCURACIES
@@ -32,7 +33,8 @@ class SimulateOptions:
 
     ``inputs`` are V or A, as the damper takes them; a law is written as in ``on_off`` or ``on_off:period=0.01,lag=5ms``
     (see `law_of`). The damper stands in storey ``place``, or between two floors (i, j), without the parts in ``without``,
-    on a brace of stiffness ``brace`` in N/m where one is given. After the record come ``after`` s of rest. Raises
+    on a brace of stiffness ``brace`` in N/m where one is given. ``bare``: the building alone. After the record come ``after`` s
+    of rest. Raises
     :class:`~dampyr.errors.InputError` for a value that is not allowed.
     """
 
@@ -44,9 +46,13 @@ class SimulateOptions:
     accuracy: str = "strict"
     allow_extrapolation: bool = False
     after: float = 0.0
+    bare: bool = False
 
     def __post_init__(self) -> None:
-        check_inputs(self.inputs, self.laws)
+        if not self.bare:
+            check_inputs(self.inputs, self.laws)
+        elif self.inputs or self.laws:
+            raise InputError("bare is the building alone, and takes no input and no control law; leave one of them out")
         if self.accuracy not in ACCURACIES:
             raise InputError(f"accuracy = {self.accuracy!r} is not allowed; choose {', '.join(ACCURACIES)}")
 
@@ -94,6 +100,8 @@ class Simulated(Representation):
     motion: str
     unit: str
     cases: Mapping[str, Response]
+    note: str = ""
+    """What modal coordinates leave out, in words; empty for a building without them."""
 
     @property
     def plot(self) -> SimulatedPlots:
@@ -157,15 +165,22 @@ class Simulated(Representation):
 def simulate(
     building: Building,
     motion: GroundMotion,
-    damper: Damper,
+    damper: Damper | None,
     options: SimulateOptions,
     progress: Callable[[str, float], None] | None = None,
 ) -> Simulated:
     """The response of a building to a ground motion without a damper, then with it at each input and under each law.
 
+    ``damper`` is None where ``options.bare`` is set, and a damper else.
     ``progress`` is called with a stage and the fraction that is done.
     """
     tell = progress or (lambda stage, done: None)
+    if (damper is None) is not options.bare:
+        raise InputError("a damper is given with bare = True, or none without it; give one of the two")
+    if damper is None:
+        tell("without damper", 0.0)
+        cases = {BARE: respond(building, motion, accuracy=options.accuracy, after=options.after)}
+        return Simulated(building.name, motion.name, "", cases, truncation_in_words(building, motion))
     fitted = installed(damper, options.without, options.brace)
     inputs = all_inputs(fitted, options.inputs, options.laws)
     kind = "voltage" if fitted.input == "V" else "current"
@@ -176,7 +191,7 @@ def simulate(
         given: dict[str, Any] = {kind: u, "allow_extrapolation": options.allow_extrapolation, "after": options.after}
         response = respond(building, motion, {options.place: fitted}, accuracy=options.accuracy, **given)
         cases[response.laws[0] or f"{u:g} {fitted.input}"] = response
-    return Simulated(building.name, motion.name, fitted.input, cases)
+    return Simulated(building.name, motion.name, fitted.input, cases, truncation_in_words(building, motion))
 
 
 def installed(damper: Damper, without: tuple[str, ...] = (), brace: float | None = None) -> Damper:

@@ -1,19 +1,23 @@
 """Published studies run again, the published value beside ours, and the demonstration of the whole chain.
 
 A study is one module or package of this folder. Where it has a function ``damper()``, that damper is offered with the published
-sets, by the command line and by the console.
+sets, by the command line and by the console; where it has ``STRUCTURES``, functions by name, so are these structures.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
 from dampyr import registry
+from dampyr.errors import MissingData
 
 if TYPE_CHECKING:
     from dampyr.models import Damper
+    from dampyr.structures import Building
 
 THESIS = "raminelli_2020"
 
@@ -47,6 +51,38 @@ def load_damper(name: str | Path) -> Damper:
     return published.card_or_published(
         name, others={own: study.damper for own, study in studies if hasattr(study, "damper")}
     )
+
+
+def available_structures() -> list[str]:
+    """The names of all published structures."""
+    return sorted(_structures())
+
+
+def load_structure(name: str | Path) -> Building:
+    """The structure of a file (`dampyr.structures.load`), or the published one of this name, as the command line takes them.
+
+    A file of this name comes first. :class:`~dampyr.errors.MissingData` lists the names where there is neither, or says which
+    data of a published structure are not there; :class:`~dampyr.errors.FileError` for a file that is wrong.
+    """
+    from dampyr import structures
+
+    if Path(name).is_file():
+        return structures.load(name)
+    published = _structures()
+    if str(name) in published:
+        return published[str(name)]()
+    close = get_close_matches(str(name), published, n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    raise MissingData(
+        f"{name}: there is no such file, and no published structure of this name; {hint}published are "
+        f"{', '.join(sorted(published))}; docs/how-to/your-own-structure.md says how a file is written"
+    )
+
+
+def _structures() -> dict[str, Callable[[], Building]]:
+    return {
+        name: make for _, study in registry.members(__name__) for name, make in getattr(study, "STRUCTURES", {}).items()
+    }
 
 
 def __getattr__(name: str) -> ModuleType:

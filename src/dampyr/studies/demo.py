@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import dampyr
 from dampyr import campaigns, ground_motions, structures
 from dampyr.campaigns.journal import NAME as JOURNAL
 from dampyr.identification import Fit, Score, fit, prediction, score
@@ -180,7 +179,6 @@ def write_report(demo: Demo, path: Path) -> Path:
         subtitle=f"A simulated campaign of {len(demo.fitted) + len(demo.held_out)} tests. The identified damper predicts the "
         f"held-out tests to {best:.1f}–{worst:.1f} % (L1 ratio).",
         provenance={
-            "made by": f"dampyr {dampyr.__version__}, dampyr demo",
             "records": "simulated: not measurements",
             "earthquake": "El Centro 1940 NS, Peknold's version",
             "building": "two storeys, chapter 5 of Raminelli (2020)",

@@ -16,9 +16,20 @@ from dampyr.studies.raminelli_2020.published import PUBLISHED, Published
 
 if TYPE_CHECKING:
     from dampyr.models import Damper
+    from dampyr.structures import Building
     from dampyr.studies.raminelli_2020.study import Progress, Study
 
-__all__ = ["PUBLISHED", "Finding", "Published", "damper", "reproduce"]
+__all__ = ["PUBLISHED", "STRUCTURES", "Finding", "Published", "damper", "reproduce"]
+
+
+def _building() -> Building:
+    from dampyr import structures
+
+    return structures.two_storey()
+
+
+STRUCTURES = {"raminelli_2020": _building}
+"""The building of chapter 5, by its name on the command line."""
 
 
 def damper(published: Published = PUBLISHED) -> Damper:

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import dampyr
 from dampyr.report import Block, Cell, Section, Table, Text, Verdict, page, write_page
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding, overall
 from dampyr.studies.raminelli_2020.study import Study
@@ -37,7 +36,6 @@ def html(study: Study) -> str:
     provenance = {
         "dissertation": SOURCE,
         "data": f"{DATA}; read from {study.data.name}" if study.data else "the measured files were not there",
-        "software": f"dampyr {dampyr.__version__}",
     }
     return page(
         "Raminelli (2020), run again", sections, "Every published number beside ours, with a verdict.", provenance

@@ -1,0 +1,313 @@
+"""A structure's TOML file: storeys, the matrices M, C and K, or a plane frame of nodes and elements.
+
+::
+
+    name = "three storeys"                        name = "frame"
+    masses = ["1 t", "1 t", "0.8 t"]              M = ["1 t", "1 t"]
+    stiffnesses = ["2 kN/mm", "2 kN/mm", 1.5e6]   K = { unit = "kN/m", values = [[3000, -1000], [-1000, 1000]] }
+    damping_ratio = 0.02                          damping_ratio = [0.03, 0.05]
+
+    name = "plane frame"                          M = { file = "mass.txt", unit = "t" }
+    nodes = "nodes.csv"                           K = { file = "model.npz", variable = "K", unit = "kN/m" }
+    elements = "elements.csv"                     damping_ratio = 0.02
+    floors = ["21", "27"]                         keep = [2, 4]
+    damping_ratio = 0.02
+
+A number without a unit is SI: kg, N/m, N s/m. A list in the place of a matrix is its diagonal. Files lie beside this one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.config import fill, load_toml, unknown
+from dampyr.errors import FileError, InputError
+from dampyr.structures.building import Building
+from dampyr.structures.damping import modal, rayleigh
+from dampyr.structures.modal_coordinates import modal_condensation
+from dampyr.structures.plane_frame import read_frame
+from dampyr.structures.shear import shear_building
+from dampyr.units import Quantity, parse, to_si
+
+Array = NDArray[np.float64]
+
+Mass, Stiffness, Dashpot = Quantity("kg"), Quantity("N/m"), Quantity("N s/m")
+Ratio = Annotated[tuple[float, ...], "of critical: one for all modes of the method, or one for each"]
+METHODS = ("rayleigh", "modal")
+
+
+@dataclass(frozen=True)
+class Storeys:
+    """A structure of storeys, from the ground up: see `dampyr.structures.shear_building`."""
+
+    masses: Annotated[tuple[float, ...], Mass, "of each floor"]
+    stiffnesses: Annotated[tuple[float, ...], Stiffness, "of each storey"]
+    dashpots: Annotated[tuple[float, ...], Dashpot, "of each storey"] = ()
+    damping_ratio: Ratio = ()
+    method: Annotated[str, '"rayleigh" or "modal"'] = "rayleigh"
+    modes: Annotated[tuple[int, ...], 'the two modes of "rayleigh"'] = (1, 2)
+    name: str = "shear building"
+
+
+@dataclass(frozen=True)
+class Matrices:
+    """What stands in the file of a structure of matrices besides ``M``, ``C`` and ``K``."""
+
+    damping_ratio: Ratio = ()
+    method: Annotated[str, '"modal" or "rayleigh"'] = "modal"
+    modes: Annotated[tuple[int, ...], 'the two modes of "rayleigh"'] = (1, 2)
+    floors: Annotated[tuple[str, ...], "labels from the ground up"] = ()
+    influence: Annotated[tuple[float, ...], "how each degree of freedom follows the ground"] = ()
+    keep: Annotated[tuple[int, ...], "degrees of freedom, from 1, that are floors; the others go by modes"] = ()
+    name: str = "structure"
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A plane frame: see `dampyr.structures.plane_frame.read_frame`."""
+
+    nodes: Annotated[str, "the .csv file of the nodes"]
+    elements: Annotated[str, "the .csv file of the elements"]
+    floors: Annotated[tuple[str, ...], "the nodes whose horizontal displacement is that of a floor, from the ground up"]
+    damping_ratio: Ratio
+    method: Annotated[str, '"rayleigh" or "modal"'] = "rayleigh"
+    modes: Annotated[tuple[int, ...], 'the two modes of "rayleigh"'] = (1, 2)
+    frames: Annotated[int, "equal frames that move together"] = 1
+    name: str = "plane frame"
+
+
+UNITS = {"M": Mass.unit, "C": Dashpot.unit, "K": Stiffness.unit}
+
+
+def load(path: str | Path) -> Building:
+    """The structure in a TOML file.
+
+    Storeys have ``masses`` and ``stiffnesses``, one for each from the ground up; other structures have the matrices ``M`` and
+    ``K``. Damping is ``dashpots`` of the storeys, or the matrix ``C``, or a ``damping_ratio``, one number or one for each mode,
+    with ``method`` "rayleigh" (that of storeys where none is given; of two ``modes``) or "modal" (that of matrices). ``name``;
+    with matrices also ``floors`` and ``influence``. Each number may be a text with its unit, ``"26 kN/mm"``, a matrix also a
+    table of its ``unit`` and ``values``, or of a ``file`` beside it (text, .npz, .mat); a number without a unit is SI.
+
+    A plane frame has two tables, ``nodes`` and ``elements`` (`dampyr.structures.plane_frame.read_frame`). It is taken to the
+    displacements of its ``floors`` by modes, and so are matrices to the degrees of freedom ``keep``
+    (`dampyr.structures.modal_coordinates`).
+
+    Raises
+    ------
+    FileError
+        It starts with the path: what is not known, with the nearest name; a unit that does not fit; a matrix that is not
+        square, not symmetric or not definite.
+    MissingData
+        There is no such file.
+    """
+    document = load_toml(path)
+    try:
+        return structure_of(document, Path(path).parent)
+    except FileError:
+        raise
+    except InputError as problem:
+        raise FileError(path, str(problem)) from None
+
+
+def structure_of(document: Mapping[str, Any], folder: Path | None = None) -> Building:
+    """The structure in a table as TOML gives it; its files lie in ``folder``. :class:`~dampyr.errors.InputError` says what is
+    wrong.
+    """
+    if {"nodes", "elements"} & set(document):
+        return _of_frame(fill(Frame, document), folder or Path())
+    storeys = {field.name for field in fields(Storeys)}
+    matrices = {field.name for field in fields(Matrices)} | set(UNITS)
+    available = sorted(storeys | matrices | {"nodes", "elements", "frames"})
+    for key in document:
+        if key not in available:
+            raise InputError(unknown(key, key, available))
+    has_storeys, has_matrices = set(document) & (storeys - matrices), set(document) & (matrices - storeys)
+    if has_storeys and has_matrices:
+        raise InputError(
+            f"{', '.join(sorted(has_storeys))} belong to storeys and {', '.join(sorted(has_matrices))} to matrices; "
+            "give masses and stiffnesses, or M and K"
+        )
+    if not has_storeys and not has_matrices:
+        raise InputError(
+            "there is no structure; give masses and stiffnesses, the matrices M and K, or nodes and elements"
+        )
+    if "frames" in document:
+        raise InputError("frames belongs to nodes and elements; leave it out")
+    return _of_storeys(fill(Storeys, document)) if has_storeys else _of_matrices(document, folder or Path())
+
+
+def _of_frame(given: Frame, folder: Path) -> Building:
+    _check_method(given.method)
+    if given.frames < 1 or not given.floors or not given.damping_ratio:
+        raise InputError("a frame needs frames of at least 1, floors, and a damping_ratio; give all of them")
+    frame = read_frame(folder / given.nodes, folder / given.elements)
+    M, K, labels, influence = given.frames * frame.M, given.frames * frame.K, frame.labels, frame.influence
+    massive = np.diag(M) > 0.0
+    if not np.all(massive):  # what has no mass follows by its springs alone, exactly
+        held = K[np.ix_(~massive, ~massive)]
+        if np.linalg.eigvalsh(held)[0] <= 1e-12 * np.max(np.abs(K)):
+            loose = [label for label, has in zip(labels, massive, strict=True) if not has]
+            raise InputError(
+                f"what has no mass ({', '.join(loose[:8])}) is not held by springs; give it a mass or an element"
+            )
+        K = K[np.ix_(massive, massive)] - K[np.ix_(massive, ~massive)] @ np.linalg.solve(
+            held, K[np.ix_(~massive, massive)]
+        )
+        K, M, influence = 0.5 * (K + K.T), M[np.ix_(massive, massive)], influence[massive]
+        labels = tuple(label for label, has in zip(labels, massive, strict=True) if has)
+    for floor in given.floors:
+        if f"{floor} x" not in labels:
+            raise InputError(f"floor {floor!r} is no node that is free in x, with a mass; name others in floors")
+    ratio = given.damping_ratio
+    C = modal(M, K, ratio) if given.method == "modal" else rayleigh(M, K, ratio, _pair(given.modes))
+    keep = [labels.index(f"{floor} x") for floor in given.floors]
+    return modal_condensation(M, C, K, keep, given.name, labels, influence, given.floors)
+
+
+def _of_storeys(given: Storeys) -> Building:
+    _check_method(given.method)
+    return shear_building(
+        given.masses,
+        given.stiffnesses,
+        given.damping_ratio or None,
+        given.dashpots or None,
+        given.method,
+        given.name,
+        _pair(given.modes),
+    )
+
+
+def _of_matrices(document: Mapping[str, Any], folder: Path) -> Building:
+    given = fill(Matrices, {key: value for key, value in document.items() if key not in UNITS})
+    _check_method(given.method)
+    for key in ("M", "K"):
+        if key not in document:
+            raise InputError(f"{key} is missing; give it in {UNITS[key]}, a row for each degree of freedom")
+    if ("C" in document) == bool(given.damping_ratio):
+        raise InputError("matrices take either C or damping_ratio; give one of the two")
+    matrices = {key: _matrix(key, document[key], UNITS[key], folder) for key in UNITS if key in document}
+    M, C, K = matrices["M"], matrices.get("C"), matrices["K"]
+    bare = Building(M, np.zeros_like(K), K, given.name)  # checks M and K before a mode is sought
+    squared = bare.modes()[0]
+    if squared[0] <= 1e-12 * squared[-1]:
+        raise InputError(
+            "K is not positive definite: the structure can move without a spring; hold every degree of freedom"
+        )
+    if C is None and given.method == "modal":
+        C = modal(bare.M, bare.K, given.damping_ratio)
+    elif C is None:
+        C = rayleigh(bare.M, bare.K, given.damping_ratio, _pair(given.modes))
+    whole = Building(M, C, K, given.name, given.floors, given.influence or None)  # type: ignore[arg-type]
+    if not given.keep:
+        return whole
+    if len(set(given.keep)) != len(given.keep) or not all(1 <= each <= whole.n for each in given.keep):
+        raise InputError(f"keep = {list(given.keep)} must be different degrees of freedom from 1 to {whole.n}")
+    at = [each - 1 for each in given.keep]
+    return modal_condensation(whole.M, whole.C, whole.K, at, given.name, tuple(whole.floors), whole.influence)
+
+
+def _matrix(key: str, value: Any, si: str, folder: Path) -> Array:
+    """A matrix, a diagonal, or a table of both and a unit, or of a file and a unit, in SI."""
+    unit = si
+    if isinstance(value, Mapping) and "file" in value:
+        return _matrix_of_file(key, value, si, folder)
+    if isinstance(value, Mapping):
+        for name in value:
+            if name not in ("unit", "values"):
+                raise InputError(unknown(f"{key}.{name}", name, ["unit", "values"]))
+        for name in ("unit", "values"):
+            if name not in value:
+                raise InputError(f'{key}.{name} is missing; write {key} = {{ unit = "{si}", values = [[...], ...] }}')
+        unit, value = value["unit"], value["values"]
+        if not isinstance(unit, str):
+            raise InputError(f'{key}.unit = {unit!r} must be a text such as "{si}"')
+    if not isinstance(value, list) or not value:
+        raise InputError(f"{key} = {value!r} must be a list of rows, or of the numbers on the diagonal")
+    if all(not isinstance(each, list) for each in value):
+        return np.diag([_number(f"{key}[{i + 1}]", each, unit, si) for i, each in enumerate(value)])
+    rows = [each if isinstance(each, list) else [each] for each in value]
+    lengths = [len(row) for row in rows]
+    if set(lengths) != {len(rows)}:
+        raise InputError(f"{key} has {len(rows)} rows of {', '.join(map(str, lengths))} numbers; it must be square")
+    return np.array(
+        [
+            [_number(f"{key}[{i + 1}][{j + 1}]", each, unit, si) for j, each in enumerate(row)]
+            for i, row in enumerate(rows)
+        ]
+    )
+
+
+def _matrix_of_file(key: str, value: Mapping[str, Any], si: str, folder: Path) -> Array:
+    """A matrix, or its diagonal, in a file of text, .npz or .mat, in SI."""
+    for name in value:
+        if name not in ("file", "unit", "variable"):
+            raise InputError(unknown(f"{key}.{name}", name, ["file", "unit", "variable"]))
+        if not isinstance(value[name], str):
+            raise InputError(f"{key}.{name} = {value[name]!r} must be a text")
+    path, variable = folder / value["file"], value.get("variable", key)
+    try:
+        array = np.asarray(_content(path, variable), dtype=float)
+    except KeyError as problem:
+        raise FileError(path, f"holds {problem.args[0]} and no {variable}; name one with {key}.variable") from None
+    except OSError as problem:
+        raise FileError(path, f"cannot be read ({problem.strerror or problem})") from None
+    except (ValueError, TypeError, NotImplementedError) as problem:
+        raise FileError(
+            path, f"is no matrix ({problem}); give text with a row in each line, .npz, or .mat before v7.3"
+        ) from None
+    if array.ndim == 2 and 1 in array.shape:
+        array = array.ravel()
+    if array.ndim == 1:
+        array = np.diag(array)
+    if array.ndim != 2 or array.shape[0] != array.shape[1]:
+        raise FileError(path, f"holds {key} of shape {array.shape}; it must be square, or the numbers on the diagonal")
+    try:
+        return np.asarray(to_si(array, value.get("unit", si), si), dtype=np.float64)
+    except InputError as problem:
+        raise InputError(f"{key}.unit: {problem}") from None
+
+
+def _content(path: Path, variable: str) -> Any:
+    """What a file holds: text as one matrix, .npz and .mat by the name of a variable; a KeyError names what there is."""
+    if path.suffix.lower() == ".npz":
+        with np.load(path, allow_pickle=False) as held:
+            if variable not in held:
+                raise KeyError(", ".join(held.files) or "nothing")
+            return held[variable]
+    if path.suffix.lower() == ".mat":
+        from scipy.io import loadmat
+
+        content = loadmat(path)
+        if variable not in content:
+            raise KeyError(", ".join(sorted(name for name in content if not name.startswith("__"))) or "nothing")
+        array = content[variable]
+        return array.toarray() if hasattr(array, "toarray") else array
+    text = path.read_text("utf-8")
+    return np.loadtxt(text.splitlines(), delimiter="," if "," in text else None, ndmin=2)
+
+
+def _number(where: str, value: Any, unit: str, si: str) -> float:
+    """A number in ``unit``, or a text with a unit of its own, in SI."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise InputError(f'{where} = {value!r} must be a number in {unit}, or a text such as "1 {unit}"')
+    try:
+        return parse(value, si) if isinstance(value, str) else float(to_si(value, unit, si))
+    except InputError as problem:
+        raise InputError(f"{where} = {value!r}: {problem}") from None
+
+
+def _check_method(method: str) -> None:
+    if method not in METHODS:
+        raise InputError(f"damping {unknown(f'method {method!r}', method, list(METHODS))}")
+
+
+def _pair(modes: tuple[int, ...]) -> tuple[int, int]:
+    if len(modes) != 2:
+        raise InputError(f"modes = {list(modes)} must be two modes, such as [1, 2]")
+    return modes[0], modes[1]

@@ -1,0 +1,99 @@
+"""A large structure on a few floors, by modes: exact modes, a static answer that is whole, and an error that is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dampyr as dp
+from dampyr import structures
+from dampyr.errors import FileError
+from dampyr.structures.modal_coordinates import ModalBuilding, modal_displacement
+
+TALL = structures.shear_building([2e4] * 20, np.linspace(60e6, 20e6, 20), damping_ratio=0.02)
+FLOORS = list(range(2, 21, 2))
+
+
+def loaded(folder: Path) -> ModalBuilding:
+    np.savez(folder / "tall.npz", M=np.diag(TALL.M), C=TALL.C, K=TALL.K)
+    lines = [f'{letter} = {{ file = "tall.npz" }}' for letter in "MCK"]
+    (folder / "tall.toml").write_text("\n".join([*lines, f"keep = {FLOORS}", 'name = "tall"']), "utf-8")
+    made = structures.load(folder / "tall.toml")
+    assert isinstance(made, ModalBuilding)
+    return made
+
+
+def test_the_modes_that_are_kept_are_exact(tmp_path: Path) -> None:
+    made = loaded(tmp_path)
+    assert (made.n, made.retained_modes) == (10, tuple(range(1, 9)))
+    np.testing.assert_allclose(made.frequencies[:8], TALL.frequencies[:8], rtol=1e-8)
+    np.testing.assert_allclose(made.damping_ratios[:8], TALL.damping_ratios[:8], rtol=1e-6)
+    static = np.linalg.solve(TALL.K, TALL.M @ np.ones(20))
+    np.testing.assert_allclose(
+        np.linalg.solve(made.K, made.M @ made.influence), static[np.array(FLOORS) - 1], rtol=1e-9
+    )
+    np.testing.assert_allclose(made.recover(static[np.array(FLOORS) - 1]), static, rtol=1e-6)
+
+
+def test_its_error_is_what_it_says(tmp_path: Path) -> None:
+    made, motion = loaded(tmp_path), dp.ground_motions.el_centro()
+    whole = structures.respond(TALL, motion).displacement[np.array(FLOORS) - 1]
+    mine = structures.respond(made, motion).displacement
+    seen = np.max(np.abs(np.max(np.abs(mine), axis=1) / np.max(np.abs(whole), axis=1) - 1.0))
+    displacement, drift = made.truncation_errors(motion)
+    assert displacement == pytest.approx(seen, abs=2e-5)
+    assert 0.0 < displacement < 5e-3
+    assert displacement < drift < 0.02
+
+
+def test_modes_alone_are_the_linear_response() -> None:
+    motion = dp.ground_motions.el_centro()
+    squares, shapes = TALL.modes()
+    x = modal_displacement(shapes, squares, TALL.damping_ratios, shapes.T @ TALL.M @ np.ones(20), motion)
+    np.testing.assert_allclose(x, structures.respond(TALL, motion).displacement, atol=1e-8 * np.max(np.abs(x)))
+
+
+@pytest.mark.parametrize("suffix", ["txt", "csv", "npz", "mat"])
+def test_matrices_come_from_files(tmp_path: Path, suffix: str) -> None:
+    from scipy.io import savemat
+    from scipy.sparse import csc_matrix
+
+    K = np.array([[3000.0, -1000.0], [-1000.0, 1000.0]])
+    path = tmp_path / f"k.{suffix}"
+    if suffix in ("txt", "csv"):
+        np.savetxt(path, K, delimiter="," if suffix == "csv" else " ")
+    elif suffix == "npz":
+        np.savez(path, K=K, other=1.0)
+    else:
+        savemat(path, {"K": csc_matrix(K), "other": 1.0})
+    np.savetxt(tmp_path / "m.txt", [1.0, 2.0])
+    text = f'M = {{ file = "m.txt", unit = "t" }}\nK = {{ file = "k.{suffix}", unit = "kN/m" }}\ndamping_ratio = 0.02\n'
+    (tmp_path / "one.toml").write_text(text, "utf-8")
+    made = structures.load(tmp_path / "one.toml")
+    np.testing.assert_allclose(made.K, 1e3 * K)
+    np.testing.assert_allclose(made.M, np.diag([1000.0, 2000.0]))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('M = { file = "absent.txt" }', "absent.txt: cannot be read"),
+        ('M = { file = "m.npz" }', "m.npz: holds A, B and no M; name one with M.variable"),
+        ('M = { file = "m.npz", variable = "A" }', r"m.npz: holds M of shape \(2, 3\); it must be square"),
+        ('M = { file = "m.npz", name = "A" }', "M.name"),
+        ('M = { file = 3 }', "M.file = 3 must be a text"),
+        ('M = { file = "words.txt" }', "words.txt: is no matrix"),
+        ('M = { file = "m.npz", variable = "B", unit = "m" }', "M.unit: "),
+        ('M = [1, 1]\nkeep = [3]', r"keep = \[3\] must be different degrees of freedom from 1 to 2"),
+        ('M = [1, 1]\nframes = 2', "frames belongs to nodes and elements"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_one_line(tmp_path: Path, text: str, words: str) -> None:
+    np.savez(tmp_path / "m.npz", A=np.ones((2, 3)), B=np.ones(2))
+    (tmp_path / "words.txt").write_text("one two\n", "utf-8")
+    (tmp_path / "one.toml").write_text(text + "\nK = [[3, -1], [-1, 1]]\ndamping_ratio = 0.02\n", "utf-8")
+    with pytest.raises(FileError, match=words) as raised:
+        structures.load(tmp_path / "one.toml")
+    assert "\n" not in str(raised.value)
