@@ -114,7 +114,7 @@ def test_names_are_unique_and_fit_for_files():
         ),
         ('[[step]]\nkind = "sine"\namplitude = 1\nfrequency = 1\nzip = true', "there is no list"),
         ('[[step]]\nkind = "rest"\nduration = 1\nrepeats = 0', "step 1.repeats = 0"),
-        ('[[step]]\nkind = "rest"\nduration = 1\nrepeats = 9000', "9000 tests; split it"),
+        ('[[step]]\nkind = "rest"\nduration = 1\nrepeats = 9000', "9,000 tests; split it"),
         ('order = "shuffled"\n[[step]]\nkind = "rest"\nduration = 1', "order = 'shuffled' is not known"),
         ('seed = -1\n[[step]]\nkind = "rest"\nduration = 1', "seed = -1"),
         (
@@ -123,6 +123,14 @@ def test_names_are_unique_and_fit_for_files():
         ),
         ('[[steps]]\nkind = "rest"\nduration = 1', "steps is not known; did you mean 'step'"),
         ("[[step]\n", "is no TOML"),
+        ("a." * 30_000 + "a = 1", "line 1 has a key of more than 32 parts"),
+        (f"seed = {'9' * 60_000}", "a number in it has thousands of digits"),
+        ("x = " + "[" * 30_000, "nest too deeply"),
+        (
+            f'[[step]]\nkind = "sine"\namplitude = {[0.001] * 100}\nfrequency = {[1] * 100}\nvoltage = {[0] * 100}',
+            "1,000,000 tests .step 1: 100 values of amplitude x 100 values of frequency x 100 values of voltage",
+        ),
+        (f'[[step]]\nkind = "rest"\nduration = 1\nrepeats = 1{"0" * 4000}', r"more than 10\^15 tests"),
     ],
 )
 def test_a_mistake_is_one_sentence_with_its_place(tmp_path, text, words):
@@ -132,6 +140,29 @@ def test_a_mistake_is_one_sentence_with_its_place(tmp_path, text, words):
         campaigns.read(path)
     assert str(raised.value).startswith(f"{path}: ")
     assert "\n" not in str(raised.value)
+
+
+def test_tests_are_counted_before_any_is_built(tmp_path, monkeypatch):
+    def built(*_):
+        raise AssertionError("a test is built")
+
+    monkeypatch.setattr("dampyr.campaigns.campaign._step", built)
+    (tmp_path / "rows.csv").write_text("amplitude [mm]\n" + "8\n" * 1500)
+    for table in (
+        {"rows": "rows.csv", "repeats": 2},
+        {"amplitude": [0.001] * 3000},
+        {"amplitude": [0.001] * 3000, "zip": True},
+    ):
+        with pytest.raises(InputError, match="3,000 tests"):
+            campaigns.campaign_of({"step": [{"kind": "sine", "frequency": 1.0, **table}]}, tmp_path)
+    with pytest.raises(InputError, match=r"4 tests.*at most 3"):
+        campaigns.campaign_of({"step": [{"kind": "rest", "duration": 1.0, "repeats": 2}] * 2}, max_tests=3)
+
+
+def test_a_table_of_rows_has_a_size(tmp_path):
+    (tmp_path / "rows.csv").write_text("amplitude [mm]\n" + "8\n" * 3_000_000)
+    with pytest.raises(FileError, match="6 MiB; a table of rows has at most 4"):
+        campaigns.campaign_of({"step": [{"kind": "sine", "frequency": 1.0, "rows": "rows.csv"}]}, tmp_path)
 
 
 def test_files_that_are_not_there_are_named(tmp_path):

@@ -15,6 +15,8 @@ no sensor of the rig can tell (`UNSEEN`):
   force on the cell is what the damper's own gas charge is, and nothing says how large that is. |
 | passing drift | A zero that goes and comes back within a test: it is right on the slow passes before and after, and a
   force that changes by some 20 N in two seconds is what a damper that relaxes, or warms, gives. |
+| leap after a turn | A shunt that is switched in, and out again within the same test, each time before the table has gone
+  0.3 mm since it turned: there the force of a damper with play in its pins leaps as well. |
 
 The rigs are what their hosts take them for within the stated uncertainties only: each constant strays by its own, of three in
 ten rigs as they were bought and of the others as they were calibrated.
@@ -47,6 +49,7 @@ from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.simulation import plant
 from dampyr.rig.simulation.faults import KINDS, FaultSpec
+from dampyr.rig.simulation.ground_truth import Truth
 from dampyr.rig.simulation.simulator import Simulator
 
 HEADER = """
@@ -74,6 +77,7 @@ WRONG = 3.0  # times the stated uncertainty
 RUNS = 5  # of a rig
 UNSEEN_SHARE = 0.02  # of the trials, in which no sensor can tell that a record is wrong
 LOOSE = 3.0  # times the true error that a stated uncertainty may be, in the median
+PLAY = 3.0e-4  # m: as much as worn pins have
 HOMING = 20.0  # s that homing takes on the average
 
 
@@ -209,6 +213,7 @@ UNSEEN: dict[str, Callable[[Trial], bool]] = {
     "dead coil": _dead_coil,
     "constant force": _constant_force,
     "passing drift": _passing_drift,
+    "leap after a turn": lambda trial: trial.after_turns,
 }
 """What no sensor of the rig can tell, see above."""
 
@@ -228,12 +233,25 @@ class Trial:
     wrong: list[str] = field(default_factory=list)
     worst: dict[str, float] = field(default_factory=dict)
     steps: list[str] = field(default_factory=list)
+    after_turns: bool = False
+    """Whether its only fault is a shunt that is switched in and out just after turns of the table."""
 
     def __str__(self) -> str:
         words = f"{self.number} {'+'.join(map(str, self.faults))}: {self.ended} {self.unsafe} {self.wrong}"
         return (
             f"{words} {self.steps} thermocouple={bool(self.rig.wires.temperature)} index={bool(self.rig.wires.index)}"
         )
+
+
+def has_just_turned(truth: Truth, at: float) -> bool:
+    """Whether the table, that moves, has gone less than `PLAY` since it last turned, by the truth."""
+    before = (truth.time > at - 2.0) & (truth.time <= at)
+    x = truth.position[before]
+    far = np.flatnonzero(np.abs(x - x[-1]) >= PLAY) if x.size else np.zeros(0, int)
+    if not far.size:
+        return False
+    way = x[far[-1] :]
+    return bool(np.ptp(way) > abs(way[-1] - way[0]) + 1e-5)
 
 
 def cycle(test: PlannedTest) -> float:
@@ -311,6 +329,10 @@ def run_trial(
     assert simulator.command == 0.0, trial
     assert not np.isnan(simulator.at_rest_since), trial
     assert not np.isnan(simulator.coil_dead_since), trial
+    edges = [edge for fault in faults for edge in (fault.at, fault.until)]
+    trial.after_turns = all(fault.kind == "shunted-cell" for fault in faults) and all(
+        np.isfinite(edge) and has_just_turned(simulator.truth, edge) for edge in edges
+    )
     trial.unsafe = unsafe(simulator.truth, first, simulator.settings, beats)
     ratios = judge(
         trial, {test.name: test for test in campaign_plan.tests}, out, simulator, rig.board.started, rig.settings

@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 from dampyr.cli import cli
 
-COMMANDS = ["accept", "demo", "ensemble", "identify", "motion", "reproduce", "run", "simulate", "validate"]
+COMMANDS = ["accept", "demo", "ensemble", "hybrid", "identify", "motion", "reproduce", "run", "simulate", "validate"]
 
 
 def test_figures_are_left_beside_the_page(tmp_path: Path) -> None:

@@ -46,3 +46,25 @@ def test_a_folder_without_the_campaign_ends_in_one_line(tmp_path: Path) -> None:
     assert len(result.stderr.strip().splitlines()) == 1
     assert "dampyr datasets fetch labcontrol" in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_plants_are_of_the_other_study(tmp_path: Path) -> None:
+    result = run("--plants", "3", "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "--plants is of vrths_2020; leave it out" in result.stderr
+    assert run("ramineli").exit_code == 2
+
+
+@pytest.mark.prove
+def test_the_hybrid_benchmark_is_a_table_and_a_page(data_root: Path, tmp_path: Path) -> None:
+    result = run("vrths_2020", "--data", data_root / "vrths_2020", "--plants", "2", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.stderr
+    for words in (
+        "sample controller",
+        "Kalman",
+        "2 random plants of case 4: 0 unstable",
+        "numbers agree",
+        "vrths_2020.html",
+    ):
+        assert words in result.stdout
+    assert (tmp_path / "out" / "vrths_2020.json").is_file()

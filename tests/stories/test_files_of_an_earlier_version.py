@@ -123,7 +123,7 @@ def test_a_rig_loads_identically() -> None:
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_a_campaign_loads_identically(name: str) -> None:
     campaign, expected = dp.campaigns.read(FILES / "campaigns" / name), EXPECTED["campaigns"][name]
-    newer = {"measurement_session": "", "specimen": ""}
+    newer = {"measurement_session": "", "specimen": "", "learn": False}
     assert dataclasses.asdict(campaign.header) == expected["header"] | newer
     assert len(campaign.tests) == len(expected["tests"])
     for test, old in zip(campaign.tests, expected["tests"], strict=True):
@@ -131,7 +131,8 @@ def test_a_campaign_loads_identically(name: str) -> None:
         if "motion" in step:
             step["motion"] = step["motion"].removeprefix(f"{FILES / 'campaigns'}{os.sep}")
         read = {key: getattr(test, key) for key in ("number", "step_number", "kind", "repeat", "name", "words")}
-        assert read | {"step": step} == old
+        later = {"fit_limits": False} if test.kind == "sweep" else {}  # a field that those files do not have
+        assert read | {"step": step} == old | {"step": old["step"] | later}
 
 
 def test_every_kind_of_step_is_in_a_campaign() -> None:

@@ -34,7 +34,14 @@ CARD = Damper(
 )
 NAMES = ("a", "b", "c", "d", "e", "f")
 TIMES = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d(\.\d+)?)?(Z|[+-]\d\d:?\d\d)?)?")
+COMMAND = re.compile(r'<dd class="command">.*</dd>')  # a page says who made it
 SECONDS = {"seconds"}  # how long work took
+
+
+@pytest.fixture(autouse=True)
+def _at_one_moment(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages say when they were made."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
 
 
 @pytest.fixture
@@ -98,9 +105,13 @@ def timeless(value: Any) -> Any:
     return TIMES.sub("", value) if isinstance(value, str) else value
 
 
+FOOT = re.compile(r"@page \{ @bottom-left .*")
+"""At the foot of a printed page its time stands, too, and processes that were started earlier may have one of their own."""
+
+
 def read(page: Path | str) -> str:
     text = page.read_text("utf-8") if isinstance(page, Path) else page
-    return TIMES.sub("", text)
+    return COMMAND.sub("", TIMES.sub("", FOOT.sub("", text)))
 
 
 def own(data: Path, *names: str) -> list[dampyr_records.Record]:
@@ -165,7 +176,8 @@ def test_every_split_and_loss_is_offered_on_the_page(client: TestClient) -> None
 def test_validate(data: Path, client: TestClient, done: Any) -> None:
     damper = Damper.load(data / "cards" / "mine.toml")
     ours = identification.validate(damper, own(data, *NAMES), card="mine.toml")
-    report.write_validate_page(ours, data / "ours.html")
+    with report.made_by("a script", [data / "cards" / "mine.toml"]):
+        report.write_validate_page(ours, data / "ours.html")
     said = command(
         "validate",
         data / "cards" / "mine.toml",
@@ -193,7 +205,7 @@ def test_accept(data: Path, client: TestClient, reference: str) -> None:
     ours = identification.accept_records(own(data, *judged), against, options, name)
     report.write_acceptance_page(ours, data / "ours.html")
 
-    folder = data / "reference"
+    folder = data / "c, d"  # reports are titled by the last part of a path
     folder.mkdir()
     for other in others:
         (folder / f"{other}.h5").write_bytes((data / f"{other}.h5").read_bytes())
@@ -218,7 +230,8 @@ def test_simulate(data: Path, client: TestClient, done: Any) -> None:
     options = structures.SimulateOptions(inputs=(0.0, 1.5), laws=("on_off:period=10ms",), place=2)
     motion = el_centro().scaled_to_pga(2.0)
     ours = structures.simulate(structures.two_storey(), motion, damper, options)
-    report.write_response_page(ours, data / "ours.html")
+    with report.made_by("a script", [data / "cards" / "mine.toml"]):
+        report.write_response_page(ours, data / "ours.html")
     said = command(
         "simulate", data / "cards" / "mine.toml", "--voltage", "0", "--voltage", "1.5", "--control", "on_off:period=10ms",
         "--storey", "2", "--pga", "2 m/s^2", "--report", data / "said.html",
@@ -240,7 +253,8 @@ def test_ensemble(data: Path, client: TestClient, done: Any) -> None:
     options = structures.EnsembleOptions(inputs=(0.0, 1.5), bare=True, seed=3, scales=(0.5, 1.0, 2.0), limits=limits)
     motions = synthetic_motions(3, 3, 4.0)
     ours = structures.run_ensemble(structures.two_storey(), motions, damper, options)
-    report.write_ensemble_page(ours, data / "ours.html")
+    with report.made_by("a script", [data / "cards" / "mine.toml"]):
+        report.write_ensemble_page(ours, data / "ours.html")
     said = command(
         "ensemble", data / "cards" / "mine.toml", "--voltage", "0", "--voltage", "1.5", "--without-damper",
         "--synthetic", "3", "--duration", "4", "--seed", "3", "--scale", "0.5,1,2", "--limit", "10mm",

@@ -16,7 +16,7 @@ from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import available_steps, kind
 from dampyr.campaigns.perform import perform
 from dampyr.campaigns.plan import Plan, PlannedTest, plan, planned
-from dampyr.campaigns.run_control import Control, Progress, Stopped, exit_status
+from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped, exit_status
 from dampyr.campaigns.step import Peaks, Step
 
 __all__ = [
@@ -39,6 +39,7 @@ __all__ = [
     "perform",
     "Control",
     "Progress",
+    "Skipped",
     "Stopped",
     "exit_status",
     "Journal",

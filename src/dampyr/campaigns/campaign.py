@@ -17,8 +17,9 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from dampyr.campaigns.expand import Row, expanded, read_rows
+from dampyr.campaigns.expand import Row, count_rows, expanded, read_rows
 from dampyr.campaigns.kinds import kind as kind_of
+from dampyr.campaigns.kinds import learning_steps
 from dampyr.campaigns.step import Length, shown, words
 from dampyr.campaigns.steps.quasi_static import QuasiStatic
 from dampyr.config import fill, load_toml, unknown, value_of
@@ -29,7 +30,7 @@ from dampyr.units import Quantity, round_trip
 
 ORDERS = ("as written", "random")
 MAX_TESTS = 2000  # a day and a half at a minute each; more is most likely a slip in `repeats`
-OWN = ("kind", "repeats", "zip", "rows")
+OWN = ("kind", "repeats", "zip", "rows", "learn")
 """What a ``[[step]]`` may say beside the fields of its kind."""
 
 
@@ -50,6 +51,7 @@ class Header:
     check_amplitude: Annotated[
         float, Quantity("m", low=0.0), "of a slow stroke before the first test; 0 leaves it out"
     ] = 0.002
+    learn: Annotated[bool, "every test whose drive can be learned is, unless its step says learn = false"] = False
 
     def __post_init__(self) -> None:
         if self.order not in ORDERS:
@@ -63,7 +65,8 @@ class Header:
 
 @dataclass(frozen=True, repr=False)
 class Test(Representation):
-    """One test: its place as written, the ``[[step]]`` that it comes from (from 1), and which of its repeats it is."""
+    """One test: its place as written, the ``[[step]]`` that it comes from (from 1), and which of its repeats it is; ``learn``:
+    its drive is learned before it is recorded."""
 
     __test__ = False
 
@@ -73,11 +76,13 @@ class Test(Representation):
     step: Any
     repeat: int
     name: str
+    learn: bool = False
 
     def _summary(self) -> Summary:
         return f"Test {self.name!r}", [
             ("step", f"{self.step_number}, {self.words}"),
             ("place", f"{self.number} as written, repeat {self.repeat}"),
+            *([("drive", "learned before it is recorded")] if self.learn else []),
         ]
 
     @property
@@ -89,6 +94,17 @@ class Test(Representation):
     def contents(self) -> dict[str, str]:
         """A hash of what is in each file that the step names, by its field."""
         return dict(getattr(self.step, "contents", {}))
+
+    @property
+    def additions(self) -> tuple[str, ...]:
+        """What it is besides the fields that every release has had, where it is not as they were without: for the digest."""
+        later = [field for field in fields(self.step) if not field.repr]
+        said = [
+            f"{one.name} = {getattr(self.step, one.name)!r}"
+            for one in later
+            if getattr(self.step, one.name) != one.default
+        ]
+        return (*said, *(("learn",) if self.learn else ()))
 
     @property
     def where(self) -> str:
@@ -133,12 +149,14 @@ class Campaign(Representation):
     @property
     def digest(self) -> str:
         """A hash of what is run, in its order; of a file that a step names what is in it counts, and not where it lies."""
-        return _digest((test.name, test.kind, repr(replace(test.step, **test.contents))) for test in self.tests)
+        return _digest(
+            (test.name, test.kind, repr(replace(test.step, **test.contents)), *test.additions) for test in self.tests
+        )
 
     @property
     def path_digest(self) -> str:
         """The digest of before 2026-11-23: of a file that a step names its absolute path."""
-        return _digest((test.name, test.kind, repr(test.step)) for test in self.tests)
+        return _digest((test.name, test.kind, repr(test.step), *test.additions) for test in self.tests)
 
     @property
     def preliminary(self) -> QuasiStatic | None:
@@ -147,7 +165,7 @@ class Campaign(Representation):
         return QuasiStatic(amplitude, speed=0.005, cycles=1, rest_before=1.0) if amplitude else None
 
 
-def _digest(contents: Iterable[tuple[str, str, str]]) -> str:
+def _digest(contents: Iterable[tuple[str, ...]]) -> str:
     return hashlib.sha256(repr(list(contents)).encode()).hexdigest()[:16]
 
 
@@ -167,8 +185,13 @@ def read(path: str | Path, seed: int | None = None) -> Campaign:
     return replace(campaign, source=path.read_text("utf-8"), header=_named(campaign.header, path.stem))
 
 
-def campaign_of(document: Mapping[str, Any], folder: str | Path = ".", seed: int | None = None) -> Campaign:
-    """The campaign in a table as TOML gives it; files that it names are looked for in ``folder``."""
+def campaign_of(
+    document: Mapping[str, Any], folder: str | Path = ".", seed: int | None = None, max_tests: int = MAX_TESTS
+) -> Campaign:
+    """The campaign in a table as TOML gives it; files that it names are looked for in ``folder``.
+
+    Raises :class:`~dampyr.errors.InputError` where it has more than ``max_tests`` tests: they are counted before any is built.
+    """
     allowed = [*(field.name for field in fields(Header)), "step"]
     for name in document:
         if name not in allowed:
@@ -178,10 +201,10 @@ def campaign_of(document: Mapping[str, Any], folder: str | Path = ".", seed: int
     steps = document.get("step")
     if not isinstance(steps, list) or not steps or not all(isinstance(each, Mapping) for each in steps):
         raise InputError("there is no step; give at least one table [[step]] with its kind")
-    written = [each for k, table in enumerate(steps) for each in _steps(table, k + 1, Path(folder))]
+    read_steps = [_read_step(table, k + 1, Path(folder), header.learn) for k, table in enumerate(steps)]
+    _check_count(read_steps, max_tests)
+    written = [each for step in read_steps for each in _steps(step, Path(folder))]
     count = len(written)
-    if (total := sum(repeats for *_, repeats in written)) > MAX_TESTS:
-        raise InputError(f"the campaign has {total} tests; split it into several of at most {MAX_TESTS}")
     tests = [test for k, each in enumerate(written) for test in _tests(k + 1, count, *each)]
     return Campaign(header, tuple(_ordered(tests, header)))
 
@@ -190,8 +213,27 @@ def _named(header: Header, name: str) -> Header:
     return header if header.name else replace(header, name=name)
 
 
-def _steps(table: Mapping[str, Any], number: int, folder: Path) -> Iterator[tuple[int, str, Any, int]]:
-    """Each step of one ``[[step]]``: its number, kind, dataclass and how often it is repeated."""
+@dataclass(frozen=True)
+class _Step:
+    """One ``[[step]]`` before it becomes tests: its fields, and the rows of the table that it names."""
+
+    where: str
+    number: int
+    kind: str
+    cls: Any
+    table: Row
+    zipped: bool
+    rows: list[Row]
+    repeats: int
+    learn: bool
+
+    @property
+    def count(self) -> int:
+        """Number of its tests."""
+        return count_rows(self.table, self.cls, self.zipped, self.rows)[0] * self.repeats
+
+
+def _read_step(table: Mapping[str, Any], number: int, folder: Path, learn_all: bool) -> _Step:
     where = f"step {number}"
     if "kind" not in table:
         raise InputError(f'{where}.kind is missing; give the kind of step, such as kind = "sine"')
@@ -206,8 +248,46 @@ def _steps(table: Mapping[str, Any], number: int, folder: Path) -> Iterator[tupl
     own = {name: value for name, value in table.items() if name not in OWN}
     rows = read_rows(folder / value_of(str, table["rows"], f"{where}.rows")) if "rows" in table else []
     zipped = value_of(bool, table.get("zip", False), f"{where}.zip")
-    for row in expanded(own, cls, where, zipped, rows):
-        yield number, kind, _step(cls, row, where, folder), repeats
+    return _Step(where, number, kind, cls, own, zipped, rows, repeats, _learn(table, where, kind, cls, learn_all))
+
+
+def _learn(table: Mapping[str, Any], where: str, kind: str, cls: Any, learn_all: bool) -> bool:
+    """Whether the drives of a step are learned."""
+    can = bool(getattr(cls, "learns", False))
+    learn = value_of(bool, table.get("learn", learn_all and can), f"{where}.learn")
+    if learn and not can:
+        raise InputError(
+            f"{where}.learn = true is not allowed for the kind {kind}, whose table does not follow set points to their end; "
+            f"the kinds that can learn are {', '.join(learning_steps())}; leave learn out"
+        )
+    return learn
+
+
+def _check_count(steps: list[_Step], max_tests: int) -> None:
+    """Refuse too many tests by their number, with the lists that they come from."""
+    total = sum(step.count for step in steps)
+    if total <= max_tests:
+        return
+    largest = max(steps, key=lambda step: step.count)
+    number, factors = count_rows(largest.table, largest.cls, largest.zipped, largest.rows)
+    if largest.repeats > 1:
+        factors, number = [*factors, f"{_shown(largest.repeats)} repeats"], number * largest.repeats
+    grid = f" ({largest.where}: {' x '.join(factors)} = {_shown(number)})" if len(factors) > 1 else ""
+    raise InputError(
+        f"the campaign has {_shown(total)} tests{grid}; split it into several of at most {_shown(max_tests)}, "
+        "or give shorter lists"
+    )
+
+
+def _shown(count: int) -> str:
+    """A number of tests for a person; a power of ten where it is too long to read."""
+    return f"{count:,}" if count < 10**15 else "more than 10^15"
+
+
+def _steps(step: _Step, folder: Path) -> Iterator[tuple[int, str, Any, int, bool]]:
+    """Each step of one ``[[step]]``: its number, kind, dataclass, how often it is repeated, whether its drive is learned."""
+    for row in expanded(step.table, step.cls, step.where, step.zipped, step.rows):
+        yield step.number, step.kind, _step(step.cls, row, step.where, folder), step.repeats, step.learn
 
 
 def _step(cls: Any, row: Row, where: str, folder: Path) -> Any:
@@ -230,12 +310,14 @@ def _halved(cls: Any, row: Row, where: str) -> Row:
     return {name: value for name, value in row.items() if name != "peak_to_peak"} | {"amplitude": round_trip(whole / 2)}
 
 
-def _tests(number: int, count: int, step_number: int, kind: str, step: Any, repeats: int) -> Iterator[Test]:
+def _tests(
+    number: int, count: int, step_number: int, kind: str, step: Any, repeats: int, learn: bool
+) -> Iterator[Test]:
     digits = max(2, len(str(count)))
     tags = [re.sub(r"[^\w.+-]", "_", shown(step, name, "").replace("/", "p")) for name in step.named]
     name = "-".join([f"{number:0{digits}d}", kind, *(tag for tag in tags if tag)])
     for k in range(1, repeats + 1):
-        yield Test(number, step_number, kind, step, k, f"{name}-r{k}" if repeats > 1 else name)
+        yield Test(number, step_number, kind, step, k, f"{name}-r{k}" if repeats > 1 else name, learn)
 
 
 def _ordered(tests: list[Test], header: Header) -> Iterator[Test]:

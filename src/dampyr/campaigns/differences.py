@@ -13,6 +13,7 @@ from dampyr.config import split
 from dampyr.rig.settings import RigSettings
 from dampyr.units import for_people
 
+LEARN = "learn"
 LISTED = 3  # differences that are named; of more, how many there are
 
 
@@ -22,7 +23,8 @@ def contents_of(campaign: Campaign) -> str:
 
 
 def _fields(test: Test) -> dict[str, Any]:
-    return dataclasses.asdict(test.step) | {f"{name} (contents)": text for name, text in test.contents.items()}
+    files = {f"{name} (contents)": text for name, text in test.contents.items()}
+    return dataclasses.asdict(test.step) | files | ({LEARN: True} if test.learn else {})
 
 
 def campaign_differences(saved: str, names: Sequence[str], campaign: Campaign) -> str:
@@ -50,6 +52,8 @@ def step_differences(saved: str, test: Test) -> str:
 
 def _step_differences(before: Mapping[str, Any], test: Test) -> Iterator[str]:
     now = json.loads(json.dumps(_fields(test), default=str))
+    if before.get(LEARN, False) != now.get(LEARN, False):
+        yield "its drive is learned now, and was not" if test.learn else "its drive was learned, and is not now"
     for name, value in now.items():
         if name in test.contents:  # a path: what counts is what is in the file
             continue

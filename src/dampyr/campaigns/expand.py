@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping, Sequence
 from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Any, get_origin, get_type_hints
 
@@ -12,6 +13,7 @@ from dampyr.config import split
 from dampyr.errors import FileError, InputError, MissingData
 
 Row = dict[str, Any]
+MAX_TABLE = 4 * 2**20  # bytes of a table of rows: 2000 rows of 2 kB, where a row has some 50
 
 
 def expanded(table: Mapping[str, Any], cls: Any, where: str, zipped: bool, rows: Sequence[Row]) -> list[Row]:
@@ -26,6 +28,18 @@ def expanded(table: Mapping[str, Any], cls: Any, where: str, zipped: bool, rows:
         if name in table:
             raise InputError(f"{where}.{name} stands in the step and in its table of rows; give it in one place")
     return [{**row, **single, **one} for row in rows or [{}] for one in chosen]
+
+
+def count_rows(table: Mapping[str, Any], cls: Any, zipped: bool, rows: Sequence[Row]) -> tuple[int, list[str]]:
+    """The number of tests that `expanded` makes, and the factors of it in words, without building one."""
+    lengths = {name: len(value) for name, value in table.items() if _is_axis(cls, name, value)}
+    number = max(lengths.values(), default=1) if zipped else prod(lengths.values())
+    factors = [f"{n:,} values of {name}" for name, n in lengths.items()]
+    if zipped:
+        factors = [f"{number:,} rows of {', '.join(lengths)}"]
+    if rows:
+        factors, number = [f"{len(rows):,} rows of the table", *factors], number * len(rows)
+    return number, factors
 
 
 def _is_axis(cls: Any, name: str, value: Any) -> bool:
@@ -48,6 +62,10 @@ def _together(axes: Mapping[str, Sequence[Any]], where: str) -> Sequence[Sequenc
 def read_rows(path: Path) -> list[Row]:
     """The rows of a CSV table whose header names fields, such as ``peak_to_peak [mm],frequency [Hz],voltage [V]``."""
     try:
+        if (size := path.stat().st_size) > MAX_TABLE:
+            raise FileError(
+                path, f"has {size / 2**20:.0f} MiB; a table of rows has at most {MAX_TABLE // 2**20}; shorten it"
+            )
         lines = list(csv.reader(path.read_text("utf-8-sig").splitlines()))
     except FileNotFoundError:
         raise MissingData(f"{path}: there is no such file; check rows in the campaign") from None

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.plan import WAYS, Plan, PlannedTest
+from dampyr.campaigns.plan import Plan, PlannedTest
 from dampyr.rig.interlock import Samples
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ def time_left(plan: Plan, remaining: int, within: float = 0.0) -> float:
     if not remaining:
         return 0.0
     rests = plan.campaign.header.rest_between * (remaining - 1)
-    return sum(test.duration + WAYS for test in plan.tests[-remaining:]) + rests - within
+    return sum(map(plan.rig_time, plan.tests[-remaining:])) + rests - within
 
 
 def crossings(x: Array, fraction: float = 0.2) -> float:

@@ -7,7 +7,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -16,6 +16,8 @@ from dampyr.campaigns.differences import campaign_differences, contents_of, sett
 from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.journal import Journal
+from dampyr.campaigns.learn_drive import DriveLearning, Judged, Learned, Seen, percent
+from dampyr.campaigns.learning import TRIES
 from dampyr.campaigns.monitor import Watch, time_left
 from dampyr.campaigns.plan import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
@@ -29,7 +31,7 @@ from dampyr.campaigns.recorded_tests import (
     remove_parts,
     set_aside,
 )
-from dampyr.campaigns.run_control import Control, Progress
+from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.records.formats import h5
 from dampyr.rig.damper_temperature import SavedTemperature
@@ -237,6 +239,7 @@ class _Run:
     _saved: float = field(default_factory=time.monotonic)
     """When the damper's temperature was saved last, s of a monotonic clock."""
     _saving: threading.Thread | None = None
+    _checked: bool = False
 
     def left(self) -> list[PlannedTest]:
         """The incomplete tests, in their order."""
@@ -277,21 +280,48 @@ class _Run:
         check_disk(self.folder, self.rig, left, self.plan.campaign, self.groups)
         self.journal.note("armed", f"{len(left)} of {len(self.plan.tests)} tests to run; {self.rig.identity}")
         try:
+            while left:  # a test that was skipped has cut the coil: the rig is armed again for the next one
+                with suppress(Skipped):
+                    self._armed(left)
+                left.extend(self._repeated())
+        except BaseException as problem:
+            with _noted(problem):
+                self.journal.note("ended early", reason(problem)["reason"])
+            raise
+        if missing := [test.name for test in self.left()]:
+            self.journal.note("ended", f"{len(missing)} of {len(self.plan.tests)} tests skipped")
+            raise Stopped(
+                f"skipped by the operator: {_some(missing)}; run the campaign again to record what is missing"
+            )
+        self.journal.note("complete", f"{len(self.plan.tests)} tests")
+
+    def _armed(self, left: list[PlannedTest]) -> None:
+        """Perform what is in ``left``, and take each test out of it as it begins."""
+        try:
             with self.rig.armed() as table:
                 self.control.abort_now = table.abort
                 table.check = self.control.check
                 self.control.check()
                 self._prepare(table)
-                for k, test in enumerate(left):
-                    self._between(table, k, left)
-                    self._test(table, test, len(left) - k)
-        except BaseException as problem:
-            with _noted(problem):
-                self.journal.note("ended early", reason(problem)["reason"])
-            raise
+                first = True
+                while left:
+                    self._between(table, left, first)
+                    first = False
+                    test = left.pop(0)
+                    if self.control.skips(test.name):
+                        self.journal.note("skipped", "by the operator", test.name)
+                    else:
+                        self._test(table, test, len(left) + 1)
+                    left.extend(self._repeated())
         finally:
             self.control.abort_now = None
-        self.journal.note("complete", f"{len(self.plan.tests)} tests")
+
+    def _repeated(self) -> list[PlannedTest]:
+        """The tests that the operator wants to have once more."""
+        names = self.control.repeats()
+        for name in names:
+            self.journal.repeat(name)
+        return [test for name in names for test in self.plan.tests if test.name == name]
 
     def _prepare(self, table: Table) -> None:
         if table.homed:
@@ -306,41 +336,43 @@ class _Run:
             self._say("homing")
             table.home()
             self.journal.note("homed")
-        if self.plan.preliminary is not None:
+        if self.plan.preliminary is not None and not self._checked:
             self._say("preliminary check")
             table.go(float(self.plan.preliminary.displacement[0]))
             self.journal.note("checked", preliminary_check(table, self.plan.preliminary))
+            self._checked = True
         table.verify()
 
-    def _between(self, table: Table, k: int, left: list[PlannedTest]) -> None:
+    def _between(self, table: Table, left: list[PlannedTest], first: bool) -> None:
         """Rest between two tests, and while the campaign is paused."""
         self.control.check()
-        if k:
-            self._say("rest", left[k].name, len(left) - k)
+        if not first:
+            self._say("rest", left[0].name, len(left))
             table.rest(self.plan.campaign.header.rest_between)
         if self.control.paused:
             self.journal.note("paused")
             while self.control.paused:
                 self.control.check()
-                self._say("paused", left[k].name, len(left) - k)
+                self._say("paused", left[0].name, len(left))
                 table.rest(0.1)
             self.journal.note("resumed")
         self.control.check()
 
     def _test(self, table: Table, test: PlannedTest, remaining: int) -> None:
-        attempt = self.journal.begin(test.name, last_try(self.folder, test.name))
+        attempt, held = self.journal.begin(test.name, last_try(self.folder, test.name)), self.rig.clock_held
+        if test.fitted:
+            self.journal.note("fitted", test.fitted, test.name, attempt)
         try:
-            watch = Watch(test, self.rig.settings.board.rate)
-            first: list[int] = []
-
-            def seen(samples: Samples) -> None:
-                watch.take(samples)
-                first[:] = first or [samples.first]
-                gone = (samples.first + samples.n - first[0]) / self.rig.settings.board.rate
-                self._show(table, test, watch, samples, remaining, gone)
-
+            self.control.under_way = test.name
+            learned = self._learned(table, test, remaining, attempt) if test.test.learn else None
+            judge, about, drive, before = None, dict(self.about), test.drive, 0.0
+            if learned is not None:
+                judge, drive = Judged(test.drive), learned.drive
+                about, before = about | learned.about, TRIES * self.plan.try_time(test)
             path = file_of(self.folder, test.name, attempt)
-            marks = take(table, test, self.plan.campaign, path, attempt, self.groups, seen, self.about)
+            seen = self._seen(table, test, remaining, "testing", before)
+            played = replace(test, drive=drive)
+            marks = take(table, played, self.plan.campaign, path, attempt, self.groups, seen, about, judge)
         except BaseException as problem:
             outcome = reason(problem)
             with _noted(problem):
@@ -348,20 +380,61 @@ class _Run:
                     test.name, "failed" if outcome["exit_status"] == "failed" else "stopped", outcome["reason"]
                 )
             raise
+        finally:
+            self.control.under_way = ""
+            self.control.skips(test.name)
+            if (held := self.rig.clock_held - held) > 0.0:
+                with suppress(FileError):
+                    self.journal.note("clock held back", f"{held:.3f} s: this machine was too busy", test.name, attempt)
+        if judge is not None and learned is not None:
+            achieved = "not known" if judge.result is None else percent(judge.result.error)
+            marks = (*marks, f"{achieved} off its wanted path, with a learned drive (tries: {learned.words})")
         self.journal.end(test.name, "complete", "; ".join(marks))
 
+    def _learned(self, table: Table, test: PlannedTest, remaining: int, attempt: int) -> Learned:
+        """Learn a test's drive, try by try."""
+
+        def play(count: int, error: float | None) -> Seen:
+            phase = f"learning, try {count} of {TRIES}" + ("" if error is None else f", {percent(error)} so far:")
+            return self._seen(table, test, remaining, phase, (count - 1) * self.plan.try_time(test))
+
+        return DriveLearning(
+            table, self.plan, test, self.folder, attempt, self.journal, self.groups, self.about, play
+        ).learn()
+
+    def _seen(self, table: Table, test: PlannedTest, remaining: int, phase: str, before: float) -> Seen:
+        """What reports the samples of one play of a test; ``before`` s of what is planned for the test are over."""
+        watch = Watch(test, self.rig.settings.board.rate)
+        first: list[int] = []
+
+        def seen(samples: Samples) -> None:
+            watch.take(samples)
+            first[:] = first or [samples.first]
+            gone = (samples.first + samples.n - first[0]) / self.rig.settings.board.rate
+            self._show(table, test, watch, samples, remaining, gone, phase, before)
+
+        return seen
+
     def _show(
-        self, table: Table, test: PlannedTest, watch: Watch, samples: Samples, remaining: int, gone: float
+        self,
+        table: Table,
+        test: PlannedTest,
+        watch: Watch,
+        samples: Samples,
+        remaining: int,
+        gone: float,
+        phase: str,
+        before: float,
     ) -> None:
         self._save_temperature()
         self.progress(
             Progress(
-                len(self.plan.tests) - remaining,
+                max(0, len(self.plan.tests) - remaining),
                 len(self.plan.tests),
                 test.name,
-                "testing",
+                phase,
                 min(1.0, gone / max(test.duration, 1e-9)),
-                max(0.0, time_left(self.plan, remaining, gone)),
+                max(0.0, time_left(self.plan, remaining, before + gone)),
                 watch.cycles,
                 watch.planned,
                 float(samples.force[-1]),
@@ -374,4 +447,4 @@ class _Run:
     def _say(self, phase: str, name: str = "", remaining: int | None = None) -> None:
         count = len(self.left()) if remaining is None else remaining
         left = time_left(self.plan, count)
-        self.progress(Progress(len(self.plan.tests) - count, len(self.plan.tests), name, phase, time_left=left))
+        self.progress(Progress(max(0, len(self.plan.tests) - count), len(self.plan.tests), name, phase, time_left=left))

@@ -11,7 +11,8 @@ import numpy as np
 from dampyr.campaigns.campaign import Campaign, Test, read
 from dampyr.campaigns.check import Finding, findings, largest, repairs
 from dampyr.campaigns.force_prediction import UNKNOWN, course, specimen
-from dampyr.campaigns.step import words
+from dampyr.campaigns.learning import TRIES
+from dampyr.campaigns.step import shown, words
 from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.representation import Representation, Summary, Table, counted, data_frame
@@ -33,7 +34,8 @@ class PlannedTest(Representation):
 
     ``duration`` s, ``peak_speed`` m/s, ``peak_position`` m from the middle, ``peak_voltage`` V, ``peak_force`` N as expected
     and ``energy`` J that this force takes up (both None where the voltage is refused). ``step`` may differ from ``test.step``
-    where the plan says so in ``notes``. ``refusal`` is the sentence of what is in the way, "" where the rig can do it.
+    where the plan says so in ``notes``; ``fitted`` is the note where it was lowered to what the rig can do, else "".
+    ``refusal`` is the sentence of what is in the way, "" where the rig can do it.
     """
 
     test: Test
@@ -47,6 +49,7 @@ class PlannedTest(Representation):
     energy: float | None
     notes: tuple[str, ...] = ()
     refusal: str = ""
+    fitted: str = ""
 
     def plot(self) -> Any:
         """Displacement, velocity and voltage that the rig is to follow, over time; the matplotlib axes ``(3,)``."""
@@ -154,10 +157,20 @@ class Plan(Representation):
 
     @property
     def duration(self) -> float:
-        """s, with the rests and slow ways between the tests and the stroke before them, homing left out."""
+        """s, with the rests and slow ways between the tests and the stroke before them, homing left out; for drives that are
+        learned with all their tries, fewer of which may do.
+        """
         rests = self.campaign.header.rest_between * max(len(self.tests) - 1, 0)
         before = 0.0 if self.preliminary is None else self.preliminary.duration
-        return sum(each.duration + WAYS for each in self.tests) + rests + before
+        return sum(map(self.rig_time, self.tests)) + rests + before
+
+    def rig_time(self, test: PlannedTest) -> float:
+        """s that a test takes at most: its own, and where its drive is learned that of every try and the rest after it."""
+        return test.duration + WAYS + (TRIES * self.try_time(test) if test.test.learn else 0.0)
+
+    def try_time(self, test: PlannedTest) -> float:
+        """s that a try of a drive that is learned takes, with the rest after it."""
+        return test.duration + WAYS + self.campaign.header.rest_between
 
     def require(self) -> None:
         """Raise :class:`~dampyr.errors.InputError` with all refusals, where there are any."""
@@ -192,15 +205,23 @@ def planned(campaign: str | Path, rig: str | Path | None = None, seed: int | Non
 
 
 def _planned(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest:
-    step, violations, notes = _fitted(test.step, findings(test.step, rig, damper), rig, damper)
+    step, violations, fitted = _fitted(test.step, findings(test.step, rig, damper), rig, damper)
+    notes = (fitted,) if fitted else ()
+    if test.learn:
+        notes = (*notes, f"its drive is learned first, in at most {TRIES} tries")
     drive, peaks, force, energy = step.drive(rig), step.peaks(rig), None, None
     if not any(each.limit == "voltage" for each in violations):
         trajectory = course(drive, rig, damper)
         force, energy = float(np.abs(trajectory.force).max()), trajectory.energy
         notes = (*notes, *trajectory.notes, *_warming(energy, rig))
+    if hasattr(step, "remarks"):
+        notes = (*notes, *step.remarks(rig))
+    refusal = _refusal(test, step, violations, rig, damper)
+    if not refusal and hasattr(step, "rehearsal") and (words := step.rehearsal(rig)):
+        refusal = f"{test.where}: {words}"
     return PlannedTest(
         test, step, drive, drive.duration, peaks.speed, peaks.position, force, float(drive.voltage.max()),
-        energy, notes, _refusal(test, step, violations, rig, damper),
+        energy, notes, refusal, fitted,
     )  # fmt: skip
 
 
@@ -217,16 +238,22 @@ def _warming(energy: float, rig: RigSettings) -> tuple[str, ...]:
 Findings = tuple[Finding, ...]
 
 
-def _fitted(
-    step: Any, violations: Findings, rig: RigSettings, damper: Damper | None
-) -> tuple[Any, Findings, tuple[str, ...]]:
-    """The step scaled to what the rig can do, where it asks for that and needs it, and what was done in words."""
-    scale = largest(step, "scale", rig, damper) if violations and getattr(step, "fit_limits", False) else None
-    if scale is None:
-        return step, violations, ()
+def _fitted(step: Any, violations: Findings, rig: RigSettings, damper: Damper | None) -> tuple[Any, Findings, str]:
+    """The step lowered to what the rig can do, where it asks for that and needs it, and what was done in words."""
+    field = getattr(step, "fits", "scale")
+    value = largest(step, field, rig, damper) if violations and getattr(step, "fit_limits", False) else None
+    if value is None:
+        return step, violations, ""
+    lower = replace(step, **{field: value})
+    before, after = (_bare(each, field) for each in (step, lower))
     why = " and it ".join(each.words for each in violations)
-    note = f"scaled to {scale:g} instead of {step.scale:g}: at {step.scale:g} it {why}"
-    return replace(step, scale=scale), (), (note,)
+    head = "scaled" if field == "scale" else f"{field} lowered"
+    return lower, (), f"{head} to {after} instead of {before}: at {before} it {why}"
+
+
+def _bare(step: Any, field: str) -> str:
+    """A field with its unit and without its name."""
+    return shown(step, field).removeprefix(f"{field} ")
 
 
 def _refusal(test: Test, step: Any, violations: tuple[Finding, ...], rig: RigSettings, damper: Damper | None) -> str:

@@ -34,6 +34,7 @@ from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.uncertainty_budget import Evidence, LostCounts, budget
 
+Judge = Callable[[Recording], Mapping[str, str]]
 SPARE = 2.0  # s of samples reserved beyond the plan: stopping takes less than 1 s
 
 
@@ -51,12 +52,13 @@ def take(
     groups: Mapping[str, str],
     seen: Callable[[Samples], None],
     about: Mapping[str, str] | None = None,
+    judge: Judge | None = None,
 ) -> tuple[str, ...]:
     """Play a test and record it, in a file whose room is reserved before anything moves. The file says how the test ended; what
     ended it early is raised again.
 
-    ``about`` is added to what the record says of its origin. The marks of the test are given back; one that spoils it is raised
-    as a :class:`~dampyr.errors.RigFault`.
+    ``about`` is added to what the record says of its origin, and what ``judge`` gives of the samples of a test that came to its
+    end. The marks of the test are given back; one that spoils it is raised as a :class:`~dampyr.errors.RigFault`.
     """
     record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups, about)
     recording = Recording(path, capacity(planned.drive, table.rig), record_header)
@@ -70,7 +72,7 @@ def take(
     cool, lost = table.temperature, LostCounts(table.rig.settings.encoder.count)
     table.rig.watchers.append(lost)
     try:
-        with ended(recording, table, started, marks, lambda: evidence(table, lost, cool)):
+        with ended(recording, table, started, marks, lambda: evidence(table, lost, cool), judge):
             for samples, selection in table.play(planned.drive):
                 if selection.stop > selection.start:
                     recording.append(values(samples, selection, recording.header, table.rig.settings))
@@ -99,16 +101,22 @@ def warmth_of(table: Table) -> Evidence:
 
 @contextmanager
 def ended(
-    recording: Recording, table: Table, started: dict[str, str], marks: list[Mark], shown: Callable[[], Evidence]
+    recording: Recording,
+    table: Table,
+    started: dict[str, str],
+    marks: list[Mark],
+    shown: Callable[[], Evidence],
+    judge: Judge | None = None,
 ) -> Iterator[None]:
     """Finish the file, after the table was brought to rest if something ended the test early; ``marks`` takes those of it.
-    ``shown`` gives what a test that came to its end has shown of its measurement.
+    ``shown`` gives what a test that came to its end has shown of its measurement, ``judge`` what its record says besides.
     """
+    held = table.rig.clock_held
     try:
         yield
     except BaseException as problem:
         table.soft_stop()
-        outcome = started | {"ended": now(), **reason(problem)}
+        outcome = started | {"ended": now(), **reason(problem)} | _clock_held(table.rig.clock_held - held)
         with suppress(
             DampyrError
         ):  # a full disk, or too few samples for a record: what was acknowledged is in the file
@@ -117,14 +125,23 @@ def ended(
             )
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
+    outcome |= _clock_held(table.rig.clock_held - held)
     seen = shown()
-    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome, seen)))
+    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome, seen, judge)))
     if any(mark.spoils for mark in marks):
         raise _spoiled(marks)
 
 
-def _finish(recording: Recording, rig: RigSettings, outcome: dict[str, str], shown: Evidence) -> list[Mark]:
+def _clock_held(seconds: float) -> dict[str, str]:
+    """What a record says where the clock of its simulated rig was held back: in the rig's own time nothing was late."""
+    return {"simulated_clock_held_back_s": f"{seconds:.3f}"} if seconds > 0.0 else {}
+
+
+def _finish(
+    recording: Recording, rig: RigSettings, outcome: dict[str, str], shown: Evidence, judge: Judge | None = None
+) -> list[Mark]:
     """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks."""
+    outcome = outcome | dict(judge(recording) if judge is not None else {})
     marks = marks_of(lambda rows: measured(recording, rig, rows, shown.temperature), recording.rows)
     marks += zero_moved(
         shown, float(np.ptp(recording.read("calibrated/force", thinly(recording)))) if recording.rows else 0.0
@@ -336,6 +353,7 @@ def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaig
         "note": campaign.header.note,
         "kind": planned.kind,
         "step": as_json(planned.step),
+        **({"fitted": planned.fitted} if planned.fitted else {}),
         "rig": as_json(rig.settings),
         "calibration": json.dumps(
             {key: value for key, value in dataclasses.asdict(calibration).items() if value is not None}

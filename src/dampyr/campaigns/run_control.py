@@ -1,4 +1,5 @@
-"""What a person may do while a campaign runs, from any thread: pause, go on, stop, abort; and what they see."""
+"""What a person may do while a campaign runs, from any thread: pause, go on, skip or repeat a test, stop, abort; and what they
+see."""
 
 from __future__ import annotations
 
@@ -14,6 +15,10 @@ from dampyr.rig.interlock import Samples
 
 class Stopped(DampyrError):
     """A campaign was stopped in order by its operator; it can be run on."""
+
+
+class Skipped(Stopped):
+    """A test was left out by its operator; the campaign goes on with the next one."""
 
 
 def exit_status(problem: BaseException) -> Literal["stopped", "aborted", "failed"]:
@@ -55,9 +60,15 @@ class Progress(Representation):
 
 @dataclass(repr=False)
 class Control(Representation):
-    """The buttons. Pause acts after the test under way, stop and abort at once."""
+    """The buttons. Pause acts after the test under way; skip, stop and abort at once.
+
+    ``under_way`` is the name of the test that is recorded, empty between two tests.
+    """
 
     abort_now: Callable[[str], None] | None = None
+    under_way: str = ""
+    _skipped: set[str] = field(default_factory=set)
+    _repeated: list[str] = field(default_factory=list)
     _paused: threading.Event = field(default_factory=threading.Event)
     _stopped: threading.Event = field(default_factory=threading.Event)
     _aborted: str = ""
@@ -73,6 +84,25 @@ class Control(Representation):
     def resume(self) -> None:
         """Go on."""
         self._paused.clear()
+
+    def skip(self, name: str) -> None:
+        """Leave out the test ``name``; the one under way is ended in order. It stays incomplete: the next run records it."""
+        self._skipped.add(name)
+
+    def skips(self, name: str) -> bool:
+        """Whether a test is to be left out; asked once, as it may be repeated after it."""
+        skipped = name in self._skipped
+        self._skipped.discard(name)
+        return skipped
+
+    def repeat(self, name: str) -> None:
+        """Record the test ``name`` once more, as a further try, after the tests that are left."""
+        self._repeated.append(name)
+
+    def repeats(self) -> list[str]:
+        """The tests to be recorded once more, asked for since the last call."""
+        names, self._repeated = self._repeated, []
+        return names
 
     def stop(self) -> None:
         """End the test under way in order, and the campaign with it."""
@@ -100,3 +130,5 @@ class Control(Representation):
             raise RigFault(f"aborted: {self._aborted}", "operator")
         if self._stopped.is_set():
             raise Stopped("the campaign was stopped by its operator; run it again to go on")
+        if self.under_way in self._skipped:
+            raise Skipped("skipped by the operator")

@@ -50,7 +50,8 @@ class CommandGroup(click.Group):
 
     def main(self, args: Sequence[str] | None = None, *rest: Any, **extra: Any) -> NoReturn:
         """Run a command and leave the process with its exit code."""
-        extra |= {"standalone_mode": False, "prog_name": "dampyr"}
+        typed = tuple(sys.argv[1:] if args is None else args)
+        extra |= {"standalone_mode": False, "prog_name": "dampyr", "obj": typed}  # pages say what made them
         sys.exit(_guarded(lambda: super(CommandGroup, self).main(args, **extra)))
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import shlex
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from functools import wraps
 from pathlib import Path
 from typing import Any
@@ -12,10 +14,12 @@ import click
 from dampyr.errors import InputError
 
 Command = Callable[..., Any]
+READ = ("card", "reference", "motion", "motions", "file", "campaign", "rig", "read")
+"""Parameters of commands that name files which are read; records state theirs themselves."""
 
 
 def figures_option(command: Command) -> Command:
-    """``--figures DIR``: the page that is made within the command leaves its figures there."""
+    """``--figures DIR``: the page that is made within the command leaves its figures there, and says what was typed."""
 
     @click.option(
         "--figures",
@@ -25,16 +29,35 @@ def figures_option(command: Command) -> Command:
     )
     @wraps(command)
     def wrapped(*rest: Any, figures: Path | None, **given: Any) -> Any:
-        if figures is None:
-            return command(*rest, **given)
-        if given.get("report", True) is None:
+        page_is_written = given.get("report", True) is not None
+        if figures is not None and not page_is_written:
             raise InputError("--figures are those of a page; give --report HTML too")
-        from dampyr.report import figure_files
+        if not page_is_written:
+            return command(*rest, **given)
+        from dampyr.report import figure_files, made_by
 
-        with figure_files(figures):
+        context = click.get_current_context()
+        with ExitStack() as stack:
+            stack.enter_context(made_by(typed(context), _files_read(context)))
+            if figures is not None:
+                stack.enter_context(figure_files(figures))
             return command(*rest, **given)
 
     return wrapped
+
+
+def typed(context: click.Context) -> str:
+    """The command line of ``context``, as it was typed."""
+    words = context.find_root().obj
+    return shlex.join(["dampyr", *words]) if isinstance(words, tuple) else context.command_path
+
+
+def _files_read(context: click.Context) -> Iterator[Path]:
+    for name in READ:
+        value = context.params.get(name)
+        for each in value if isinstance(value, tuple) else (value,):
+            if isinstance(each, str | Path) and Path(each).is_file():
+                yield Path(each)
 
 
 def report_options(what: str = "Write a page with figures.") -> Callable[[Command], Command]:

@@ -40,6 +40,13 @@ FEW = 50  # rows of a table that are all printed; of more, only those that are n
 @click.option(
     "--fault", "faults", multiple=True, metavar="FAULT", help='Of a simulated rig: "stalled-motor@60s for 2s".'
 )
+@click.option(
+    "--chip",
+    nargs=2,
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="PROGRAM ELF",
+    help="Simulate with the firmware's binary in simavr.",
+)
 @as_json_option
 def command(
     campaign: Path,
@@ -52,6 +59,7 @@ def command(
     in_process: bool,
     real_time: bool,
     faults: tuple[str, ...],
+    chip: tuple[Path, Path] | None,
     as_json: bool,
 ) -> int | None:
     """Run CAMPAIGN, a TOML file, on a rig.
@@ -79,7 +87,7 @@ def command(
             raise InputError(
                 "--out is missing; give the folder where the records go, or --dry-run to see the plan only"
             )
-        how = {"faults": faults, "in_process": in_process, "real_time": real_time}
+        how = {"faults": faults, "in_process": in_process, "real_time": real_time, "chip": chip}
         return _perform(plan, rig, out, again, as_json, how)
     return None
 
@@ -110,6 +118,11 @@ def _perform(
         if isinstance(problem, SystemExit):
             say(f"ended by signal {int(problem.code or 0) - 128}; the rig is at rest")
         raise
+    if opened.clock_held > 0.0:
+        say(
+            f"the simulated rig's clock was held back for {opened.clock_held:.2f} s in all, as this machine was too busy; "
+            "in the rig's own time, by which the records go, nothing was late"
+        )
     try:
         _tell_outcome(plan, out, as_json)
     except BrokenPipeError:  # whoever read has seen enough, and the campaign is complete
@@ -123,7 +136,7 @@ def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
     if (out / "journal.sqlite").is_file():
         tests, events = read_journal(out)
         if as_json:
-            print_json({"folder": str(out), "tests": tests, "events": events})
+            print_json({"folder": str(out), "tests": tests, "events": events, "fitted": _fitted(plan)})
         elif tests:
             _summary(plan, out, tests)
 
@@ -142,6 +155,7 @@ def exit_code(problem: Exception, was_armed: bool) -> int:
 def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:
     """What is there now."""
     words = {test.name: test.words for test in plan.tests}
+    learned = {test.name for test in plan.tests if test.test.learn}
     rows = [[test.name, words.get(test.name, ""), test.state, test.attempt, test.reason] for test in tests]
     complete = sum(test.state == "complete" for test in tests)
     left = len(tests) - complete
@@ -149,9 +163,15 @@ def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:
     print_table(
         f"{plan.campaign.header.name}: {complete} of {len(tests)} tests complete in {out}",
         ["test", "what", "state", "try", "reason"],
-        [row for row in rows if row[2] != "complete" or len(rows) <= FEW] or [["all", "", "complete", None, ""]],
-        notes=[f"next: {hint}"],
+        [row for row in rows if row[2] != "complete" or row[0] in learned or len(rows) <= FEW]
+        or [["all", "", "complete", None, ""]],
+        notes=[*(f"{name}: {what}" for name, what in _fitted(plan).items()), f"next: {hint}"],
     )
+
+
+def _fitted(plan: Plan) -> dict[str, str]:
+    """The tests that were lowered to what the rig can do, and to what."""
+    return {test.name: test.fitted for test in plan.tests if test.fitted}
 
 
 def _tell(plan: Plan, as_json: bool) -> None:

@@ -43,6 +43,8 @@ class Earthquake:
     lowers: ClassVar[tuple[str, ...]] = ("scale", "voltage")
     named: ClassVar[tuple[str, ...]] = ("title", "scale", "voltage")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
+    fits: ClassVar[str] = "scale"
 
     def __post_init__(self) -> None:
         check_ranges(self)

@@ -31,6 +31,7 @@ class Friction:
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_ranges(self)

@@ -33,6 +33,7 @@ class GasForce:
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "places", "voltage")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
     role: ClassVar[str] = "validation"  # nothing that a model could be fitted to
 
     def __post_init__(self) -> None:

@@ -31,6 +31,7 @@ class LowVelocity:
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "speeds", "voltage")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_ranges(self)

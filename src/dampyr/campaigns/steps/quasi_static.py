@@ -30,6 +30,7 @@ class QuasiStatic:
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_ranges(self)

@@ -51,6 +51,7 @@ class Random:
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "low", "high", "voltage", "seed")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_ranges(self)

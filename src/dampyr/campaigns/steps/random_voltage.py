@@ -48,6 +48,7 @@ class RandomVoltage:
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "high")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "low", "high", "seed")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_ranges(self)

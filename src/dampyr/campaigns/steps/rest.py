@@ -26,6 +26,7 @@ class Rest:
     lowers: ClassVar[tuple[str, ...]] = ("duration", "voltage")
     named: ClassVar[tuple[str, ...]] = ("duration", "voltage")
     fixed: ClassVar[bool] = True
+    learns: ClassVar[bool] = False
     role: ClassVar[str] = "validation"  # nothing that a model could be fitted to
 
     def __post_init__(self) -> None:

@@ -37,6 +37,7 @@ class Reversals:
     lowers: ClassVar[tuple[str, ...]] = ("half_period", "duty", "voltage")
     named: ClassVar[tuple[str, ...]] = ("half_period", "duty", "voltage")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         check_ranges(self)

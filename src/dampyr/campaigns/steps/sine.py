@@ -45,6 +45,7 @@ class Sine:
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_ranges(self)

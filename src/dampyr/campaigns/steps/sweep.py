@@ -4,12 +4,13 @@ r"""Sweep: one amplitude while the frequency runs from ``start`` to ``stop``; fo
 
 Every octave takes the same time. One cycle at each end grows and fades as a raised cosine, one more of constant frequency
 stands inside of each; the sweep's duration is rounded so that it has whole cycles. Its peak speed is that of the highest
-frequency. Where the table is limited in speed, sines of different amplitudes reach further.
+frequency. Where the table is limited in speed, sines of different amplitudes reach further. With ``fit_limits`` the plan lowers
+the amplitude to the largest that the rig can do, and says so; without, a sweep that the rig cannot do is refused.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import log, pi
 from typing import Annotated, ClassVar
 
@@ -44,10 +45,13 @@ class Sweep:
     voltage: Annotated[float, Volts, "at the coil"] = 0.0
     rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
     period: Annotated[float, Period, "from set point to set point"] = 0.01
+    fit_limits: Annotated[bool, "lower the amplitude to what the rig can do"] = field(default=False, repr=False)
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "stop", "start", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "start", "stop", "voltage")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
+    fits: ClassVar[str] = "amplitude"
 
     def __post_init__(self) -> None:
         check_ranges(self)

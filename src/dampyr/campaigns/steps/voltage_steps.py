@@ -42,6 +42,7 @@ class VoltageSteps:
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltages")
     fixed: ClassVar[bool] = False
+    learns: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_ranges(self)

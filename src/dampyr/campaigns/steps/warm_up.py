@@ -43,6 +43,7 @@ class WarmUp:
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage", "temperature")
     fixed: ClassVar[bool] = True
+    learns: ClassVar[bool] = False
     role: ClassVar[str] = "validation"  # nothing that a model could be fitted to
 
     def __post_init__(self) -> None:

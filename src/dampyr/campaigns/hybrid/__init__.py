@@ -1,0 +1,64 @@
+"""Hybrid tests: a structure of which one part is a specimen in a testing machine, and the rest is computed, step by step.
+
+The computed part (the numerical substructure) gives the displacement that the machine (the transfer system) has to impose on
+the specimen, and the force that is measured goes back into the computation. Here the machine and the specimen are simulated
+too, with their noise, converters and delays: a virtual hybrid test. One of a damper on the rig is a step of a campaign
+(`dampyr.campaigns.steps.hybrid`, ``dampyr hybrid``); `Substructure` is its computed part, `run_delayed` runs it on an actuator
+that is late by a fixed time, and `hybrid_result` says what its record has shown.
+
+::
+
+    setup = HybridSetup(structure, Specimen(29.13, 1.19e6, 0.0097), TransferSystem())
+    loop_stability(setup, compensator).stable       # told before anything runs
+    run = perform_virtual(setup, compensator, motion)
+    run.criteria()                                  # J1 to J9 of the benchmark, judged on the true displacement
+    run_many(setup, compensator, motion, 1000)      # over random plants, in parallel threads
+"""
+
+from dampyr.campaigns.hybrid.compensators import (
+    Compensator,
+    KalmanCompensator,
+    ModelBasedCompensator,
+    PhaseLeadCompensator,
+    inverse_coefficients,
+)
+from dampyr.campaigns.hybrid.delayed_actuator import run_delayed
+from dampyr.campaigns.hybrid.loop_stability import LoopStability, loop_stability
+from dampyr.campaigns.hybrid.prepare import delayed_result, planned_hybrid
+from dampyr.campaigns.hybrid.random_plants import BatchResult, run_many
+from dampyr.campaigns.hybrid.rig_result import HybridResult, hybrid_result
+from dampyr.campaigns.hybrid.setup import HybridSetup, Sensors, Specimen, TransferSystem, Uncertainty
+from dampyr.campaigns.hybrid.substructure import Lag, Substructure, SubstructureRun, lag_of
+from dampyr.campaigns.hybrid.tracking_criteria import CRITERIA, Criteria, tracking_criteria
+from dampyr.campaigns.hybrid.virtual_test import VirtualRun, perform_virtual
+
+__all__ = [
+    "HybridSetup",
+    "Specimen",
+    "TransferSystem",
+    "Sensors",
+    "Uncertainty",
+    "Compensator",
+    "PhaseLeadCompensator",
+    "ModelBasedCompensator",
+    "KalmanCompensator",
+    "inverse_coefficients",
+    "LoopStability",
+    "loop_stability",
+    "VirtualRun",
+    "perform_virtual",
+    "BatchResult",
+    "run_many",
+    "Substructure",
+    "SubstructureRun",
+    "Lag",
+    "lag_of",
+    "run_delayed",
+    "HybridResult",
+    "hybrid_result",
+    "planned_hybrid",
+    "delayed_result",
+    "Criteria",
+    "CRITERIA",
+    "tracking_criteria",
+]

@@ -1,0 +1,81 @@
+"""A hybrid test from its settings: its plan on a rig, or its result on an actuator that is computed too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dampyr.campaigns.campaign import campaign_of
+from dampyr.campaigns.force_prediction import specimen
+from dampyr.campaigns.hybrid.delayed_actuator import run_delayed
+from dampyr.campaigns.hybrid.rig_result import HybridResult, modelled_force
+from dampyr.campaigns.hybrid.substructure import LARGEST_LAG, substructure_of
+from dampyr.campaigns.plan import Plan, plan
+from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion
+from dampyr.models import Damper, published
+from dampyr.rig import RigSettings, load_settings
+from dampyr.structures import Building, respond
+
+STEP = 0.001  # s of the computed part where the actuator is computed too
+
+
+def planned_hybrid(settings: Mapping[str, Any], rig: str | Path | None = None) -> Plan:
+    """The plan of a campaign of one hybrid test; ``settings`` as of a ``[[step]]`` of that kind, its files as seen from here.
+
+    ``rig`` is a ``rig.toml``, None the original rig. The plan's refusals say what the rig cannot do, and what is unstable.
+    """
+    chosen = RigSettings() if rig is None else load_settings(rig)
+    folder = None if rig is None else Path(rig).parent
+    table = dict(settings)
+    if (
+        not table.get("model")
+        and chosen.specimen.card
+        and folder
+        and chosen.specimen.card not in published.available_sets()
+    ):
+        table["model"] = str((folder / chosen.specimen.card).resolve())
+    named = {"name": "hybrid", "rest_between": 0.0}
+    return plan(campaign_of(named | {"step": [table]}, Path.cwd()), chosen, specimen(chosen, folder))
+
+
+def delayed_result(
+    building: Building,
+    motion: GroundMotion,
+    damper: Damper,
+    delay: float,
+    value: float = 0.0,
+    place: Any = 1,
+    lag_error: float = 0.0,
+    adaptive: bool = True,
+    h: float = STEP,
+) -> HybridResult:
+    """The hybrid test of a damper's model on an actuator ``delay`` s late, whose lag is known but for ``lag_error`` s.
+
+    ``value`` is the damper's input, ``place`` where it stands, ``adaptive`` whether the lag is followed, ``h`` s the step. The
+    same model predicts the force. InputError where the delay is longer than `LARGEST_LAG`, and where the error of energy passes
+    its limit: such a test would be unstable.
+    """
+    lag = delay - lag_error
+    for name, number in (("delay", delay), ("delay - lag_error", lag)):
+        if not 0.0 <= number <= LARGEST_LAG:
+            raise InputError(f"{name} = {number:g} s is not allowed; it must be from 0 to {LARGEST_LAG:g} s")
+    how: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
+    computed = respond(building, motion, {place: damper}, **how)
+    about = replace(substructure_of(building, place, computed, h, damper, value), lag=lag, adaptive=adaptive)
+    run = run_delayed(about, damper, delay, 0.0)
+    if not run.over:
+        raise InputError(
+            f"the hybrid test of {computed.title} would be unstable on an actuator {1e3 * delay:g} ms late that is taken for "
+            f"{1e3 * lag:g} ms late: the error of energy passes {100 * about.energy_limit:g} % of the ground's energy after "
+            f"{run.now * h:.2f} s; identify the delay better, or take a lower voltage or a heavier building"
+        )
+    return HybridResult(
+        computed.title, 1.0, 1.0, value, np.asarray(np.arange(run.now + 1) * h, float),
+        np.ascontiguousarray(run.z[:, : building.n].T), run.target, run.achieved, run.force, modelled_force(about, run), 0.0,
+        delay - run.lag.lag, run.lag.gain, run.energy_error, computed,
+    )  # fmt: skip

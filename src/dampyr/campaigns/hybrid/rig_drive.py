@@ -1,0 +1,162 @@
+"""The drive of a hybrid test on the rig, whose set points follow from the measured force."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.campaigns.hybrid.substructure import GAINS, LARGEST_LAG, Substructure, lag_of
+from dampyr.errors import RigFault
+from dampyr.rig.drive import Drive
+from dampyr.rig.firmware.protocol import MAX_POINTS
+from dampyr.rig.interlock import Samples
+from dampyr.rig.player import Player
+
+Array = NDArray[np.float64]
+REPAIR = "take a lower scale or voltage, a slower clock, a shorter board.block, or a better model of the damper"
+STOPPING = 3.0  # s in which the table goes from where the test ends back to the middle
+
+
+@dataclass
+class HybridPlayer(Player):
+    """The computed part, fed with each block: it identifies the lag, makes the steps that were measured, sends what follows."""
+
+    def __post_init__(self) -> None:
+        assert isinstance(self.drive, HybridDrive)
+        self.hybrid: HybridDrive = self.drive
+        self.run = self.hybrid.substructure.run()
+        self._points = round(self.drive.period * self.rig.board.rate)  # samples of a step
+        self._late = round(self.rig.force_delay * self.rig.board.rate)
+        self._measured: list[tuple[Array, Array]] = []
+        self._first = 0  # sample of the drive with which what is in `_measured` begins
+        self._begun = False
+        self._static = 0.0
+
+    def feed(self, samples: Samples) -> None:
+        """Take a block, and send the set points until the next one has come."""
+        after = samples.first + samples.n
+        if after > self.start and not self.finished:
+            skip = max(0, self.start - samples.first)
+            self._measured.append((samples.displacement[skip:], samples.force[skip:]))
+            self._compute(after - self.start)
+        super().feed(samples)
+
+    def _compute(self, taken: int) -> None:
+        """Make the steps that the first ``taken`` samples complete."""
+        zero = self.hybrid.lead_in * self._points
+        if taken - self._late <= zero:
+            return
+        x, force = (np.concatenate(each) for each in zip(*self._measured, strict=True))
+        if not self._begun:
+            self._identify(x[:zero], force)
+            self._first, x, force = zero, x[zero:], force[zero:]
+        steps = min((taken - self._late - self._first) // self._points, self.hybrid.substructure.steps - self.run.now)
+        for k in range(steps):
+            own = slice(k * self._points + self._late, (k + 1) * self._points + self._late)
+            self.run.measured(float(x[(k + 1) * self._points - 1]), float(np.mean(force[own])) - self._static)
+        self._first += steps * self._points
+        self._measured = [(x[steps * self._points :], force[steps * self._points :])]
+        if self.run.energy_error > self.hybrid.substructure.energy_limit:
+            raise RigFault(energy_words(self.run.energy_error, self.hybrid.substructure, self.run.now), "check")
+
+    def _identify(self, x: Array, force: Array) -> None:
+        """The lag and the gain from the motion before the test, and the static force from its whole cycles."""
+        own = self.hybrid
+        first, last = own.cycles
+        self._static = static_force(force, first * self._points + self._late, last * self._points + self._late)
+        sent, achieved = own.displacement[: own.lead_in], x[:: self._points]
+        lag, gain = lag_of(sent[: len(achieved)], achieved, own.period, LARGEST_LAG * own.clock)
+        if not GAINS[0] < gain < GAINS[1]:
+            raise RigFault(
+                f"the table moved {100 * gain:.0f} % of what it was sent before the hybrid test; look at its motor, its "
+                "encoder and its load, or lower the voltage",
+                "check",
+            )
+        self.run.begin(lag / own.clock, gain)
+        self._begun = True
+
+    def _send(self, free: int) -> None:
+        """Set points until the next block has come; those of the test follow from what was measured."""
+        own, taken = self.hybrid, self._first + sum(len(x) for x, _ in self._measured)
+        ahead = self.rig.board.block + own.reserve
+        until = min(own.n, math.ceil(taken / self._points + ahead / own.period) + 2)
+        while self.sent < until:
+            n = min(MAX_POINTS, until - self.sent)
+            self.uno.points(
+                self.sent, [round(float(p) / self.rig.encoder.count) for p in self._set_points(self.sent, n)]
+            )
+            self.sent += n
+
+    def _set_points(self, first: int, n: int) -> Array:
+        """Set points ``first`` to ``first`` + n of the drive, from the lead-in, the test and the way back."""
+        own, steps = self.hybrid, self.hybrid.substructure.steps
+        index = np.arange(first, first + n) - own.lead_in
+        points = own.displacement[first : first + n].copy()
+        during = (index > 0) & (index <= steps)
+        if during.any():
+            self.run.set_points(int(index[during][-1]))
+            points[during] = self.run.sent[index[during]]
+            self._check_speed(index[during])
+        after = index > steps
+        if after.any():
+            velocity = (self.run.sent[steps] - self.run.sent[steps - 1]) / own.period
+            points[after] = way_back(self.run.sent[steps], velocity, (index[after] - steps) * own.period)
+        return points
+
+    def _check_speed(self, index: Any) -> None:
+        """A RigFault where the building wants to move faster than the rig may."""
+        speed = float(np.abs(np.diff(self.run.sent[index[0] - 1 : index[-1] + 1])).max()) / self.drive.period
+        limit = self.rig.limits.speed
+        if speed > limit:
+            raise RigFault(
+                f"{stopped(self.run.about, self.run.now)}: the building wants to move at {1e3 * speed:.3g} mm/s, the limit is "
+                f"{1e3 * limit:.3g} mm/s; {REPAIR}",
+                "check",
+            )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HybridDrive(Drive):
+    """A drive whose ``displacement`` is what is expected: the lead-in of ``lead_in`` set points, the test, and the way back.
+
+    ``cycles`` : first and last set point of whole cycles of the lead-in, in which the static force is measured. ``clock`` : how
+    much slower than the structure's own time the test runs. ``reserve`` : s of set points sent beyond the next block.
+    """
+
+    substructure: Substructure = field(kw_only=True)
+    lead_in: int = field(kw_only=True)
+    cycles: tuple[int, int] = field(kw_only=True)
+    clock: float = field(default=1.0, kw_only=True)
+    reserve: float = field(default=0.004, kw_only=True)
+
+    player: ClassVar[type[Player]] = HybridPlayer
+
+
+def static_force(force: Array, first: int, last: int) -> float:
+    """The mean force [N] over whole cycles: that of a loop which lies even about it."""
+    return float(np.mean(force[first:last]))
+
+
+def way_back(place: float, velocity: float, t: Any) -> Array:
+    """From ``place`` [m] and ``velocity`` [m/s] back to rest in the middle in `STOPPING` s: a polynomial of fifth degree."""
+    u, slope = np.clip(t / STOPPING, 0.0, 1.0), velocity * STOPPING
+    remaining = 1.0 + u * u * u * (-10.0 + u * (15.0 - 6.0 * u))
+    moving = u + u * u * u * (-6.0 + u * (8.0 - 3.0 * u))
+    return np.asarray(place * remaining + slope * moving)
+
+
+def energy_words(error: float, about: Substructure, now: int) -> str:
+    """Why a test was stopped."""
+    return (
+        f"{stopped(about, now)}: the table's lag put {100 * error:.0f} % of the ground's energy into the structure, the limit "
+        f"is {100 * about.energy_limit:g} %; {REPAIR}"
+    )
+
+
+def stopped(about: Substructure, now: int) -> str:
+    """How a message of a test that was stopped begins."""
+    return f"the hybrid test was stopped after {now * about.h:.2f} s of the structure's time"

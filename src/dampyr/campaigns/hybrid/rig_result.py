@@ -1,0 +1,188 @@
+"""What a hybrid test has shown: the building's response with the measured force, beside the one that is all computed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.campaigns.hybrid import substructure_kernel
+from dampyr.campaigns.hybrid.rig_drive import HybridDrive, static_force
+from dampyr.campaigns.hybrid.substructure import LARGEST_LAG, Substructure, SubstructureRun, lag_of
+from dampyr.campaigns.kinds import kind
+from dampyr.config import fill
+from dampyr.errors import InputError
+from dampyr.models.codegen.kernels import bind
+from dampyr.records import Record, read
+from dampyr.representation import Representation, Summary, Table, data_frame
+from dampyr.rig import RigSettings
+from dampyr.structures import Response
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HybridResult(Representation):
+    """A hybrid test and the same building all computed.
+
+    ``time`` (T,) s of the building's time; ``displacement`` (n, T) m of its floors with the measured force, ``target`` (T,) m
+    that the damper was to have and ``achieved`` that it had, ``force`` (T,) N measured, less the ``static_force``, and
+    ``modelled`` (T,) N that of the model along the same path; ``computed`` the response with the model in the damper's place.
+    ``lag`` s: what was left of the table's lag, of the building's time; ``energy_error`` the error of energy over the ground's
+    energy.
+    """
+
+    title: str
+    scale: float
+    clock: float
+    voltage: float
+    time: Array
+    displacement: Array
+    target: Array
+    achieved: Array
+    force: Array
+    modelled: Array
+    static_force: float
+    lag: float
+    gain: float
+    energy_error: float
+    computed: Response
+    notes: tuple[str, ...] = ()
+
+    @property
+    def peaks(self) -> Array:
+        """The floors' peak displacements (n,) [m] of the hybrid test."""
+        peaks: Array = np.abs(self.displacement).max(axis=1)
+        return peaks
+
+    @property
+    def differences(self) -> Array:
+        """By how much each floor's peak differs from the computed one (n,), over it."""
+        differences: Array = self.peaks / self.computed.peak_displacement - 1.0
+        return differences
+
+    @property
+    def tracking_error(self) -> float:
+        """The rms of the achieved less the wanted displacement, over the rms of the wanted one."""
+        return float(np.sqrt(np.mean((self.achieved - self.target) ** 2) / np.mean(self.target**2)))
+
+    def to_dataframe(self) -> Any:
+        """The histories as a ``pandas.DataFrame``, SI units: one row a step."""
+        floors = {f"floor_{name}_m": row for name, row in zip(self.computed.floors, self.displacement, strict=True)}
+        return data_frame(
+            {"time_s": self.time, **floors, "target_m": self.target, "achieved_m": self.achieved, "force_N": self.force}
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """The figures, for JSON; SI units."""
+        return {
+            "title": self.title,
+            "scale": self.scale,
+            "clock": self.clock,
+            "voltage_V": self.voltage,
+            "peaks_m": self.peaks.tolist(),
+            "computed_peaks_m": self.computed.peak_displacement.tolist(),
+            "differences": self.differences.tolist(),
+            "peak_force_N": float(np.abs(self.force).max()),
+            "computed_peak_force_N": float(self.computed.peak_force[0]),
+            "tracking_error": self.tracking_error,
+            "lag_s": self.lag,
+            "energy_error": self.energy_error,
+            "static_force_N": self.static_force,
+            "notes": list(self.notes),
+        }
+
+    def plot(self) -> Any:
+        """The floors' displacements over time, of the hybrid test and computed; the matplotlib axes."""
+        from dampyr.figures import style
+        from dampyr.figures.building import building_response
+
+        return style.in_pyplot(building_response, self.time, self.histories(self.displacement.shape[0] - 1))
+
+    def histories(self, floor: int) -> dict[str, Array]:
+        """The displacement (T,) [m] of a floor, counted from 0: computed, and in the hybrid test."""
+        computed = np.interp(self.time, self.computed.time, self.computed.displacement[floor])
+        return {"computed": computed, "hybrid test": self.displacement[floor]}
+
+    def _small_figure(self) -> Figure:
+        from dampyr.figures.building import building_response
+
+        return building_response(self.time, self.histories(self.displacement.shape[0] - 1))
+
+    def _summary(self) -> Summary:
+        pairs = zip(self.peaks, self.differences, strict=True)
+        return f"HybridResult of {self.title}", [
+            ("ground motion", f"scaled to {self.scale:g}, {self.time[-1]:.4g} s on a clock {self.clock:g} times slower"),
+            ("damper", f"{self.voltage:g} V, {np.abs(self.force).max():.4g} N at most"),
+            ("peaks", ", ".join(f"{1e3 * peak:.4g} mm ({100 * by:+.2g} %)" for peak, by in pairs)),
+            ("tracking", f"{100 * self.tracking_error:.2g} % rms, {1e3 * self.lag:.2g} ms late"),
+            ("energy error", f"{100 * self.energy_error:.2g} % of what the ground put in"),
+        ]  # fmt: skip
+
+    def _table(self) -> Table:
+        rows = [
+            [name, 1e3 * hybrid, 1e3 * computed, 100 * difference]
+            for name, hybrid, computed, difference in zip(
+                self.computed.floors, self.peaks, self.computed.peak_displacement, self.differences, strict=True
+            )
+        ]
+        return ("floor", "hybrid test [mm]", "computed [mm]", "difference [%]"), rows
+
+
+def hybrid_result(source: Record | str | Path) -> HybridResult:
+    """What the record of a test of the kind ``hybrid`` has shown.
+
+    Its building is computed anew with the force of the record. :class:`~dampyr.errors.InputError` for a record of another kind,
+    and MissingData where a file that the test names has gone.
+    """
+    record = source if isinstance(source, Record) else read(source)
+    if record.provenance.get("kind") != "hybrid":
+        raise InputError(
+            f"{record.name} is a test of the kind {record.provenance.get('kind', 'unknown')!r}, and not hybrid"
+        )
+    step = fill(kind("hybrid"), json.loads(record.provenance["step"]))
+    settings = (
+        RigSettings() if not record.provenance.get("rig") else fill(RigSettings, json.loads(record.provenance["rig"]))
+    )
+    drive: HybridDrive = step.drive(settings)
+    run, static = replayed(drive, record.displacement, record.force, settings)
+    lag, gain = lag_of(run.target, run.achieved, drive.substructure.h, LARGEST_LAG)
+    n, notes = drive.substructure.building.n, record.provenance.get("plan_notes", "")
+    return HybridResult(
+        step.title, step.scale, step.clock, step.voltage, np.asarray(np.arange(run.now + 1) * drive.substructure.h, float),
+        np.ascontiguousarray(run.z[:, :n].T), run.target, run.achieved, run.force,
+        modelled_force(drive.substructure, run), static, lag, gain, run.energy_error,
+        step.computed(settings), tuple(filter(None, notes.split("; "))),
+    )  # fmt: skip
+
+
+def modelled_force(about: Substructure, run: SubstructureRun) -> Array:
+    """The model's force (T,) [N] along the achieved path, the mean of the step that follows; without its static force."""
+    assert about.model is not None
+    follow = bind(substructure_kernel.follow_path, (about.model.composition,))
+    s, p = np.array(about.model.composition.state0, float), about.model.values(about.voltage, static=False)
+    out = np.zeros(len(run.achieved))
+    follow(run.achieved, about.h, 0, about.steps, s, np.ascontiguousarray(p), out)
+    out[-1] = out[-2]
+    return out
+
+
+def replayed(drive: HybridDrive, displacement: Array, force: Array, rig: RigSettings) -> tuple[SubstructureRun, float]:
+    """The computed part with the forces of a record, and the static force [N]; the record begins with the drive."""
+    points, late = round(drive.period * rig.board.rate), round(rig.force_delay * rig.board.rate)
+    first, last = (place * points + late for place in drive.cycles)
+    static, begin = static_force(force, first, last), drive.lead_in * points + late
+    run = replace(drive.substructure, adaptive=False).run()
+    if len(force) < begin + drive.substructure.steps * points:
+        raise InputError("the record ends before the hybrid test does; run it again")
+    for k in range(drive.substructure.steps):
+        own = slice(begin + k * points, begin + (k + 1) * points)
+        run.measured(float(displacement[own.stop - 1]), float(np.mean(force[own])) - static)
+    return run, static

@@ -1,0 +1,284 @@
+r"""The computed part of a hybrid test with a damper: a building that takes the measured force and gives the set points.
+
+.. math:: M \ddot q + C \dot q + K q = -M \iota\, s\, a_g - \lambda f, \qquad x = \lambda^T q
+
+with the scale s, the measured force f and the displacement x that the specimen is to have. A set point has to leave its host
+``lead`` before its time; until then the force is predicted (`dampyr.campaigns.hybrid.substructure_kernel`). What is still late
+is compensated: the achieved displacement y is compared with what was sent, u, by recursive least squares that forget,
+
+.. math:: y = g\,u - g\,\delta\,\dot u, \qquad u = (x + \delta \dot x + \tfrac12 \delta^2 \ddot x)/g
+
+and the lag :math:`\delta` and the gain g of the last seconds correct the next set points. The error of energy is the work that
+the actuator adds because the specimen is not where the computation has it,
+
+.. math:: W = \int f\, d(y - x)
+
+and is compared with the energy that the ground has put in.
+
+References: G. Mosqueda, B. Stojadinovic, S. Mahin, Real-time error monitoring for hybrid simulation, J. Struct. Eng. 133
+(2007); Y. Chae, K. Kazemibidokhti, J. Ricles, Adaptive time series compensator for delay compensation of servo-hydraulic
+actuator systems, Earthquake Eng. Struct. Dyn. 42 (2013).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.campaigns.hybrid import substructure_kernel
+from dampyr.campaigns.hybrid.setup import building_step
+from dampyr.errors import InputError
+from dampyr.models import Damper, compose
+from dampyr.models.codegen.kernels import bind
+from dampyr.representation import Representation, Summary
+from dampyr.structures import Building, Response
+
+Array = NDArray[np.float64]
+MEMORY = 2.0  # s of the structure's time after which the estimate of the lag has forgotten 63 %
+ANCHOR = 0.002  # s of the structure's time, see `Lag`
+SMALLEST = 1e-5  # m of a stroke: two counts of the encoder
+SMOOTHING = 0.1  # s of the structure's time in which the difference of measured and predicted force is smoothed
+LARGEST_LAG = 0.05  # s of the structure's time in either direction that is compensated
+GAINS = (0.8, 1.25)  # between which the gain of the actuator is believed
+FLOOR = 0.25  # of the energy that the ground is expected to put in: an error of energy is compared with no less
+
+
+@dataclass
+class Lag:
+    """The lag [s] and the gain of an actuator, by recursive least squares with an exponential window of ``memory`` s.
+
+    What it begins with stays in it with the weight of `ANCHOR` s of a motion of ``size`` m: where the table hardly moves, its
+    friction and its backlash say nothing of its lag.
+    """
+
+    h: float
+    size: float
+    lag: float = 0.0
+    gain: float = 1.0
+    memory: float = MEMORY
+    adaptive: bool = True
+    _A: Array = field(init=False, repr=False)
+    _b: Array = field(init=False, repr=False)
+    _prior: Array = field(init=False, repr=False)
+    start: tuple[float, float] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._prior = (
+            ANCHOR / self.h * max(self.size, SMALLEST) ** 2 * np.diag([1.0, 100.0])
+        )  # of a sine of 1.6 Hz or so
+        self.start = self.lag, self.gain
+        self._A, self._b = np.zeros((2, 2)), np.zeros(2)
+
+    def take(self, sent: float, rate: float, achieved: float, delay: float = 0.0) -> None:
+        """One more set point with its rate, and the displacement achieved ``delay`` s later."""
+        if not self.adaptive:
+            return
+        keep = 1.0 - self.h / self.memory
+        u = np.array([sent, rate])
+        self._A = keep * self._A + np.outer(u, u)
+        self._b = keep * self._b + u * achieved
+        anchor = self._prior @ [self.start[1], self.start[1] * (delay - self.start[0])]
+        gain, slope = np.linalg.solve(self._A + self._prior, self._b + anchor)
+        self.gain = float(np.clip(gain, *GAINS))
+        self.lag = float(np.clip(delay - slope / self.gain, 0.0, LARGEST_LAG))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Substructure(Representation):
+    """The building, where the specimen is in it, the ground and how set points are made; it can be sent to another process.
+
+    ``ground`` (T,) m/s2 every ``h`` s of the structure's time, scaled. ``model`` with its ``voltage`` predicts the force
+    (None: it is held). ``lag`` s is known of the actuator beforehand; ``adaptive``: it is followed. ``size`` m is the stroke
+    that is expected, ``input_energy`` J what the ground is expected to put in, and ``energy_limit`` the error of energy, over
+    the energy that the ground has put in, at which the test is stopped.
+    """
+
+    building: Building
+    place: Any
+    ground: Array
+    h: float
+    model: Damper | None = None
+    voltage: float = 0.0
+    lag: float = 0.0
+    adaptive: bool = True
+    size: float = 0.01
+    input_energy: float = 0.0
+    energy_limit: float = 0.1
+
+    def __post_init__(self) -> None:
+        if not self.h > 0.0:
+            raise InputError(f"h = {self.h:g} s is not allowed; it must be greater than 0")
+        if len(self.ground) < 2:
+            raise InputError("the ground motion is shorter than two steps of the hybrid test; give a shorter period")
+
+    def _summary(self) -> Summary:
+        model = "none: the force is held" if self.model is None else str(self.model.composition)
+        return f"Substructure of {self.building.name!r}", [
+            ("damper", self.building.place_label(self.place)),
+            ("steps", f"{self.steps} of {1e3 * self.h:.4g} ms"),
+            ("model", model),
+            ("lag", f"{1e3 * self.lag:.4g} ms{', followed' if self.adaptive else ''}"),
+        ]
+
+    @property
+    def steps(self) -> int:
+        """The number of steps, one less than the points of the ground motion."""
+        return len(self.ground) - 1
+
+    @cached_property
+    def row(self) -> Array:
+        """What makes the specimen's displacement of the floors' (n,)."""
+        return np.ascontiguousarray(self.building.connection(self.place))
+
+    def run(self) -> SubstructureRun:
+        """A run from rest."""
+        return SubstructureRun(self)
+
+
+def substructure_of(
+    building: Building, place: Any, response: Response, h: float, model: Damper | None, value: float
+) -> Substructure:
+    """The computed part every ``h`` s for the ground of a computed ``response`` of the same building with the damper's model.
+
+    ``value`` is the model's input. The stroke and the energy that are expected are those of the response.
+    """
+    steps = math.ceil(float(response.time[-1]) / h - 1e-9)
+    ground = np.interp(np.arange(steps + 1) * h, response.time, response.ground_acceleration)
+    size, energy = float(np.abs(response.stroke[0]).max()), float(response.energy.input[-1])
+    return Substructure(building, place, ground, h, model, value, size=size, input_energy=energy)
+
+
+def lag_of(sent: Array, achieved: Array, h: float, largest: float) -> tuple[float, float]:
+    """The lag [s], from 0 to ``largest``, and the gain with which ``achieved`` (n,) follows ``sent`` (n,), every ``h`` s.
+
+    The least squares of ``achieved`` less the gain times what was sent a lag before, straight between its points. InputError
+    where what was sent stands still.
+    """
+    from scipy.optimize import minimize_scalar
+
+    skip = math.ceil(largest / h)
+    index, y = np.arange(skip, len(sent), dtype=float), achieved[skip:]
+    if len(index) < 3 or np.ptp(sent) == 0.0:
+        raise InputError("the lag cannot be identified from set points that stand still; move the table")
+
+    def fit(lag: float) -> tuple[float, float]:
+        u = np.interp(index - lag / h, np.arange(len(sent)), sent)
+        gain = float(u @ y / (u @ u))
+        return float(np.sum((y - gain * u) ** 2)), gain
+
+    lags = np.linspace(0.0, largest, 26)
+    best = int(np.argmin([fit(lag)[0] for lag in lags]))
+    bounds = lags[max(best - 1, 0)], lags[min(best + 1, 25)]
+    lag = float(minimize_scalar(lambda one: fit(one)[0], bounds=bounds, method="bounded", options={"xatol": 1e-6}).x)
+    return lag, fit(lag)[1]
+
+
+class SubstructureRun(Representation):
+    """One run: measured forces in, set points out.
+
+    Arrays over the steps: ``z`` (T, 2n) states of the structure, ``target`` the displacement [m] that the specimen should have
+    and ``achieved`` that it had, ``force`` [N] the mean of the step that follows, ``sent`` the set points [m], ``lags`` [s] and
+    ``gains`` as estimated; ``now`` steps of them are made.
+    """
+
+    def __init__(self, about: Substructure) -> None:
+        self.about, n = about, about.building.n
+        self.states, self.by_ground, self.by_force = building_step(about.building, about.row, about.h)
+        size, beyond = about.steps + 1, math.ceil(LARGEST_LAG / about.h)
+        self._ground = np.concatenate([about.ground, np.zeros(beyond)])
+        self.path, self._rate, self._model = (np.zeros(size + beyond) for _ in range(3))
+        self.z, self.sent, self._sent_rate = np.zeros((size, 2 * n)), np.zeros(size), np.zeros(size)
+        self.force, self.achieved, self.target = np.zeros(size), np.zeros(size), np.zeros(size)
+        self.lags, self.gains = np.full(size, about.lag), np.ones(size)
+        self.now = self.given = self._fixed = 0
+        self.error = self.input = self.largest_input = 0.0
+        composition = compose("spring") if about.model is None else about.model.composition
+        self._s = np.array(composition.state0, float)
+        self._work, self._trial = np.zeros((2, 2 * n)), self._s.copy()
+        self._p = (
+            np.zeros(1)
+            if about.model is None
+            else np.ascontiguousarray(about.model.values(about.voltage, static=False))
+        )
+        self._look_ahead = bind(substructure_kernel.look_ahead, (composition,))
+        self._pull = about.building.influence @ about.building.M
+        self._difference, self._share = 0.0, 1.0 - math.exp(-about.h / SMOOTHING)
+        self.begin(about.lag)
+
+    def _summary(self) -> Summary:
+        return f"SubstructureRun of {self.about.building.name!r}", [
+            ("steps", f"{self.now} of {self.about.steps}"),
+            ("peak", f"{1e3 * np.abs(self.target).max():.4g} mm wanted of the specimen"),
+            ("lag", f"{1e3 * self.lag.lag:.3g} ms, gain {self.lag.gain:.4g}"),
+            ("energy error", f"{100 * self.energy_error:.3g} % of what the ground put in"),
+        ]
+
+    @property
+    def over(self) -> bool:
+        """Whether all steps were made."""
+        return self.now >= self.about.steps
+
+    def begin(self, lag: float, gain: float = 1.0) -> None:
+        """Begin with an actuator of this lag [s] and gain: set points are what will be wanted so much later."""
+        about = self.about
+        self.lag = Lag(about.h, about.size, lag, gain, adaptive=about.adaptive)
+        self._begun_with = lag
+        self.lags[self.now], self.gains[self.now] = lag, gain
+
+    def measured(self, displacement: float, force: float) -> None:
+        """Take the mean force [N] of the next step, and the displacement [m] at its end."""
+        k, h, n = self.now, self.about.h, self.about.building.n
+        g = self.about.ground
+        self.z[k + 1] = self.states @ self.z[k] + self.by_ground @ g[k : k + 2] + self.by_force * force
+        self.force[k : k + 2], self.achieved[k + 1] = force, displacement
+        self.target[k + 1] = self.about.row @ self.z[k + 1, :n]
+        self.error += force * (displacement - self.achieved[k] - (self.target[k + 1] - self.target[k]))
+        velocity = 0.5 * (self.z[k, n:] + self.z[k + 1, n:])
+        self.input -= float(self._pull @ velocity) * 0.5 * (g[k] + g[k + 1]) * h
+        self.largest_input = max(self.largest_input, self.input)
+        before = k + 1 - self._begun_with / h
+        sent, rate = (_between(values, before) for values in (self.sent, self._sent_rate))
+        self.lag.take(sent, rate, displacement, self._begun_with)
+        self.lags[k + 1], self.gains[k + 1] = self.lag.lag, self.lag.gain
+        difference = force - (self._model[k] if self.about.model is not None else 0.0)
+        self._difference += (difference - self._difference) * self._share
+        self.now = k + 1
+
+    @property
+    def energy_error(self) -> float:
+        """The error of energy over the energy that the ground has put in, or `FLOOR` of what it is expected to."""
+        reference = max(self.largest_input, FLOOR * self.about.input_energy)
+        return abs(self.error) / reference if reference > 0.0 else 0.0
+
+    def set_points(self, until: int) -> Array:
+        """The set points [m] after the last that was given, to index ``until`` of the steps."""
+        first, until = self.given, min(until, self.about.steps)
+        if until <= first:
+            return np.zeros(0)
+        fixed = min(until + math.ceil(self.lag.lag / self.about.h - 1e-9), len(self.path) - 1)
+        if fixed > self._fixed:
+            self._look_ahead(
+                self.now, fixed, self._fixed, self.states, self.by_ground, self.by_force, self.about.row, self._ground,
+                self.about.h, self.z[self.now], self._work, self._difference, self.about.model is not None, self.path,
+                self._rate, self._model, self._s, self._trial, self._p,
+            )  # fmt: skip
+            self._fixed = fixed
+        self.given = until
+        new = np.arange(first + 1, until + 1)
+        place = new + self.lag.lag / self.about.h
+        every = np.arange(first, self._fixed + 1)
+        self.sent[new] = np.interp(place, every, self.path[every]) / self.lag.gain
+        self._sent_rate[new] = np.interp(place, every, self._rate[every]) / self.lag.gain
+        return self.sent[new]
+
+
+def _between(values: Array, place: float) -> float:
+    """The value at a place between two indices, straight between them; the first before the begin."""
+    whole = max(0, int(place))
+    part = max(0.0, place - whole)
+    return float(values[whole] * (1.0 - part) + values[min(whole + 1, len(values) - 1)] * part)

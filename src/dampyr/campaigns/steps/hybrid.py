@@ -1,0 +1,296 @@
+r"""Hybrid: a damper on the rig in a building that is computed; see `dampyr.campaigns.hybrid.substructure`.
+
+.. math:: M \ddot q + C \dot q + K q = -M \iota\, s\, a_g - \lambda f
+
+At each step the building's displacement at the damper goes to the table, and the measured force f, less the static force, goes
+back into the building. Before, whole cycles of a small sine show the table's lag and gain, and the static force. A table as
+small and slow as this one cannot move as a building does under most records: with ``fit_limits`` the plan lowers the scale s to
+what the rig can do, and says so. A ``clock`` of 5 lets the building's time pass 5 times slower instead; a force that depends on
+the velocity is wrong then, and by how much is said.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import warnings
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Self
+
+import numpy as np
+
+from dampyr.campaigns.hybrid.delayed_actuator import run_delayed
+from dampyr.campaigns.hybrid.rig_drive import STOPPING, HybridDrive, way_back
+from dampyr.campaigns.hybrid.substructure import Substructure, SubstructureRun, substructure_of
+from dampyr.campaigns.paths import AFTER, Array, Piece, hold, raised, sampled
+from dampyr.campaigns.step import Length, Peaks, Period, Rest, Time, Volts, at_least, check_ranges
+from dampyr.errors import DampyrWarning, FileError, MissingData
+from dampyr.ground_motions import GroundMotion, el_centro, read
+from dampyr.models import Damper, published
+from dampyr.rig import RigSettings
+from dampyr.rig.specimen import specimen_of
+from dampyr.structures import Building, Response, load, respond, two_storey
+from dampyr.units import Quantity
+
+BUILT_IN = "el_centro"
+HEAVIER = 10.0  # than the building of chapter 5, so that its damper on this table is stable
+GROWING, STEADY, FADING = 1, 4, 3  # cycles of the sine before the test
+REST = 0.5  # s between it and the test
+TABLE_LAG = 0.005  # s that a table is late with set points which its firmware feeds forward
+LAG_ERROR = 1e-3  # s by which the lag may be wrong, of the rig's time: one sample
+RATE_ERROR = 0.02  # of the greatest force that a slower clock may change
+
+
+@dataclass(frozen=True)
+class Hybrid:
+    """A building of which the damper is on the rig, in an earthquake."""
+
+    structure: Annotated[str, "heavy_two_storey, two_storey, or a TOML file beside the campaign"] = "heavy_two_storey"
+    motion: Annotated[str, "el_centro, or a ground motion file beside the campaign"] = BUILT_IN
+    scale: Annotated[float, Quantity("", low=0.0, open_low=True), "of the record"] = 1.0
+    fit_limits: Annotated[bool, "lower the scale to what the rig can do"] = True
+    clock: Annotated[float, Quantity("", low=1.0, high=100.0), "how much slower the building's time passes"] = 1.0
+    storey: Annotated[int, "that the damper stands in"] = 1
+    voltage: Annotated[float, Volts, "at the coil"] = 0.0
+    duration: Annotated[float, Quantity("s", low=0.0), "of the record from its begin; 0: all of it"] = 0.0
+    model: Annotated[str, "card that predicts the force ahead; empty: the rig's specimen"] = ""
+    adaptive: Annotated[bool, "follow the table's lag during the test"] = True
+    lead_amplitude: Annotated[float, Length, "of the sine before the test"] = 0.002
+    energy_limit: Annotated[float, Quantity("", low=0.001, high=1.0), "error of energy at which the test stops"] = 0.1
+    reserve: Annotated[float, Time, "of set points sent beyond the next block, for a late host"] = 0.004
+    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 1.0
+    period: Annotated[float, Period, "from set point to set point"] = 0.002
+
+    lowers: ClassVar[tuple[str, ...]] = ("scale", "voltage")
+    named: ClassVar[tuple[str, ...]] = ("title", "scale", "voltage")
+    fixed: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+        at_least(self, "storey", 1)
+
+    @property
+    def title(self) -> str:
+        """What structure and motion are called in words and names."""
+        return f"{Path(self.structure).stem}+{Path(self.motion).stem}"
+
+    @property
+    def h(self) -> float:
+        """The step [s] of the building's time."""
+        return self.period / self.clock
+
+    def located_in(self, folder: Path) -> Self:
+        """The same step with its files looked for in ``folder``."""
+        own = {"structure": tuple(BUILDINGS), "motion": (BUILT_IN,), "model": ("",)}
+        files = {name: getattr(self, name) for name, built_in in own.items() if getattr(self, name) not in built_in}
+        if files.get("model") in published.available_sets():
+            del files["model"]
+        located: dict[str, Any] = {name: str(folder / file) for name, file in files.items()}
+        return replace(self, **located)
+
+    @property
+    def contents(self) -> dict[str, str]:
+        """A hash of what is in each file: where it lies does not change a campaign, what is in it does."""
+        hashes = {}
+        for name in ("structure", "motion", "model"):
+            path = Path(getattr(self, name))
+            if getattr(self, name) in (*BUILDINGS, BUILT_IN, "", *published.available_sets()):
+                continue
+            try:
+                hashes[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+            except FileNotFoundError:
+                raise MissingData(f"{path}: there is no such file; check {name} in the campaign") from None
+            except OSError as problem:
+                raise FileError(path, f"cannot be read ({problem.strerror}); check the file") from problem
+        return hashes
+
+    def damper(self, rig: RigSettings) -> Damper:
+        """The model that predicts the force, without what is the rig's own: delay and lag."""
+        damper = published.card_or_published(self.model) if self.model else specimen_of(rig)
+        return damper.without(*(name for name in ("delay", "lag") if name in damper.composition.names))
+
+    def computed(self, rig: RigSettings) -> Response:
+        """The response of the building with the damper's model: all of it computed."""
+        return _computed(self, rig, tuple(sorted(self.contents.items())))
+
+    def substructure(self, rig: RigSettings) -> Substructure:
+        """The computed part."""
+        damper = self.damper(rig)
+        about = substructure_of(
+            building_of(self.structure),
+            self.storey,
+            self.computed(rig),
+            self.h,
+            damper,
+            input_of(damper, self.voltage, rig),
+        )
+        return replace(
+            about, adaptive=self.adaptive, size=max(self.lead_amplitude, about.size), energy_limit=self.energy_limit
+        )
+
+    def drive(self, rig: RigSettings) -> HybridDrive:
+        """The set points of table and coil as they are expected; during the test they follow from the measured force."""
+        about, response = self.substructure(rig), self.computed(rig)
+        frequency = self._lead_frequency(rig)
+        grown, faded = GROWING / frequency, FADING / frequency
+        total = grown + STEADY / frequency + faded
+
+        def sine(t: Array) -> Array:
+            shape = raised(t / grown) * raised((total - t) / faded)
+            return np.asarray(self.lead_amplitude * shape * np.sin(2 * math.pi * frequency * t))
+
+        before = sampled([hold(0.0, self.rest_before), Piece(total, sine), hold(0.0, REST)], self.period)
+        inside = np.arange(1, about.steps + 1) * self.h
+        stroke, rate = response.stroke[0], response.velocity.T @ about.row
+        during = hermite(response.time, stroke, rate, inside)
+        t = np.arange(1, math.ceil((STOPPING + AFTER) / self.period) + 1) * self.period
+        after = way_back(float(during[-1]), float(rate[-1]) / self.clock, t)
+        x = np.concatenate([before, during, after])
+        begin = self.rest_before + grown
+        whole = round(begin / self.period), round((begin + STEADY / frequency) / self.period)
+        return HybridDrive(
+            self.period, x, np.full(x.size, self.voltage), substructure=about, lead_in=len(before) - 1, cycles=whole,
+            clock=self.clock, reserve=self.reserve,
+        )  # fmt: skip
+
+    def _lead_frequency(self, rig: RigSettings) -> float:
+        """That of the building's first mode on the rig's clock, or what a third of the rig's speed allows."""
+        first = float(building_of(self.structure).frequencies[0]) / self.clock
+        return min(first, rig.limits.speed / 3.0 / (2 * math.pi * self.lead_amplitude))
+
+    def peaks(self, rig: RigSettings) -> Peaks:
+        """Those of the computed response, or of the sine before."""
+        response = self.computed(rig)
+        rate = response.velocity.T @ building_of(self.structure).connection(self.storey)
+        steps = math.floor(float(response.time[-1]) / self.h)
+        during = hermite(response.time, response.stroke[0], rate, np.arange(steps + 1) * self.h)
+        sine = 2 * math.pi * self._lead_frequency(rig) * self.lead_amplitude
+        return Peaks(
+            max(float(np.abs(during).max()), self.lead_amplitude),
+            max(float(np.abs(np.diff(during)).max()) / self.period, float(np.abs(rate).max()) / self.clock, sine),
+        )
+
+    def remarks(self, rig: RigSettings) -> tuple[str, ...]:
+        """What the plan says of the test: where the computed response leaves what the model was calibrated on."""
+        return self.computed(rig).outside
+
+    def rehearsal(self, rig: RigSettings) -> str:
+        """Why the test would not be stable on this rig, or would not say what it is to say; "" where it would.
+
+        It is computed with the model as the specimen, on an actuator as late as the rig's, whose lag is known with an error of
+        `LAG_ERROR` either way.
+        """
+        if words := self._range_words(rig) or self._rate_words(rig):
+            return words
+        steps = round((rig.board.block + self.reserve + 2 * self.period + TABLE_LAG) / self.period)
+        for wrong in (0.0, LAG_ERROR, -LAG_ERROR):
+            about = replace(self.substructure(rig), lag=steps * self.h, adaptive=False)
+            run = run_delayed(about, self.damper(rig), steps * self.h + wrong / self.clock, 0.0)
+            if not run.over:
+                return self._unstable(run, 1e3 * steps * self.period, wrong, rig)
+        return ""
+
+    def _unstable(self, run: SubstructureRun, late: float, wrong: float, rig: RigSettings) -> str:
+        error = f" and {1e3 * wrong:+g} ms that are not known" if wrong else ""
+        return (
+            f"the hybrid test would be unstable: with set points that leave {late:.3g} ms ahead{error}, the error of energy "
+            f"passes {100 * self.energy_limit:g} % after {run.now * self.h:.2f} s of the building's time. The damper is too "
+            "strong for this building at this lag; take a heavier building, a lower voltage, or a shorter board.block than "
+            f"{1e3 * rig.board.block:g} ms"
+        )
+
+    def _range_words(self, rig: RigSettings) -> str:
+        """Why the model cannot predict the force at this voltage."""
+        damper, factor = self.damper(rig), 1.0
+        if damper.input != "V":
+            factor = rig.supply.resistance
+        low, high = (each * factor for each in damper.range)
+        if low * (1 - 1e-9) <= self.voltage <= high * (1 + 1e-9):
+            return ""
+        return (
+            f"voltage = {self.voltage:g} V, but the model was calibrated from {low:.4g} to {high:.4g} V; "
+            "take a voltage inside, or another model"
+        )
+
+    def _rate_words(self, rig: RigSettings) -> str:
+        """Why a slower clock would not do for this damper."""
+        if self.clock == 1.0:
+            return ""
+        share = self.rate_error(rig)
+        if share <= RATE_ERROR:
+            return ""
+        return (
+            f"clock = {self.clock:g} changes the damper's force by {100 * share:.3g} % of its peak, as it depends on the "
+            f"velocity (at most {100 * RATE_ERROR:g} % is allowed); take clock = 1 and a lower scale"
+        )
+
+    def rate_error(self, rig: RigSettings) -> float:
+        """By how much the slower clock changes the force of the model along the computed response, over its peak."""
+        damper, response = self.damper(rig), self.computed(rig)
+        t, x = response.time, response.stroke[0]
+        rate = response.velocity.T @ building_of(self.structure).connection(self.storey)
+        value = input_of(damper, self.voltage, rig)
+        how: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DampyrWarning)  # as above
+            fast = damper.force(t, x, velocity=rate, **how)
+            slow = damper.force(t * self.clock, x, velocity=rate / self.clock, **how)
+        return float(np.abs(slow - fast).max() / np.ptp(fast) * 2.0)
+
+
+def heavy_two_storey() -> Building:
+    """The building of chapter 5 with ten times its masses, dashpots and springs: without a damper it moves as that does."""
+    light = two_storey()
+    return Building(*(HEAVIER * each for each in (light.M, light.C, light.K)), name="heavy two-storey building")
+
+
+BUILDINGS = {"heavy_two_storey": heavy_two_storey, "two_storey": two_storey}
+
+
+def building_of(structure: str) -> Building:
+    """One of `BUILDINGS`, or that of a file."""
+    return BUILDINGS[structure]() if structure in BUILDINGS else load(structure)
+
+
+def motion_of(step: Hybrid) -> GroundMotion:
+    """The scaled ground motion, cut after ``duration``."""
+    raw = el_centro() if step.motion == BUILT_IN else read(step.motion)
+    a = step.scale * raw.acceleration
+    if step.duration:
+        a = a[: max(2, math.ceil(step.duration / raw.dt) + 1)]
+    return replace(raw, acceleration=a)
+
+
+def input_of(damper: Damper, voltage: float, rig: RigSettings) -> float:
+    """What the model takes for a voltage at the coil: V, or A through the coil's resistance; at most what it was calibrated to.
+
+    A voltage beyond that is refused by the plan, which needs an expected motion to say so.
+    """
+    value = voltage if damper.input == "V" else voltage / rig.supply.resistance
+    return min(max(value, damper.range[0]), damper.range[1])
+
+
+@lru_cache(maxsize=64)
+def _computed_of(step: Hybrid, damper: Any, value: float, contents: tuple[tuple[str, str], ...]) -> Response:
+    how: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
+    with warnings.catch_warnings():
+        warnings.simplefilter(
+            "ignore", DampyrWarning
+        )  # what it leaves is in the response, and said of the test that runs
+        return respond(building_of(step.structure), motion_of(step), {step.storey: damper}, **how)
+
+
+def _computed(step: Hybrid, rig: RigSettings, contents: tuple[tuple[str, str], ...]) -> Response:
+    damper = step.damper(rig)
+    return _computed_of(step, damper, input_of(damper, step.voltage, rig), contents)
+
+
+def hermite(t: Array, x: Array, v: Array, at: Any) -> Array:
+    """The cubic through positions and velocities, at the times ``at``; the last one beyond them."""
+    h = t[1] - t[0]
+    k = np.clip((at / h).astype(int), 0, len(t) - 2)
+    s = np.clip((at - t[k]) / h, 0.0, 1.0)
+    a, b = s * s * (3 - 2 * s), s * (1 - s)
+    return np.asarray(x[k] * (1 - a) + x[k + 1] * a + h * b * (v[k] * (1 - s) - v[k + 1] * s))

@@ -1,0 +1,179 @@
+"""Hybrid: a building in the computer and its damper on the rig."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._report import report_options
+from dampyr.cli.run import REFUSED, exit_code
+from dampyr.errors import DampyrError, InputError
+
+if TYPE_CHECKING:
+    from dampyr.campaigns import Plan
+    from dampyr.campaigns.hybrid import HybridResult
+
+
+@click.command()
+@click.option("--structure", default="heavy_two_storey", show_default=True, help="A structure's TOML file, or two_storey.")
+@click.option("--motion", default="el_centro", show_default=True, help="A ground motion file, or el_centro.")
+@click.option("--scale", type=float, default=1.0, show_default=True, help="Of the record, before it is lowered.")
+@click.option(
+    "--storey", type=int, default=1, show_default=True, help="Where the damper stands; i joins floors i-1 and i."
+)
+@click.option("--voltage", type=float, default=0.0, show_default=True, help="V at the coil.")
+@click.option("--clock", type=float, default=1.0, show_default=True, help="How much slower the building's time passes.")
+@click.option("--duration", type=float, default=0.0, metavar="S", help="Of the record from its begin; 0: all of it.")
+@click.option("--model", default="", metavar="CARD", help="The card that predicts the force.  [default: the rig's]")
+@click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml.  [default: the original rig, simulated]")
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where the record and its journal go.")
+@click.option("--delay", type=float, metavar="S", help="No rig: an actuator late by so much moves the card's model.")
+@click.option(
+    "--lag-error", type=float, default=0.0, metavar="S", help="With --delay: by how much it is known wrongly."
+)
+@click.option("--dry-run", is_flag=True, help="Print what would be done and what is in the way; move nothing.")
+@report_options()
+@click.option("--in-process", is_flag=True, help="Simulate the rig without its wires (without the extra rig).")
+@click.option("--real-time", is_flag=True, help="Simulate the rig at the pace of a real one.")
+@as_json_option
+def command(
+    structure: str,
+    motion: str,
+    scale: float,
+    storey: int,
+    voltage: float,
+    clock: float,
+    duration: float,
+    model: str,
+    rig: Path | None,
+    out: Path | None,
+    delay: float | None,
+    lag_error: float,
+    dry_run: bool,
+    report: Path | None,
+    in_process: bool,
+    real_time: bool,
+    as_json: bool,
+) -> int | None:
+    """Test a damper in a building that is computed.
+
+    The building is in an earthquake: each step's displacement goes to the table, the measured force comes back. The record is
+    scaled to what the rig can do, or the building's time passes slower (--clock). What would be unstable is refused before
+    anything moves. The result stands beside the same building with the damper's model in its place. Exit codes as of dampyr run.
+    """
+    from dampyr.campaigns import hybrid
+
+    table = {
+        "kind": "hybrid", "structure": structure, "motion": motion, "scale": scale, "storey": storey, "voltage": voltage,
+        "clock": clock, "duration": duration, "model": model,
+    }  # fmt: skip
+    if delay is not None:
+        if rig or out or dry_run or in_process or real_time:
+            raise InputError("--delay computes the actuator too; leave --rig, --out and the rig's options out")
+        if clock != 1.0:
+            raise InputError("--delay is of the building's own time; leave --clock out")
+        _tell(_on_delayed_actuator(structure, motion, model, table, delay, lag_error), report, as_json)
+        return None
+    if lag_error:
+        raise InputError("--lag-error is of --delay; leave it out")
+    if out is None and not dry_run:
+        raise InputError("--out is missing; give the folder where the record goes, or --dry-run to see the plan only")
+    plan = hybrid.planned_hybrid(table, rig)
+    test = plan.tests[0]
+    if dry_run or plan.refusals:
+        _tell_plan(plan, as_json)
+    if plan.refusals:
+        for refusal in plan.refusals:
+            click.echo(f"dampyr: {refusal}", err=True)
+        return REFUSED
+    if dry_run or out is None:
+        return None
+    code = _perform(plan, rig, out, {"in_process": in_process, "real_time": real_time})
+    if code:
+        return code
+    _tell(hybrid.hybrid_result(out / f"{test.name}.h5"), report, as_json)
+    return None
+
+
+def _on_delayed_actuator(
+    structure: str, motion: str, model: str, table: dict[str, Any], delay: float, lag_error: float
+) -> HybridResult:
+    """The test with an actuator that is computed too; without a card with the damper of Raminelli (2020)."""
+    from dampyr import studies
+    from dampyr.campaigns import hybrid
+    from dampyr.campaigns.steps.hybrid import Hybrid, building_of, motion_of
+
+    damper = studies.load_damper(model or studies.THESIS)
+    named = {"structure": structure, "motion": motion, "scale": table["scale"], "duration": table["duration"]}
+    ground = motion_of(Hybrid(**named))
+    return replace(
+        hybrid.delayed_result(
+            building_of(structure), ground, damper, delay, table["voltage"], table["storey"], lag_error
+        ),
+        scale=table["scale"],
+    )
+
+
+def _perform(plan: Plan, rig: Path | None, out: Path, how: dict[str, Any]) -> int:
+    from dampyr.campaigns import Control, perform
+    from dampyr.cli._frame import say, with_notes
+    from dampyr.cli._running import keys, shown, stopped_by_signals
+    from dampyr.rig.connect import open_rig
+
+    for note in plan.tests[0].notes:
+        say(note)
+    control, opened = Control(), None
+    try:
+        with stopped_by_signals(), open_rig(rig, **how) as opened, shown(plan) as show, keys(control):
+            perform(plan, opened, out, show, control)
+    except (DampyrError, OSError) as problem:
+        say(with_notes(problem))
+        return exit_code(problem, opened is not None and opened.was_armed)
+    return 0
+
+
+def _tell_plan(plan: Plan, as_json: bool) -> None:
+    test = plan.tests[0]
+    figures = {
+        "test": test.words, "scale": test.step.scale, "duration_s": test.duration, "peak_position_m": test.peak_position,
+        "peak_speed_m_per_s": test.peak_speed, "peak_force_N": test.peak_force, "notes": list(test.notes),
+        "refusal": test.refusal,
+    }  # fmt: skip
+    if as_json:
+        print_json(figures)
+        return
+    print_table(
+        f"Hybrid test of {test.step.title}, as planned",
+        ["scale", "duration", "position", "speed", "force"],
+        [[test.step.scale, test.duration, 1e3 * test.peak_position, 1e3 * test.peak_speed, test.peak_force]],
+        ["", "s", "mm", "mm/s", "N"],
+        digits=4,
+        notes=list(test.notes),
+    )
+
+
+def _tell(result: HybridResult, report: Path | None, as_json: bool) -> None:
+    if report:
+        from dampyr.report import write_hybrid_page
+
+        write_hybrid_page(result, report)
+    if as_json:
+        print_json(result.as_dict())
+        return
+    _, rows = result._table()
+    print_table(
+        f"Hybrid test of {result.title}, scaled to {result.scale:g}, {result.voltage:g} V: peaks",
+        ["floor", "hybrid test", "computed", "difference"],
+        rows,
+        ["", "mm", "mm", "%"],
+        digits=4,
+        notes=[
+            f"the table followed to {100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late after compensation",
+            f"its errors put {100 * result.energy_error:.2g} % of the ground's energy into the building",
+            *result.notes,
+        ],
+    )
