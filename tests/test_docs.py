@@ -42,6 +42,8 @@ HOW_TO = [
         "rig",
         "acceptance",
         "python",
+        "hybrid-benchmark",
+        "hybrid-test",
     )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]

@@ -27,10 +27,19 @@ from dampyr.console import app
 ROOT = Path(__file__).resolve().parents[2]
 HERE = "http://127.0.0.1:8077"
 CHROMIUM = "/usr/bin/chromium"
+PAGE_WAIT = int(os.environ.get("PAGE_WAIT", "120000"))  # ms that end a wait for what never comes, on a busy machine too
 QUIET = [
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """A test in a browser is a proof, except for those that are marked as quick."""
+    for item in items:
+        if "chromium" in getattr(item, "fixturenames", ()) and item.get_closest_marker("quick") is None:
+            item.add_marker(pytest.mark.prove)
 
 
 @pytest.fixture
@@ -181,7 +190,7 @@ def new_page(chromium: Any) -> Iterator[Callable[..., Any]]:
         context = chromium.new_context(**{"viewport": {"width": 1280, "height": 900}} | settings)
         seen = Seen(context.new_page(), refused)
         made.append((context, seen))
-        seen.page.set_default_timeout(120_000)  # ends a wait for what never comes, however busy the machine is
+        seen.page.set_default_timeout(PAGE_WAIT)
         seen.page.goto(address)
         return seen.page
 

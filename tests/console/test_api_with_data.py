@@ -68,7 +68,8 @@ def fill(folder, campaign_folder):
         (folder / name).mkdir(parents=True)
     record = records.read_campaign(campaign_folder)[0]
     records.write(record, folder / "one.csv")
-    records.write(record, folder / "uploads" / "up.h5")
+    for name in ("up.h5", "last.h5"):  # the first one is renamed on the way
+        records.write(record, folder / "uploads" / name)
     (folder / "broken.csv").write_text("time [s],force [N]\n0,1\n0,\n")
     (folder / "campaigns" / "sines.toml").write_text(SINE)
     (folder / "motions" / "quake.csv").write_text("".join(f"{k * 0.02},{0.1 * (-1) ** k}\n" for k in range(100)))
@@ -113,7 +114,7 @@ def existing_values(jobs):
 
 def pointed(case, existing, pick):
     """The case, about what is there: each parameter that has a known value takes one, three times of four."""
-    names = existing | {"name": ["sines", "one.csv", "up.h5", "one"], "kind": BY_SEED}
+    names = existing | {"name": ["sines", "one.csv", "up.h5", "last.h5", "one"], "kind": BY_SEED}
     for part in (case.path_parameters, case.query, case.body):
         if isinstance(part, dict):
             for name in sorted(one for one in part if one in names):

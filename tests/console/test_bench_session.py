@@ -221,6 +221,7 @@ def test_the_load_cell_is_zeroed(armed: Bench, until: Until, phase: Phase) -> No
     assert rig is not None
     assert rig.calibration is not None
     assert abs(rig.calibration.zero) > 0.01  # the simulated damper pushes
+    assert rig.calibration.how.endswith(", zeroed at rest")
     until(lambda: (live := armed.state().live) is not None and abs(live.force) < 5.0, 2.0)
 
 
@@ -262,6 +263,17 @@ def test_a_campaign_to_its_end_survives_its_page(armed: Bench, until: Until, pha
     record = read(armed.data / "run" / "01-sine-4mm-1Hz-0V.h5")
     assert np.ptp(record.displacement) == pytest.approx(0.008, rel=0.05)
     assert armed.state().rings[2].words == "short: all of its 2 tests passed"
+
+
+def test_a_page_that_vanishes_during_a_campaign_loses_control(armed: Bench, bench_time: RealTime, until: Until) -> None:
+    armed.clients.join("b")
+    run(armed)
+    until(lambda: (progress := armed.state().run) is not None and progress.cycles > 0.3)
+    bench_time.while_waiting = lambda: armed.clients.hear("b")
+    until(lambda: armed.state().holder == "", 10.0)
+    armed.clients.take("b")
+    armed.stop("b")
+    until(lambda: armed.state().phase == "idle")
 
 
 def test_pause_resume_and_stop(armed: Bench, until: Until, phase: Phase) -> None:

@@ -16,6 +16,7 @@ import pytest
 pytest.importorskip("fastapi")
 import httpx
 from tests.console.conftest import served
+from tests.console.test_workers import CUBE, DOTTED
 from tests.endurance import Endurance
 from websockets.sync import client
 
@@ -40,6 +41,7 @@ amplitude = ["1 mm", "2 mm", "3 mm", "4 mm", "5 mm"]
 frequency = ["0.5 Hz", "1 Hz", "1.5 Hz", "2 Hz"]
 voltage = ["0 V", "0.5 V", "1 V", "1.5 V", "2 V"]
 cycles = 10
+repeats = 4
 """
 ID = "page-number-{}"
 
@@ -146,8 +148,14 @@ def work(address: str, counts: dict[str, int], folder: Path) -> Iterator[None]:
         about = {"params": {"voltage": "1"}, "headers": {"content-type": "application/octet-stream"}}
         return http.put(f"/api/records/uploads/test-{number}.csv", content=rows, **about)
 
+    def plan(http: Any, number: int) -> Any:
+        """A plan of 400 tests, and in turn what is refused."""
+        refused = http.post("/api/campaigns/plan", json={"text": (DOTTED, CUBE)[number % 2], "rig": ""})
+        assert refused.status_code == 400, refused.text
+        return http.post("/api/campaigns/plan", json={"text": GRID, "rig": ""})
+
     tasks: dict[str, Callable[[Any, int], Any]] = {
-        "plans": lambda http, _: http.post("/api/campaigns/plan", json={"text": GRID, "rig": ""}),
+        "plans": plan,
         "uploads": send,
         "fits": fit,
     }
@@ -212,7 +220,7 @@ def test_a_campaign_in_real_time_beside_plans_uploads_fits_and_two_pages(
     endurance.report(
         "a campaign in real time beside plans, uploads, fits and two pages",
         None,
-        f"{took:.0f} s, {samples} samples, none missing, no trip, beside {counts['plans']} plans of 100 tests, "
+        f"{took:.0f} s, {samples} samples, none missing, no trip, beside {counts['plans']} plans of 400 tests, "
         f"{counts['uploads']} uploads of 30,000 samples and {counts['fits']} fits; abort after {1e3 * stopped:.0f} ms; "
         f"{frames:.0f} frames/s to each page",
     )

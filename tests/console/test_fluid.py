@@ -60,6 +60,7 @@ def test_the_page_is_fluid_at_10_khz(address, new_page, data, endurance):
     page.locator("#arm:enabled").wait_for()
     page.get_by_text("10000 samples/s").wait_for()
     page.locator("#start:enabled").click()
+    page.locator("#start-now:enabled").click()
     page.wait_for_function('() => document.querySelector("#run").textContent.includes("testing")')
     seen = page.evaluate(WATCH, SECONDS)
     gaps = sorted(seen["gaps"])

@@ -87,7 +87,14 @@ def test_a_job_ends_with_its_console_and_is_told_when_it_starts_again(data):
     process.wait(10)
     with TestClient(app(data), base_url="http://localhost") as client:
         job = client.get(f"/api/jobs/{id}").json()
-    assert job["state"] == "failed"
+    assert (job["state"], job["reason"]) == ("failed", "the console was stopped while it ran or waited; run it again")
+
+
+def test_the_titles_of_responses_say_what_is_computed(client):
+    for inputs, laws in (([1.98], []), ([0.5, 1.0], ["on_off"])):
+        client.post("/api/building/responses", json={"damper": {"inputs": inputs, "laws": laws}})
+    titles = [job["title"] for job in client.get("/api/jobs").json()]
+    assert [title.rpartition(", ")[2] for title in titles] == ["0.5 1 on_off", "1.98"]
 
 
 @pytest.mark.prove

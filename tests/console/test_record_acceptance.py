@@ -44,6 +44,7 @@ def test_the_endpoint_tells_what_the_function_finds(client, campaign_folder):
     assert [p["quantity"] for p in one["points"]] == ["extension", "compression", "energy"]
     assert one["points"][2]["measured"] == pytest.approx([p.measured for p in own.points if p.quantity == "energy"])
     assert [row["quantity"] for row in got["bands"]] == ["extension", "compression"]
+    assert {(row["input"], row["input_value"]) for row in got["bands"]} == {(record.input, record.input_value)}
     low, high = got["bands"][1]["low"], got["bands"][1]["high"]
     assert np.all(np.array(low) < high)
 
@@ -110,7 +111,9 @@ def test_a_person_judges_records_and_the_address_keeps_it(data, lab, address, ne
     page.get_by_text("Choose a reference").wait_for()
     page.get_by_label("Reference", exact=True).select_option("cards/mine.toml")
     page.get_by_role("status").filter(has_text="1 passed, 1 failed.").wait_for()
-    page.get_by_role("img", name=re.compile("Forces at peak velocity of good, strong in the band")).wait_for()
+    page.get_by_role(
+        "img", name=re.compile("Forces at peak velocity in extension of good, strong in the band")
+    ).wait_for()
     page.get_by_role("heading", name="Points outside").wait_for()
     accessible(page)
     page.get_by_label("Tolerance, %").fill("21")

@@ -1,12 +1,17 @@
 """The pages that the commands write, in a real browser: alone in the world, readable by everyone, on a phone and on paper."""
 
+import hashlib
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.console.printed_pages import page_texts
 
+import dampyr
 from dampyr.cli import cli
+from dampyr.report import FigureBlock, Section, Table, Text, Verdict, history, made_by, page, write_page
 
 CAMPAIGN = """
 name = "sines"
@@ -97,21 +102,117 @@ LETTERS = """() => Math.min(99, ...[...document.querySelectorAll("figure svg tex
     .map((text) => parseFloat(getComputedStyle(text).fontSize) * Math.hypot(text.getScreenCTM().c, text.getScreenCTM().d)))"""
 
 
+PAGES = {"motion": 3, "run": 3, "identify": 8, "validate": 5, "simulate": 4, "ensemble": 4, "demo": 10, "reproduce": 40}
+PAPER = {"width": 658, "height": 986}  # A4 less its margins, in CSS pixels
+
+
+def on_paper(page):
+    """The page as a printer has it, on a dark screen."""
+    page.emulate_media(media="print", color_scheme="dark")
+    page.set_viewport_size(PAPER)
+    return page
+
+
+def printed(page):
+    """The texts of the printed pages, without blanks."""
+    return page_texts(page.pdf(format="A4", prefer_css_page_size=True))
+
+
+def check_layout(page):
+    """Nothing is wider than the sheet, small or cut through; the body is larger than captions and tables."""
+    on_paper(page)
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert page.evaluate("getComputedStyle(document.body).color") == "rgb(0, 0, 0)"
+    assert page.evaluate(WIDE) == []
+    sizes = page.evaluate(SIZES)
+    assert min(sizes["all"].values()) >= 8.0, sizes["all"]
+    assert sizes["body"] == 10.5
+    assert max([0.0, *sizes["small"]]) < sizes["body"]
+    assert page.evaluate(CUT) == []
+
+
+WIDE = """() => [...document.querySelectorAll("table, figure svg")].filter((one) =>
+    one.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
+    .map((one) => one.closest("[aria-label]")?.getAttribute("aria-label"))"""
+SIZES = """() => {
+    const points = (one) => Math.round(75 * parseFloat(getComputedStyle(one).fontSize)) / 100;
+    const scale = (one) => Math.hypot(one.getScreenCTM().c, one.getScreenCTM().d);
+    const own = (one) => [...one.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
+    const texts = [...document.body.querySelectorAll("*")].filter((one) => own(one) && one.getClientRects().length
+        && !one.closest("sub, script, svg"));
+    const drawn = [...document.querySelectorAll("figure svg text")].filter(own);
+    const name = (one) => `${one.tagName} ${one.textContent.trim().slice(0, 20)}`;
+    const all = [...texts.map((one) => [name(one), points(one)]),
+        ...drawn.map((one) => [name(one), points(one) * scale(one) + 0.05])];
+    const small = [...document.querySelectorAll("caption, figcaption, td, th")].map(points);
+    return { all: Object.fromEntries(all), body: points(document.body), small };
+}"""
+CUT = """() => [...document.querySelectorAll("figure, caption")].filter((one) =>
+    getComputedStyle(one).breakInside !== "avoid" || one.getBoundingClientRect().height > innerHeight)
+    .map((one) => one.textContent.slice(0, 80))"""
+
+
 @pytest.mark.prove
 @pytest.mark.parametrize("name", NAMES)
 def test_a_report_on_paper_is_light_and_cuts_nothing(report, show, name):
     page = show(report(name), color_scheme="dark")
-    page.emulate_media(media="print", color_scheme="dark")
-    page.set_viewport_size({"width": 658, "height": 1000})  # A4 less its margins, in CSS pixels
-    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
-    assert page.evaluate("getComputedStyle(document.body).color") == "rgb(0, 0, 0)"
-    wide = page.evaluate("""() => [...document.querySelectorAll("table, figure svg")].filter((one) =>
-        one.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
-        .map((one) => one.closest("[aria-label]")?.getAttribute("aria-label"))""")
-    assert wide == []
-    paper = page.pdf(format="A4", prefer_css_page_size=True)
-    assert paper.startswith(b"%PDF")
-    assert len(re.findall(rb"/Type /Page\b", paper)) >= 1
+    check_layout(page)
+    texts = printed(page)
+    assert len(texts) <= PAGES[name]
+    for number, text in enumerate(texts, 1):
+        assert f"page{number}of{len(texts)}" in text
+    date = page.locator("header time").inner_text()
+    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d[+-]\d\d:\d\d", date)
+    assert f"{date}dampyr{dampyr.__version__}" in texts[0]
+    assert f"commanddampyr{name}" in "".join(texts[-2:])
+    for digits in page.locator(".files code").all_text_contents():
+        assert re.fullmatch("[0-9a-f]{64}", digits)
+        assert digits[:12] in "".join(texts)
+        assert digits not in "".join(texts)
+
+
+@pytest.fixture
+def long_page(tmp_path):
+    """A page with a table over several sheets, figures, and a title that means something to CSS."""
+    rows = [[f"test {k}", 1.5 * k, Verdict("passed" if k % 2 else "failed")] for k in range(120)]
+    t = np.linspace(0.0, 6.0, 200)
+    figures = [FigureBlock(history(t, np.sin(k * t)), f"Figure {k}.") for k in range(1, 5)]
+    table = Table(("test", "peak speed", "verdict"), rows, ("", "mm/s", ""), caption="Every test.")
+    sections = [Section("Tests", [Text("A paragraph."), table]), Section("Figures", figures)]
+    (tmp_path / "card.toml").write_text("x")
+    with made_by("dampyr validate 'my card.toml' a.h5", [tmp_path / "card.toml"]):
+        html = page('Judged by "a\\b" </style>', sections, facts={"specimen": "no. 7"})
+    return write_page(tmp_path / "long.html", html)
+
+
+def test_headings_stand_on_every_page_of_a_table_and_every_page_has_its_number(long_page, show):
+    shown = show(long_page)
+    texts = printed(shown)
+    assert 4 <= len(texts) <= 6
+    for number, text in enumerate(texts, 1):
+        assert f"page{number}of{len(texts)}" in text
+        assert 'Judgedby"a\\b"</style>·' in text
+    for text in texts[:3]:
+        assert "testpeakspeedmm/sverdict" in text
+        assert text.count("test") > 20
+
+
+def test_a_printed_page_says_where_it_comes_from(long_page, show):
+    texts = printed(show(long_page))
+    digits = hashlib.sha256(b"x").hexdigest()
+    assert f"dampyr{dampyr.__version__}specimenno.7" in texts[0]
+    assert "commanddampyrvalidate'mycard.toml'a.h5" in texts[-1]
+    assert f"card.toml{digits[:12]}" in texts[-1]
+    assert digits not in texts[-1]
+    assert show(long_page).locator(".files code").text_content() == digits
+
+
+def test_sizes_on_paper_and_the_page_on_a_phone(long_page, show, accessible):
+    check_layout(show(long_page, color_scheme="dark"))
+    for scheme in ("light", "dark"):
+        phone = show(long_page, color_scheme=scheme, viewport={"width": 390, "height": 844})
+        assert phone.evaluate("document.documentElement.scrollWidth") <= 390
+        accessible(phone)
 
 
 def test_a_table_is_sorted_from_the_keyboard(report, show):

@@ -15,7 +15,7 @@ from dampyr.errors import InputError, MissingData
 @pytest.mark.parametrize(
     "name",
     ["", ".", "..", "../x", "a/../../x", "/etc/passwd", "a//b/../..", "a\\b", ".console/jobs", "a/.hidden", "x\0y", "a\nb",
-     " a", "a ", "a.", "~x", "C:x", "C:\\x", "a" * 200, "a/" * 200 + "b", "-rf", "con|x", "x\u202etxt"],
+     " a", "a ", "a.", "~x", "C:x", "C:\\x", "a" * 256, "a/" * 400 + "b", "-rf", "con|x", "x\u202etxt"],
 )  # fmt: skip
 def test_a_name_that_leads_elsewhere_is_refused(tmp_path, name):
     with pytest.raises(InputError):
@@ -23,8 +23,10 @@ def test_a_name_that_leads_elsewhere_is_refused(tmp_path, name):
 
 
 @pytest.mark.parametrize(
-    "name", ["test 1.csv", "lab/0.25A_2Hz (second).mat", "ensaio.A.1.mat", "Prüfung/Versuch+3.h5", "a/b/c"]
-)
+    "name",
+    ["test 1.csv", "lab/0.25A_2Hz (second).mat", "ensaio.A.1.mat", "Prüfung/Versuch+3.h5", "a/b/c", "0,25 A.csv", "#3.csv",
+     "O'Neil.csv", "run [2].csv", "50 % & more.csv", "_first.csv", "a" * 150 + ".csv"],
+)  # fmt: skip
 def test_ordinary_names_are_taken(tmp_path, name):
     assert safe_paths.inside(tmp_path, name) == tmp_path / name
 
@@ -39,6 +41,28 @@ def test_links_are_not_followed(tmp_path):
         with pytest.raises(InputError, match="link"):
             safe_paths.existing(root, name)
     assert safe_paths.files(root, (".csv",)) == []
+    why = "it is a link, and links are not followed; copy the file itself"
+    assert safe_paths.left_out(root, (".csv",)) == {"link.csv": why, "up": why}
+
+
+def test_what_is_not_shown_is_named_with_the_reason(tmp_path):
+    for name in ("a.csv", "what?.csv", "-rf.csv", ".hidden.csv", "what?.txt"):
+        (tmp_path / name).write_text("1,2")
+    assert safe_paths.files(tmp_path, (".csv",)) == ["a.csv"]
+    said = safe_paths.left_out(tmp_path, (".csv",))
+    assert set(said) == {"-rf.csv", "what?.csv"}
+    assert all("rename it" in why for why in said.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "stored"),
+    [
+        ("Prüfstand 3, Dämpfer ü.csv", "Prüfstand 3_ Dämpfer ü.csv"), ("#1: a|b.csv", "1_ a_b.csv"),
+        ("a" * 200 + ".csv", "a" * 87 + ".csv"), ("???.csv", ""),
+    ],
+)  # fmt: skip
+def test_a_name_from_elsewhere_becomes_one_that_every_system_allows(name, stored):
+    assert safe_paths.new_name(name) == stored
 
 
 @given(st.text(alphabet=st.sampled_from("ab./\\ ~:-\0é"), max_size=12))

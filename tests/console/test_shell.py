@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("fastapi")
 
 
+@pytest.mark.quick
 def test_the_first_page_loads_without_a_complaint(address, new_page, accessible):
     page = new_page(address)
     page.get_by_role("heading", level=1).wait_for()

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import dampyr as dp
+from dampyr.campaigns import hybrid
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.figures import laws as law_figures
 from dampyr.figures import style
@@ -35,6 +36,16 @@ LINES, LETTERS = 15, 1500
 MOTIONS = ((0.005, 1.0), (0.010, 0.5), (0.008, 0.8))  # m, Hz
 VOLTS = (0.0, 1.0, 2.0)
 STEPS = [{"kind": "sine", "amplitude": ["5 mm", "8 mm"], "frequency": "1 Hz", "voltage": "0.8712 V", "cycles": 2}]
+
+
+def late_by_10_ms(made: Any) -> hybrid.HybridResult:
+    """A hybrid test on an actuator that is 10 ms late."""
+    return hybrid.delayed_result(dp.structures.two_storey(), made.shake, dp.studies.raminelli_2020.damper(), 0.010)
+
+
+def substructure(made: Any) -> hybrid.Substructure:
+    """The computed part of a hybrid test."""
+    return hybrid.Substructure(dp.structures.two_storey(), 1, made.shake.acceleration, made.shake.dt)
 
 
 def public_classes() -> list[type]:
@@ -55,6 +66,22 @@ def label(cls: type) -> str:
 
 
 EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
+    "campaigns.BatchResult": lambda made: hybrid.run_many(made.hybrid, made.compensator, made.shake, 2),
+    "campaigns.Criteria": lambda made: hybrid.perform_virtual(made.hybrid, made.compensator, made.shake).criteria(),
+    "campaigns.HybridSetup": lambda made: made.hybrid,
+    "campaigns.HybridResult": lambda made: late_by_10_ms(made),
+    "campaigns.Lag": lambda made: hybrid.Lag(0.001, 0.01, lag=0.005),
+    "campaigns.Substructure": lambda made: substructure(made),
+    "campaigns.SubstructureRun": lambda made: substructure(made).run(),
+    "campaigns.KalmanCompensator": lambda made: made.compensator,
+    "campaigns.LoopStability": lambda made: hybrid.loop_stability(made.hybrid, made.compensator),
+    "campaigns.ModelBasedCompensator": lambda made: hybrid.ModelBasedCompensator(),
+    "campaigns.PhaseLeadCompensator": lambda made: hybrid.PhaseLeadCompensator(),
+    "campaigns.Sensors": lambda made: hybrid.Sensors(),
+    "campaigns.Specimen": lambda made: hybrid.Specimen(),
+    "campaigns.TransferSystem": lambda made: hybrid.TransferSystem(),
+    "campaigns.Uncertainty": lambda made: hybrid.Uncertainty(),
+    "campaigns.VirtualRun": lambda made: hybrid.perform_virtual(made.hybrid, made.compensator, made.shake),
     "campaigns.Campaign": lambda made: made.campaign,
     "campaigns.Control": lambda made: dp.campaigns.Control(),
     "campaigns.Finding": lambda made: dp.campaigns.Finding("voltage", "needs 9 V; the limit is 4.4 V"),
@@ -64,6 +91,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "campaigns.Plan": lambda made: made.plan,
     "campaigns.PlannedTest": lambda made: made.plan.tests[0],
     "campaigns.Progress": lambda made: dp.campaigns.Progress(1, 2, "01-sine", "recording", 0.5, 4.0),
+    "campaigns.Skipped": lambda made: dp.campaigns.Skipped("skipped by the operator"),
     "campaigns.Stopped": lambda made: dp.campaigns.Stopped("the campaign was stopped by its operator"),
     "campaigns.Test": lambda made: made.campaign.tests[0],
     "figures.Fragile": lambda made: Fragile(np.linspace(0.1, 3.0, 300), np.linspace(0.0, 1.0, 300)),
@@ -206,6 +234,8 @@ def _build(made: SimpleNamespace) -> None:
     options = S.EnsembleOptions(inputs=(0.0, 1.98), bare=True, scales=(0.5, 1.0), limits=(S.Limit(value=0.015),))
     made.ensemble = S.run_ensemble(made.building, synthetic_motions(4, duration=8.0), made.damper, options)
     made.incremental = S.incremental(made.ensemble.dataset)
+    made.hybrid = hybrid.HybridSetup(dp.studies.vrths_2020.structure(1))
+    made.compensator, made.shake = hybrid.KalmanCompensator.designed(made.hybrid), synthetic_motions(1, duration=4.0)[0]
 
 
 def trace_of(record: dp.records.Record) -> Any:

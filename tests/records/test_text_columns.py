@@ -338,3 +338,50 @@ def test_session_and_specimen_go_through_comments(tmp_path):
         "no. 8",
         "specimen 'no. 8' as stated, 'no. 7, the long one' in the file",
     )
+
+
+@pytest.mark.parametrize(
+    ("encoding", "note"),
+    [
+        ("latin-1", "read as Latin-1 (Windows-1252) text, as it is no UTF-8"),
+        ("utf-16", "read as UTF-16 text"),
+        ("utf-8", None),
+    ],
+)
+def test_a_text_that_is_no_utf_8_is_read_and_the_history_says_so(tmp_path, encoding, note):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"{k / 10},{k % 3},{k}\n" for k in range(20))
+    path.write_bytes(f"# für den Dämpfer\ntime [s],displacement [mm],force [N]\n{rows}".encode(encoding))
+    record = read(path)
+    assert record.force[-1] == 19.0
+    assert [each for each in record.history if each.startswith("read as")] == ([note] if note else [])
+
+
+def test_a_line_of_too_many_columns_is_refused_in_a_line(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("1," * 100_000 + "1\n")
+    with pytest.raises(FileError, match="line 1 has more than 1000 columns") as raised:
+        read(path)
+    assert len(str(raised.value)) < 300
+
+
+@pytest.mark.parametrize(
+    "text", ["0,1;2,5;3\n", "0,1\t2,5\t3\n", "0,1 2,5 3\n", "0.1,2.5,3\n", "0.1, 2.5, 3,\n", '"0.1","2.5","3"\n']
+)
+def test_numbers_are_the_same_whichever_way_they_are_read(tmp_path, text):
+    path = tmp_path / "a.txt"
+    path.write_text(
+        "".join(text.replace("0", str(k), 1) for k in range(10)) + "\n# a comment\n" + text.replace("0", "10", 1)
+    )
+    said = {
+        "columns": {"time": 0, "displacement": 1, "force": 2},
+        "units": {"time": "s", "displacement": "m", "force": "N"},
+    }
+    record = read(path, header=0, **said)
+    assert record.time.tolist() == pytest.approx([k + 0.1 for k in range(11)])
+    assert set(record.displacement) == {2.5}
+    lines = path.read_text().splitlines()
+    lines[8] = lines[8].replace("2,5", "2x5").replace("2.5", "2x5")
+    path.write_text("\n".join(lines))
+    with pytest.raises(FileError, match=r"line 9: '2x5' is not a number"):
+        read(path, header=0, **said)

@@ -98,8 +98,10 @@ def test_every_id_is_there_once_and_every_link_leads_somewhere() -> None:
     assert {"loops", "loops-2"} <= set(links)
 
 
-def test_a_page_is_the_same_each_time() -> None:
+def test_a_page_is_the_same_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
     assert full_page() == full_page()
+    assert "2001-09-09T01:46:40+00:00" in full_page()
 
 
 def test_a_table_shows_numbers_for_people_and_keeps_them_whole_for_sorting() -> None:
@@ -114,6 +116,26 @@ def test_a_table_shows_numbers_for_people_and_keeps_them_whole_for_sorting() -> 
         "-1.5e-09",
     ]
     assert [attrs["class"] for tag, attrs in reader.tags if tag == "th"] == ["right", "left"]
+
+
+@pytest.mark.parametrize(
+    ("values", "shown"),
+    [
+        ([45.53412, 4.37331, None], ["45.534", "4.373", "–"]),
+        ([25.120004, 21.96, -3.123], ["25.120", "21.960", "−3.123"]),
+        ([0.0, 0.8712, 1.98], ["0", "0.8712", "1.98"]),
+        ([1234.5678, 0.001234567], ["1234.6", "0.0012346"]),
+        ([123456.7, 23456.71], ["1.2346·10⁵", "23457"]),
+    ],
+)
+def test_numbers_of_a_column_stand_below_their_points(values: list[float], shown: list[str]) -> None:
+    reader = Reader(page("t", [Section("s", [Table(["x"], [[value] for value in values])])]))
+    assert reader.inside("td") == shown
+
+
+def test_a_column_of_several_units_has_no_common_decimals() -> None:
+    reader = Reader(page("t", [Section("s", [Table(["x", "unit"], [[45.53412, "mm"], [4.37331, "V"]])])]))
+    assert reader.inside("td") == ["45.534", "mm", "4.3733", "V"]
 
 
 def test_light_dark_paper_and_phone_are_provided_for() -> None:

@@ -7,12 +7,13 @@ import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from fastapi import APIRouter, FastAPI
-from fastapi.responses import FileResponse
-from pydantic import BaseModel
+from fastapi import APIRouter, FastAPI, HTTPException, Request
+from fastapi.responses import FileResponse, Response
+from pydantic import BaseModel, Field
 from starlette.staticfiles import StaticFiles
 
 import dampyr
@@ -28,6 +29,11 @@ from dampyr.console.state import PROBLEMS, AppState
 PAGES = "dampyr.console.pages"
 LOOK = Path(str(files("dampyr.report"))) / "templates" / "look.css"  # one source of colours for console and reports
 QUOTA = 4 * 2**30  # bytes: 64 of the largest uploads
+CHARTS = ("bokeh.min.js", "bokeh-api.min.js")  # of BokehJS, all that is ever loaded
+NO_CHARTS = (
+    'charts need the package bokeh, which is not installed: run pip install "dampyr[console]", '
+    "then start the console again"
+)
 TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
 
@@ -43,6 +49,7 @@ class Console(BaseModel):
 
     version: str
     pages: list[PageLink]
+    charts: str = Field(description="Why no charts can be drawn; empty where they can.")
 
 
 def app(
@@ -99,7 +106,7 @@ def _about(links: list[PageLink]) -> APIRouter:
     @router.get("/console")
     def about() -> Console:
         """What this console is, and which pages it has."""
-        return Console(version=dampyr.__version__, pages=links)
+        return Console(version=dampyr.__version__, pages=links, charts="" if _charts() else NO_CHARTS)
 
     return router
 
@@ -109,6 +116,8 @@ def _lifespan(app_state: AppState, modules: list[Any]) -> Any:
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         async with AsyncExitStack() as stack:
             stack.callback(app_state.jobs.close)
+            stack.callback(app_state.workers.close)
+            stack.callback(app_state.uploads.close)
             for module in modules:
                 if hasattr(module, "lifespan"):
                     await stack.enter_async_context(module.lifespan(app_state))
@@ -123,7 +132,7 @@ def _add_files(inner: FastAPI) -> None:
         mimetypes.add_type(kind, suffix)
     static = Path(str(files("dampyr.console"))) / "static"
 
-    @inner.get("/", include_in_schema=False)
+    @inner.api_route("/", methods=["GET", "HEAD"], include_in_schema=False)
     def index() -> FileResponse:
         return FileResponse(static / "index.html")
 
@@ -132,3 +141,24 @@ def _add_files(inner: FastAPI) -> None:
         return FileResponse(LOOK)
 
     inner.mount("/static", StaticFiles(directory=static))
+    for name in CHARTS:
+        inner.add_api_route(f"/bokeh/{name}", _chart_file(name), include_in_schema=False)
+
+
+def _charts() -> Path | None:
+    """The folder of BokehJS in the installed package ``bokeh``, which is not imported; None where files of it are missing."""
+    package = find_spec("bokeh")
+    folder = Path(package.origin).parent / "server" / "static" / "js" if package and package.origin else None
+    return folder if folder and all((folder / name).is_file() for name in CHARTS) else None
+
+
+def _chart_file(name: str) -> Callable[[Request], Response]:
+    """The endpoint of one file of BokehJS."""
+
+    def chart_file(request: Request) -> Response:
+        folder = _charts()
+        if folder is None:
+            raise HTTPException(404, NO_CHARTS)
+        return StaticFiles(directory=folder).file_response(folder / name, (folder / name).stat(), request.scope)
+
+    return chart_file

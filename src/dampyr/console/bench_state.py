@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
-from dampyr.campaigns import Progress
+from dampyr.campaigns import Plan, Progress
+from dampyr.console.bench_alarms import Alarm, AlarmLimit, Extreme, Reading
+from dampyr.console.bench_reference import Comparison
 from dampyr.console.guided import Guided
 from dampyr.rig.acquisition import fault_in_words
 from dampyr.rig.firmware.protocol import Fault, State, Status
@@ -19,6 +21,7 @@ Phase = Literal[
     "armed",
     "homing",
     "measuring",
+    "moving",
     "campaign",
     "disarming",
     "disconnecting",
@@ -54,6 +57,35 @@ class Run:
     planned_cycles: float = 0.0
     stroke: float = 0.0
     paused: bool = False
+    operator: str = ""
+    specimen: str = ""
+    report: str = ""
+    """The file of the report that was written at its end, in its folder; empty where there is none."""
+    report_state: str = ""
+    """"writing", or why no report could be written."""
+
+
+@dataclass(frozen=True)
+class Queued:
+    """A campaign that waits: ``number`` names it, ``name`` of its file, ``folder`` of its records, and who answers for it."""
+
+    number: int
+    name: str
+    folder: str
+    operator: str = ""
+    specimen: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Of the rig, for its charts: force N, farthest position m, speed m/s, voltage V, temperature degC."""
+
+    force: float
+    travel: float
+    speed: float
+    voltage: float
+    temperature: float
 
 
 @dataclass(frozen=True)
@@ -79,11 +111,17 @@ class ConnectedRig:
     zero: float
     calibrated: str
     jog_speed: float
+    specimen: str
+    limits: Limits
 
 
 @dataclass(frozen=True)
 class BenchState:
-    """Everything that a page shows besides the strips. ``note`` is the last thing worth saying, ``fault`` whether it is bad."""
+    """Everything that a page shows besides the strips. ``note`` is the last thing worth saying, ``fault`` whether it is bad.
+
+    ``live_age`` is the age [s] of what ``live`` says, None where there is nothing. ``extremes`` are the least and the greatest
+    readings since the last reset.
+    """
 
     phase: Phase
     note: str
@@ -98,6 +136,28 @@ class BenchState:
     run: Run | None
     clients: int
     holder: str
+    live_age: float | None = None
+    extremes: dict[Reading, Extreme] = field(default_factory=dict)
+    alarms: tuple[Alarm, ...] = ()
+    alarm_limits: tuple[AlarmLimit, ...] = ()
+    queue: tuple[Queued, ...] = ()
+    comparison: Comparison | None = None
+    events: int = 0
+    """How many events were noted since the console began."""
+    trouble: str = ""
+    """What keeps the log of events from being written."""
+
+
+def new_run(queued: Queued, campaign_plan: Plan) -> Run:
+    """The run that begins."""
+    return Run(
+        queued.name,
+        queued.folder,
+        len(campaign_plan.tests),
+        time_left=campaign_plan.duration,
+        operator=queued.operator or campaign_plan.campaign.header.operator,
+        specimen=queued.specimen or campaign_plan.campaign.header.specimen,
+    )
 
 
 def advanced(progress: Progress, paused: bool) -> dict[str, object]:

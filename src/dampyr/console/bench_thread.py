@@ -7,15 +7,21 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from dampyr.campaigns import Control, Plan, Progress, Stopped, exit_status, perform
-from dampyr.console.bench_state import Live, Phase, Run, advanced
+from dampyr.console.bench_alarms import Alarms
+from dampyr.console.bench_events import EventLog
+from dampyr.console.bench_state import Live, Phase, Queued, Run, advanced, new_run
 from dampyr.console.clients import Clients
 from dampyr.console.decimation import MinMaxBins
+from dampyr.console.error_responses import without_places
 from dampyr.console.guided import Guided, Step
 from dampyr.console.jogging import Jogging
+from dampyr.console.page_words import in_page_words
 from dampyr.console.preload import warm_up
+from dampyr.console.run_reference import REPORT, RunReference
 from dampyr.errors import DampyrError, InputError, RigFault
 from dampyr.rig import Rig, Table
 from dampyr.rig.firmware.protocol import Status
@@ -24,6 +30,7 @@ from dampyr.rig.load_cell_calibration import Calibrating
 
 GRACE = 4.0  # s that an armed rig waits for a page that is loaded anew
 POLL = 0.25  # s between two looks at an idle rig
+AGAIN = 5.0  # s until a board that could not be read is tried again while the rig is disarmed
 
 
 class Cancelled(DampyrError):
@@ -33,8 +40,9 @@ class Cancelled(DampyrError):
 class BenchThread:
     """What is known of the rig, and the jobs that wait for it."""
 
-    def __init__(self, clients: Clients, clock: Callable[[], float]) -> None:
+    def __init__(self, clients: Clients, clock: Callable[[], float], folder: Path) -> None:
         self.clients, self.clock, self.born = clients, clock, clock()
+        self.events, self.alarms, self._data = EventLog(folder), Alarms(folder), folder.parent
         self.lock = threading.RLock()
         self.phase: Phase = "disconnected"
         self.note, self.fault, self.tripped = "", False, ""
@@ -43,15 +51,21 @@ class BenchThread:
         self.identity = ""
         self.status: Status | None = None
         self.live: Live | None = None
+        self.live_at = 0.0
+        """When ``live`` was read, s of the clock."""
         self.strips: MinMaxBins | None = None
         self.guided: Guided | None = None
         self.steps: Calibrating | None = None
         self.run: Run | None = None
+        self.run_folder: Path | None = None
+        self.reference: RunReference | None = None
+        self.halted = threading.Event()
+        self.queue: list[tuple[Queued, Callable[[], tuple[Plan, Path, RunReference | None]]]] = []
         self.control, self.jogging = Control(), Jogging(clock)
         self.disarm_requested, self.aborted, self.closing = threading.Event(), threading.Event(), threading.Event()
         self.jobs: queue.Queue[Callable[[], None]] = queue.Queue()
         self._motions: queue.Queue[tuple[str, Callable[[Table], None]]] = queue.Queue()
-        self._mover = ""
+        self._mover, self._unread = "", 0.0
         self._thread = threading.Thread(target=self._work, name="bench", daemon=True)
         self._thread.start()
 
@@ -65,6 +79,11 @@ class BenchThread:
         """Something worth telling."""
         with self.lock:
             self.note, self.fault = note, fault
+
+    def note_event(self, who: str, what: str) -> None:
+        """Note an event; while a campaign runs its folder gets it too."""
+        running = self.run is not None and self.run.outcome == "running"
+        self.events.add(who, what, self.run_folder if running else None)
 
     def expect(self) -> None:
         """Something is about to begin: what ended the last thing is past."""
@@ -121,6 +140,7 @@ class BenchThread:
                 if self.aborted.is_set():
                     table.abort()
                 self.enter("armed")
+                self.note_event("rig", "armed")
                 while not (self.disarm_requested.is_set() or self.closing.is_set()):
                     self._step(table)
         except Exception as problem:  # told before the bench is idle again
@@ -130,21 +150,60 @@ class BenchThread:
             while not self._motions.empty():
                 self._motions.get_nowait()
             self._look(rig)
+            self.note_event("rig", "disarmed")
             self.enter("idle", unless=("campaign", "disconnecting"))
 
-    def perform(self, campaign_plan: Plan, folder: Path) -> None:
-        """Run a campaign to its end, whatever the end is."""
+    def perform(self, campaign_plan: Plan, folder: Path, reference: RunReference | None = None) -> None:
+        """Run a campaign to its end, whatever the end is; then the next one of the queue, where it was complete."""
         rig = self._begun()
+        self.run_folder, self.reference = folder, reference
+        complete = False
         try:
             self.control.check()
             perform(campaign_plan, rig, folder, self._progress, self.control)
+            complete = True
+            self.note_event("rig", "campaign complete")
             self.progressed(outcome="complete", fraction=1.0, done=len(campaign_plan.tests), time_left=0.0)
         except Exception as problem:
-            self.progressed(outcome=exit_status(problem), reason=str(problem) or type(problem).__name__)
+            outcome, why = exit_status(problem), str(problem) or type(problem).__name__
+            self.note_event("rig", f"campaign {why}" if why.startswith(outcome) else f"campaign {outcome}: {why}")
+            self.progressed(outcome=outcome, reason=why)
             self._tell(problem)
         finally:
             self._look(rig)
-            self.enter("idle")
+            if complete and reference is not None:
+                self._report(folder, reference)
+            if not (complete and self._begin_next()):
+                self.enter("idle")
+
+    def _begin_next(self) -> bool:
+        """Begin the next campaign of the queue; whether there was one that can be run."""
+        with self.lock:
+            if not self.queue or self.closing.is_set():
+                return False
+            queued, prepare = self.queue.pop(0)
+        try:
+            campaign_plan, folder, reference = prepare()
+        except Exception as problem:
+            self._tell(InputError(f"{queued.name}, the next of the queue, was not begun: {problem}"))
+            return False
+        with self.lock:
+            self.expect()
+            self.run, self.run_folder = new_run(queued, campaign_plan), folder
+        self.note_event("queue", f"starts {queued.name} into {queued.folder}")
+        self.jobs.put(partial(self.perform, campaign_plan, folder, reference))
+        return True
+
+    def _report(self, folder: Path, reference: RunReference) -> None:
+        """Have the judgement of a run by its reference written as a report, in a process of its own."""
+        self.progressed(report_state="writing")
+        threading.Thread(target=self._write_report, args=(folder, reference), name="report", daemon=True).start()
+
+    def _write_report(self, folder: Path, reference: RunReference) -> None:
+        why = reference.write_report(folder)
+        with self.lock:
+            if self.run is not None and self.run_folder == folder:
+                self.run = replace(self.run, report="" if why else REPORT, report_state=why)
 
     def read(self, step: Step, read: Callable[[], float]) -> None:
         """A guided step of the calibration."""
@@ -181,12 +240,30 @@ class BenchThread:
 
     def _poll(self) -> None:
         self.clients.silent()
-        if self.rig is not None:
-            try:
-                self.status = self.rig.uno.heartbeat()
-            except RigFault:
-                self.disconnect()
-                raise
+        if self.rig is None:
+            return
+        try:
+            self.status = self.rig.uno.heartbeat()
+        except RigFault:
+            self.disconnect()
+            raise
+        if self.rig.time_passes and self.clients.count and self._unread <= self.clock():
+            self._monitor(self.rig)
+
+    def _monitor(self, rig: Rig) -> None:
+        """Show what a rig reads that is not armed, until there is something to do."""
+        blocks = rig.monitor()
+        try:
+            for samples in blocks:
+                self._seen(samples)
+                self.clients.silent()
+                if not self.jobs.empty() or self.closing.is_set() or not self.clients.count:
+                    return
+        except RigFault as problem:
+            self._unread = self.clock() + AGAIN
+            raise RigFault(f"nothing can be read while the rig is disarmed: {problem}", problem.ring) from None
+        finally:
+            blocks.close()
 
     def _look(self, rig: Rig) -> None:
         """See how the rig was left; one that does not answer is told of by the next poll."""
@@ -202,6 +279,7 @@ class BenchThread:
             self.jogging.steer(table, self.clients.holder)
             self._look_after()
             return
+        self.halted.clear()
         try:
             motion(table)
         except (Cancelled, InputError) as problem:
@@ -224,10 +302,15 @@ class BenchThread:
         self.clients.silent()
         if self.disarm_requested.is_set() or self.closing.is_set():
             raise Cancelled("ended: the rig is disarmed")
+        if self.halted.is_set():
+            raise Cancelled("ended by the operator")
         if self._mover != self.clients.holder:
             raise Cancelled("ended: the page that requested it no longer holds control")
 
     def _progress(self, progress: Progress) -> None:
+        self.clients.silent()  # a page that has vanished keeps no control
+        if self.reference is not None:
+            self.reference.take(progress)
         self.progressed(**advanced(progress, self.control.paused))
 
     def _seen(self, samples: Samples) -> None:
@@ -238,12 +321,20 @@ class BenchThread:
         measured = samples.temperature
         warm = rig.warmth.temperature if measured is None else float(measured[-1])
         strips.take(samples, warm, self.clock() - self.born)
-        self.status = samples.status
+        for words in self.alarms.take(samples, warm, rig.settings.board.rate):
+            # a disk that hesitates must not hold up the thread that reads
+            threading.Thread(target=self.note_event, args=("alarm", words), name="alarm", daemon=True).start()
+        self.status, self.live_at = samples.status, self.clock()
         self.live = Live(float(samples.displacement[-1]), float(samples.force[-1]), float(samples.voltage[-1]), warm)
 
     def _tell(self, problem: Exception) -> None:
         if isinstance(problem, RigFault) and problem.ring == "interlock":
             self.tripped = str(problem)
+        if isinstance(problem, RigFault) and problem.ring != "operator":  # who aborts knows of it, and the log has it
+            self.note_event("rig", str(problem))
+            self.alarms.raise_alarm(str(problem))
         expected = isinstance(problem, DampyrError)
-        words = str(problem) if expected else f"an error of dampyr: {type(problem).__name__}: {problem}"
+        words = in_page_words(without_places(str(problem), self._data))
+        if not expected:
+            words = f"an error of dampyr: {type(problem).__name__}: {words}"
         self.say(words, fault=not isinstance(problem, Cancelled | Stopped))

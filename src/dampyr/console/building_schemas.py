@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from dampyr import ground_motions, registry, structures
 from dampyr.console import safe_paths
+from dampyr.console.dampers import CARDS
 from dampyr.ground_motions import GroundMotion
 from dampyr.ground_motions.motion_files import REGISTRY as FORMATS
 from dampyr.structures import EnsembleOptions, Limit, SimulateOptions
@@ -128,3 +129,11 @@ class EnsembleRequest(Strict):
             limits=(Limit(self.quantity, self.limit),),
             after=self.after,
         )
+
+
+def files_read(data: Path, damper: str, motion: str) -> list[Path]:
+    """The card and the motion of a request, where they are files of the data folder."""
+    return [
+        *([data / damper] if damper.startswith(f"{CARDS}/") else []),
+        *([data / MOTIONS / motion] if motion else []),
+    ]

@@ -9,6 +9,7 @@ from pydantic import BaseModel, Field
 from dampyr.figures.style import thin
 
 POINTS = 1600  # of a line: about the columns of a wide screen
+ZOOMED = 4000  # of a record's histories, which are zoomed into
 
 
 class Line(BaseModel):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
+from typing import Any
 
 from pydantic import BaseModel
 
@@ -13,6 +14,7 @@ from dampyr.errors import DampyrError, InputError
 from dampyr.models import Damper
 
 CARDS = "cards"
+MAX_CARD = 2**20  # bytes: a card with the covariance of 60 parameters has a tenth
 
 
 class DamperLink(BaseModel):
@@ -28,7 +30,10 @@ class DamperLink(BaseModel):
 def damper_of(data: Path, name: str) -> Damper:
     """The damper of a card of the data folder (``cards/NAME.toml``), or the published one of this name."""
     if name.startswith(f"{CARDS}/"):
-        return Damper.load(safe_paths.existing(data, name))
+        path = safe_paths.existing(data, name)
+        if (size := path.stat().st_size) > MAX_CARD:
+            raise InputError(f"{name} has {size / 1024:.0f} KiB, a card has at most {MAX_CARD // 1024}; choose another")
+        return Damper.load(path)
     if name not in studies.available_dampers():  # never a file of this name wherever the console was started
         cards = safe_paths.files(data / CARDS, (".toml",))
         names = [*(f"{CARDS}/{card}" for card in cards), *studies.available_dampers()]
@@ -56,3 +61,8 @@ def dampers(data: Path) -> list[DamperLink]:
         title = name.removeprefix(f"{CARDS}/").removesuffix(".toml") if name in cards else f"published: {name}"
         links.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high))
     return links
+
+
+def list_dampers(data: Path) -> list[dict[str, Any]]:
+    """`dampers` as plain values."""
+    return [each.model_dump() for each in dampers(data)]

@@ -11,9 +11,12 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
+from dampyr.console.page_words import in_page_words
 from dampyr.errors import DampyrError, MissingData
 
 LOG = logging.getLogger("dampyr.console")
+MAX_SENTENCE = 600  # characters that a person reads
+MAX_TEXT = 20_000  # characters that are looked at: a message that lists a file's names may have millions
 FAULT = "something went wrong inside dampyr; see the console's own output"
 
 
@@ -22,7 +25,7 @@ def add_handlers(to: FastAPI, data: Path) -> None:
 
     async def answer_dampyr_error(request: Request, problem: Exception) -> JSONResponse:
         code = 404 if isinstance(problem, MissingData) else 400
-        return answer(code, without_places(str(problem), data))
+        return answer(code, in_page_words(without_places(str(problem)[:MAX_TEXT], data)))
 
     async def refused(request: Request, problem: Exception) -> JSONResponse:
         assert isinstance(problem, HTTPException)
@@ -44,7 +47,10 @@ def add_handlers(to: FastAPI, data: Path) -> None:
 
 def answer(code: int, sentence: str, headers: Any = None) -> JSONResponse:
     """An error's answer: ``{"detail": sentence}``."""
-    return JSONResponse({"detail": " ".join(sentence.split())}, code, headers)
+    words = " ".join(sentence[:MAX_TEXT].split())
+    return JSONResponse(
+        {"detail": words if len(words) <= MAX_SENTENCE else f"{words[: MAX_SENTENCE - 2]} …"}, code, headers
+    )
 
 
 def without_places(sentence: str, data: Path) -> str:

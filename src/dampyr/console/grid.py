@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 
 from dampyr.campaigns import Plan, campaign_of, plan, specimen
 from dampyr.campaigns.steps.earthquake import BUILT_IN
+from dampyr.config import parse_toml
 from dampyr.console.safe_paths import inside
 from dampyr.errors import InputError
 from dampyr.report.plan_page import FORCES, largest_amplitude
@@ -57,7 +57,7 @@ def grid_text(grid: Grid) -> str:
 
 def grid_of(text: str) -> Grid | None:
     """The grid that a campaign's TOML says and nothing else; None where it says more."""
-    document = tomllib.loads(text)
+    document = parse_toml(text)
     steps = document.pop("step", None)
     order = document.pop("order", "as written")
     allowed = {"name", "operator", "note", "seed"}
@@ -95,16 +95,11 @@ def _quoted(text: str) -> str:
 def planned_text(text: str, data: Path, rig: RigSettings, rig_folder: Path | None) -> Plan:
     """The plan of a campaign's TOML; files that it names are those beside the campaigns of ``data``."""
     try:
-        document = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as problem:
-        raise InputError(f"this is not valid TOML ({' '.join(str(problem).split())}); correct it there") from None
+        document = parse_toml(text)
+    except InputError as problem:
+        raise InputError(f"this is not valid TOML: {problem}") from None
     _check_files(document, data / FOLDER)
-    campaign = campaign_of(document, data / FOLDER)
-    if len(campaign.tests) > MAX_TESTS:
-        raise InputError(
-            f"the campaign has {len(campaign.tests)} tests, a page plans at most {MAX_TESTS}; use dampyr run --dry-run"
-        )
-    return plan(campaign, rig, specimen(rig, rig_folder))
+    return plan(campaign_of(document, data / FOLDER, max_tests=MAX_TESTS), rig, specimen(rig, rig_folder))
 
 
 def _check_files(document: Mapping[str, Any], folder: Path) -> None:

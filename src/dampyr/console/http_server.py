@@ -37,6 +37,7 @@ def serve(
     """
     import uvicorn
 
+    from dampyr.console import workers
     from dampyr.console.application import QUOTA, app
 
     local = is_loopback(host)
@@ -44,6 +45,7 @@ def serve(
     if token is not None and len(token) < 8:
         raise InputError(f"a token of {len(token)} letters is too short; give at least 8")
     listening = _listening(host, port)
+    workers.preload()
     application = app(data, token, local, quota or QUOTA, opener=opener)
     address = f"http://{_shown(host)}:{listening.getsockname()[1]}/" + (f"?token={token}" if token else "")
     tell(address)
@@ -56,7 +58,15 @@ def serve(
         "server_header": False,
         "ws_max_size": 2**20,
     }
-    uvicorn.Server(uvicorn.Config(application, timeout_graceful_shutdown=3, **settings)).run(sockets=[listening])
+
+    class Server(uvicorn.Server):
+        """Ends in order however often it is told to: the rig is disarmed, and a second Ctrl+C cannot cut that short."""
+
+        def handle_exit(self, sig: int, frame: Any) -> None:
+            if not self.should_exit:
+                super().handle_exit(sig, frame)
+
+    Server(uvicorn.Config(application, timeout_graceful_shutdown=3, **settings)).run(sockets=[listening])
 
 
 def _listening(host: str, port: int) -> socket.socket:

@@ -29,6 +29,8 @@ State = Literal["waiting", "running", "done", "failed", "cancelled"]
 ENDED = ("done", "failed", "cancelled")
 MAX_ENDED = 60  # jobs: their folders hold pages and curves, and the disk is bounded
 MAX_WAITING = 20  # jobs: more is a page that repeats itself
+STOPPED = "the console was stopped while it ran or waited; run it again"
+ENDED_HARD = "the console ended unexpectedly while it ran or waited; run it again"
 GRACE = 3.0  # s that a cancelled job has to end by itself
 
 
@@ -129,6 +131,8 @@ class Jobs:
         with self._lock:
             self._closed = True
             running = list(self._running.values())
+            for job in [each for each in self._jobs.values() if each.state not in ENDED]:
+                self._keep(replace(job, state="failed", reason=STOPPED, ended=time.time()))
             self._lock.notify_all()
         for process in running:
             _end(process)
@@ -140,7 +144,7 @@ class Jobs:
             except (ValueError, TypeError):
                 continue
             if job.state not in ENDED:
-                job = replace(job, state="failed", reason="the console was stopped; start it again", ended=time.time())
+                job = replace(job, state="failed", reason=ENDED_HARD, ended=time.time())
             self._keep(job)
 
     def _keep(self, job: Job) -> None:

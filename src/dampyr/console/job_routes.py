@@ -9,6 +9,7 @@ from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
 from dampyr.console.job_processes import Job, State
+from dampyr.console.page_words import in_page_words
 from dampyr.console.state import Here
 
 Id = Annotated[str, InPath(pattern="^[0-9a-f]{16}$")]
@@ -39,7 +40,7 @@ class JobInFull(JobState):
 
 def as_job_state(job: Job) -> JobState:
     """A job as the API returns it."""
-    return JobState(**vars(job))
+    return JobState(**vars(job) | {"reason": in_page_words(job.reason)})
 
 
 @router.get("/jobs")
@@ -53,7 +54,7 @@ def read_job(id: Id, here: Here) -> JobInFull:
     """One job: its state, its request, and its result once it is done."""
     job = here.jobs.job(id)
     result = here.jobs.result(id) if job.state == "done" else None
-    return JobInFull(**vars(job), request=here.jobs.request(id), result=result)
+    return JobInFull(**vars(as_job_state(job)), request=here.jobs.request(id), result=result)
 
 
 @router.post("/jobs/{id}/cancel")

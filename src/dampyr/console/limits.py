@@ -1,77 +1,62 @@
-"""Reading of an uploaded file in a process with limits: ``python -m dampyr.console.limits``.
+"""What a process may take that reads or plans for a request: memory, time and output.
 
-The content of a file is unknown until it is read, and a small file can unfold to a large one. So it is read where memory, time
-and output are bounded, and saved as dampyr's own record file; the uploaded file is never opened anywhere else.
+The content of a file is unknown until it is read, and a small file can unfold to a large one; so can a campaign of a few lines.
 """
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-import warnings
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass
 
-from dampyr.errors import DampyrError, FileError, InputError
-
-MEMORY = 3 * 2**30  # bytes: 48 times the largest upload, since a small file can unfold to a large one
-SECONDS = 60  # s: longer than a person waits for an upload
-WRITTEN = 512 * 2**20  # bytes: eight times the largest upload
-TOO_MUCH = "the file takes more time or memory to read than an upload may; read it with `dampyr records` instead"
+MIB = 2**20  # bytes
+UNATTENDED = (
+    600  # s of the processor: whoever waits ends it sooner, by the wall clock, unless the console is stopped itself
+)
+TOO_LONG = "it takes more than the {seconds:g} s that a request may take; {repair}"
+TOO_MUCH = "it takes more memory than the {memory:.0f} MiB that a request may take; {repair}"
 
 
-def read_apart(path: Path, to: Path, said: dict[str, Any]) -> None:
-    """Read the record in ``path`` in a process of its own and write it to ``to``, an .h5 file.
+@dataclass(frozen=True)
+class Limits:
+    """Of one request: ``memory`` bytes of address space, ``seconds`` of the wall clock, ``written`` bytes.
 
-    ``said`` is what :func:`dampyr.records.read` takes besides. Raises InputError with what was wrong.
+    ``repair`` says what a person can do where one of them is passed.
     """
-    request = json.dumps({"path": str(path), "to": str(to), "said": said})
-    command = [sys.executable, "-m", "dampyr.console.limits"]
-    try:
-        done = subprocess.run(command, input=request, capture_output=True, text=True, timeout=SECONDS, check=False)
-    except subprocess.TimeoutExpired:
-        raise InputError(TOO_MUCH) from None
-    if done.returncode == 2:
-        raise InputError(json.loads(done.stdout)["reason"].replace(f"{path}", path.name))
-    if done.returncode != 0 or not to.is_file():
-        raise InputError(TOO_MUCH)
+
+    memory: int
+    seconds: float
+    written: int = 512 * MIB
+    repair: str = "request less at once"
+
+    @property
+    def too_long(self) -> str:
+        """What is said where the time is up."""
+        return TOO_LONG.format(seconds=self.seconds, repair=self.repair)
+
+    @property
+    def too_much(self) -> str:
+        """What is said where the memory is not enough."""
+        return TOO_MUCH.format(memory=self.memory / MIB, repair=self.repair)
+
+    def apply(self) -> None:
+        """Bound what this process may take, where the system can; the time besides by who waits for it."""
+        try:
+            import resource
+        except ImportError:  # Windows has no such limits
+            return
+        for what, limit in (
+            (resource.RLIMIT_AS, self.memory),
+            (resource.RLIMIT_CPU, UNATTENDED),
+            (resource.RLIMIT_FSIZE, self.written),
+            (resource.RLIMIT_CORE, 0),
+        ):
+            resource.setrlimit(what, (limit, limit))
 
 
-def bound() -> None:
-    """Bound what this process may take, where the system can."""
-    try:
-        import resource
-    except ImportError:  # Windows: the time alone is bounded, by who waits
-        return
-    for what, limit in (
-        (resource.RLIMIT_AS, MEMORY),
-        (resource.RLIMIT_CPU, SECONDS),
-        (resource.RLIMIT_FSIZE, WRITTEN),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        resource.setrlimit(what, (limit, limit))
-
-
-def main() -> int:
-    """Read and write what standard input asks for; 2 where the file is wrong, with the reason on standard output."""
-    request = json.load(sys.stdin)
-    bound()
-    from dampyr import records
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            record = records.read(request["path"], **request["said"])
-            records.describe(record)
-            records.write(record, request["to"])
-    except DampyrError as problem:
-        if isinstance(problem, FileError) and problem.path == Path(request["to"]):
-            return 1  # it came to more than may be written
-        print(json.dumps({"reason": str(problem)}))
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+PLANNING = Limits(1024 * MIB, 30.0, repair="plan fewer or shorter tests at once")
+"""400 tests take 300 MiB and 5 s on one core."""
+READING = Limits(
+    1536 * MIB, 60.0, repair="choose fewer or smaller files, or read them with the command `dampyr records`"
+)
+"""64 MiB of text take 1 GiB and 20 s."""
+LISTING = Limits(1536 * MIB, 60.0, repair="read the file with the command `dampyr records`")
+"""For each file of a list."""

@@ -9,23 +9,26 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
 from dampyr.console import record_sources
-from dampyr.console.dampers import CARDS, DamperLink, damper_of, dampers
+from dampyr.console.dampers import CARDS, DamperLink, damper_of, list_dampers
+from dampyr.console.equivalent_commands import accept_command
+from dampyr.console.limits import READING
 from dampyr.console.state import Here
 from dampyr.identification import Acceptance, Accepted, AcceptOptions, Point, Tolerance, accept_records
 from dampyr.identification.acceptance import QUANTITIES, Quantity, band
 from dampyr.models import Damper
 from dampyr.records import Record
-from dampyr.report import write_acceptance_page
+from dampyr.report import made_by, write_acceptance_page
+from dampyr.to_json import plain
 
 MAX_RECORDS = 6  # as many as the page has colours for
 MAX_POINTS, MAX_OUTSIDE = 900, 200  # what a chart can show and a person reads
 
-Key = Annotated[str, Field(min_length=3, max_length=340)]
+Key = Annotated[str, Field(min_length=3, max_length=640)]
 Slack = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
 
 router = APIRouter()
@@ -103,6 +106,8 @@ class Judged(BaseModel):
 class Band(BaseModel):
     """The band along the speed for the records of one input, in one direction, SI."""
 
+    input: str | None
+    input_value: float | None
     quantity: Quantity
     speed: list[float]
     expected: list[float]
@@ -119,31 +124,42 @@ class Judgement(BaseModel):
 
 
 @router.get("/references")
-def list_references(here: Here) -> list[DamperLink]:
+async def list_references(here: Here, request: Request) -> list[DamperLink]:
     """Dampers that records can be judged by; every record can be a reference, too."""
-    return dampers(here.data)
+    return [DamperLink(**each) for each in await here.workers.run(request, READING, list_dampers, here.data)]
 
 
 @router.get("/acceptance")
-def judge(here: Here, query: Annotated[AcceptanceRequest, Query()]) -> Judgement:
+async def judge(here: Here, request: Request, query: Annotated[AcceptanceRequest, Query()]) -> Judgement:
     """Judge every whole cycle of records by a reference; see `dampyr.identification.accept`."""
-    accepted = _judged(here.data, query)
-    keys = dict.fromkeys(query.key)
-    return Judgement(
-        records=[_summarise(key, one) for key, one in zip(keys, accepted.results, strict=True)],
-        bands=_bands(accepted.results),
-        data=accepted.as_dict(),
-    )
+    return Judgement(**await here.workers.run(request, READING, judgement_of, here.data, query))
 
 
 @router.get("/acceptance/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
-def give_page(here: Here, query: Annotated[AcceptanceRequest, Query()]) -> Response:
+async def give_page(here: Here, request: Request, query: Annotated[AcceptanceRequest, Query()]) -> Response:
     """The page as `dampyr accept --report` writes it, as a file to keep."""
-    accepted = _judged(here.data, query)
-    with tempfile.TemporaryDirectory(prefix="dampyr-") as folder:
-        html = write_acceptance_page(accepted, Path(folder) / "page.html").read_bytes()
+    html = await here.workers.run(request, READING, page_of, here.data, query)
     said = {"content-disposition": 'attachment; filename="acceptance.html"'}
     return Response(html, media_type="text/html", headers=said)
+
+
+def judgement_of(data: Path, query: AcceptanceRequest) -> dict[str, Any]:
+    """A `Judgement` as plain values."""
+    accepted = _judged(data, query)
+    keys = dict.fromkeys(query.key)
+    return {
+        "records": [_summarise(key, one).model_dump() for key, one in zip(keys, accepted.results, strict=True)],
+        "bands": [each.model_dump() for each in _bands(accepted.results)],
+        "data": plain(accepted.as_dict()),
+    }
+
+
+def page_of(data: Path, query: AcceptanceRequest) -> str:
+    """The report's page."""
+    accepted = _judged(data, query)
+    cards = [data / name for name in query.reference if name.startswith(f"{CARDS}/")]
+    with tempfile.TemporaryDirectory(prefix="dampyr-") as folder, made_by(accept_command(query), cards):
+        return write_acceptance_page(accepted, Path(folder) / "page.html").read_text("utf-8")
 
 
 def _judged(data: Path, query: AcceptanceRequest) -> Accepted:
@@ -212,12 +228,19 @@ def _bands(acceptances: Sequence[Acceptance]) -> list[Band]:
     for one in acceptances:
         groups.setdefault((one.input, one.input_value), []).append(one)
     made = []
-    for _, some in sorted(groups.items(), key=lambda group: math.inf if group[0][1] is None else group[0][1]):
+    for (unit, value), some in sorted(
+        groups.items(), key=lambda group: math.inf if group[0][1] is None else group[0][1]
+    ):
         for quantity in QUANTITIES[:2]:
             rows = band(some, quantity)
             if rows:
                 speed, expected, low, high = map(list, zip(*rows, strict=True))
-                made.append(Band(quantity=quantity, speed=speed, expected=expected, low=low, high=high))
+                made.append(
+                    Band(
+                        input=unit, input_value=value, quantity=quantity,
+                        speed=speed, expected=expected, low=low, high=high,
+                    )
+                )  # fmt: skip
     return made
 
 

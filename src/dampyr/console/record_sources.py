@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import warnings
+from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -55,14 +56,36 @@ def source(data: Path, name: str) -> Source:
 
 
 def keys(of: Source) -> list[str]:
-    """The keys of the records of a source, such as ``data/lab/test 1.csv``; files that are no records are left out."""
-    record_keys = []
-    for name in sorted(safe_paths.files(of.folder, SUFFIXES), key=_order):
-        path = of.folder / name
-        if path.name == TABLE or name.startswith(NOT_RECORDS) or not _is_record(path):
-            continue
-        record_keys.append(f"{of.name}/{name}")
-    return record_keys[:MAX_RECORDS]
+    """The keys of the files of a source that may be records, such as ``data/lab/test 1.csv``; none is opened here."""
+    names = sorted(safe_paths.files(of.folder, SUFFIXES), key=_order)
+    return [f"{of.name}/{name}" for name in names if Path(name).name != TABLE and not name.startswith(NOT_RECORDS)]
+
+
+def left_out(of: Source) -> dict[str, str]:
+    """The keys of what is left out because of its name or as a link, with the reason."""
+    return {f"{of.name}/{name}": why for name, why in safe_paths.left_out(of.folder, SUFFIXES).items()}
+
+
+def superseded(described: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """Why records are left out unless they are asked for, by their keys, as a command that reads their folder leaves them out.
+
+    ``described`` is key -> what `dampyr.records.describe` gives.
+    """
+    best: dict[tuple[str, str], tuple[int, str]] = {}
+    reasons, tries = {}, {}
+    for key, about in described.items():
+        said = about["provenance"]
+        if said.get("complete") == "no":
+            reasons[key] = "interrupted: its recording was not completed"
+        elif "test" in said:
+            place_of_test = (key.rpartition("/")[0], said["test"])
+            tries[key] = place_of_test
+            best[place_of_test] = max(best.get(place_of_test, (0, "")), (int(said.get("try", "1")), key))
+    for key, place_of_test in tries.items():
+        attempt, last = best[place_of_test]
+        if key != last:
+            reasons[key] = f"done again: try {attempt} of this test is the last"
+    return reasons
 
 
 def _order(name: str) -> tuple[Any, ...]:
@@ -70,7 +93,8 @@ def _order(name: str) -> tuple[Any, ...]:
     return (name.rpartition("/")[0], natural(Path(name)))
 
 
-def _is_record(path: Path) -> bool:
+def is_record(path: Path) -> bool:
+    """Whether a file is meant as a record: no text without numbers, and none that a ``reading.toml`` leaves out."""
     if path.suffix.lower() not in PLAIN_TEXT:
         return True
     try:
@@ -88,30 +112,6 @@ def place(data: Path, key: str) -> Path:
 def read(data: Path, key: str) -> Record:
     """The record of a key, with what the campaign's table beside it says."""
     path = place(data, key)
-    stamp = path.stat()
-    return _read(
-        path, stamp.st_mtime_ns, stamp.st_size, _stamp(path.parent / TABLE), _stamp(path.parent / "reading.toml")
-    )
-
-
-def described(data: Path, key: str) -> dict[str, Any]:
-    """What is known of the record of a key; ``problem`` instead where it cannot be read."""
-    return _described(read(data, key))
-
-
-def read_all(data: Path, chosen: list[str]) -> list[Record]:
-    """The records of several keys, each once."""
-    if not chosen:
-        raise InputError("no record is chosen; choose one or more")
-    return [read(data, key) for key in dict.fromkeys(chosen)]
-
-
-def _stamp(path: Path) -> int:
-    return path.stat().st_mtime_ns if path.is_file() else 0
-
-
-@lru_cache(maxsize=256)
-def _read(path: Path, *_: int) -> Record:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         if (path.parent / TABLE).is_file():
@@ -121,6 +121,45 @@ def _read(path: Path, *_: int) -> Record:
         return records.read(path)
 
 
-@lru_cache(maxsize=512)
-def _described(record: Record) -> dict[str, Any]:
-    return records.describe(record)
+def stamp(data: Path, key: str) -> tuple[Any, ...]:
+    """Changes where the record of a key may read otherwise: its file, and what stands beside it."""
+    path = place(data, key)
+    own = path.stat()
+    return (own.st_mtime_ns, own.st_size, _stamp(path.parent / TABLE), _stamp(path.parent / "reading.toml"))
+
+
+def read_all(data: Path, chosen: list[str]) -> list[Record]:
+    """The records of several keys, each once."""
+    if not chosen:
+        raise InputError("no record is chosen; choose one or more")
+    keys_once = list(dict.fromkeys(chosen))
+    chosen_records = [read(data, key) for key in keys_once]
+    names = unique_names([record.name for record in chosen_records], keys_once)
+    return [
+        record
+        if record.name == name
+        else record.replace(note=f"called {name!r} here, as another has its name", name=name)
+        for record, name in zip(chosen_records, names, strict=True)
+    ]
+
+
+def unique_names(names: list[str], keys_of_them: list[str]) -> list[str]:
+    """The names of records, those that repeat with as much of their place in brackets as tells them apart."""
+    repeated = {name for name, count in Counter(names).items() if count > 1}
+    ways: list[Callable[[Path], str]] = [
+        lambda path: path.parent.name,
+        lambda path: path.name,
+        lambda path: path.as_posix(),
+    ]
+    for way in ways:
+        shown = [
+            f"{name} ({way(Path(key))})" if name in repeated else name
+            for name, key in zip(names, keys_of_them, strict=True)
+        ]
+        if len(set(shown)) == len(shown):
+            return shown
+    return shown
+
+
+def _stamp(path: Path) -> int:
+    return path.stat().st_mtime_ns if path.is_file() else 0

@@ -5,12 +5,17 @@ from __future__ import annotations
 import os
 import re
 import threading
+from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from dampyr.errors import InputError, MissingData
 
-NAME = re.compile(r"[^\W_][\w .()+@=-]{0,99}", re.UNICODE)
-MAX_NAME_LENGTH = 300  # characters of a path below the data folder
+NEW_NAME = re.compile(r"[^\W_][\w .()+@=-]{0,99}", re.UNICODE)
+NO_PART = frozenset('<>:"|?*/\\')
+"""What parts a path, or what some system does not allow in a name."""
+MAX_NAME = 255  # bytes: what a file system takes
+MAX_NAME_LENGTH = 600  # characters of a path below the data folder
+MAX_FILES = 20_000  # that are looked at below a folder: the list of a page shows 500
 OWN = ".console"
 """The console's own folder below the data folder: jobs, notes."""
 ALONE = threading.Lock()
@@ -25,7 +30,8 @@ def inside(root: Path, name: str) -> Path:
     parts = PurePosixPath(name).parts if len(name) <= MAX_NAME_LENGTH else ()
     if not parts or "\\" in name or name.startswith("/") or not all(map(is_name, parts)):
         raise InputError(
-            f"{name[:60]!r} is not a valid file name; use letters, digits, space and .()+@=-_ , folders separated by /"
+            f'{name[:60]!r} is not a valid file name; leave out <>:"|?*\\ and what is not printed, begin it with a letter or '
+            "a digit, and separate folders by /"
         )
     place = root
     for part in parts:
@@ -36,8 +42,36 @@ def inside(root: Path, name: str) -> Path:
 
 
 def is_name(text: str) -> bool:
-    """Whether a text is the name of one file or folder: no dot or space first or last, nothing that parts a path."""
-    return bool(NAME.fullmatch(text)) and text == text.strip() and not text.endswith(".")
+    """Whether a text is the name of one file or folder: printable, nothing that parts a path, no dot, space, ~ or - first."""
+    return (
+        bool(text)
+        and text.isprintable()
+        and not NO_PART & set(text)
+        and text[0] not in ".-~ "
+        and text[-1] not in ". "
+        and len(text.encode("utf-8", "surrogateescape")) <= MAX_NAME
+    )
+
+
+def is_new_name(text: str) -> bool:
+    """Whether a file may be written under a name: letters, digits, space and .()+@=-_ , at most 100 of them."""
+    return bool(NEW_NAME.fullmatch(text)) and is_name(text)
+
+
+def new_name(text: str) -> str:
+    """A name under which a file that is called ``text`` elsewhere can be written; "" where nothing of it is left."""
+    stem, dot, suffix = text.rpartition(".") if "." in text else (text, "", "")
+    safe = re.sub(r"[^\w .()+@=-]", "_", stem, flags=re.UNICODE).strip(" ._-~+@=()")[: 90 - len(suffix)].strip(" .")
+    return f"{safe}{dot}{suffix}" if safe and is_new_name(f"{safe}{dot}{suffix}") else ""
+
+
+def why_left_out(path: Path) -> str:
+    """Why `files` leaves out a file or folder, "" where it does not."""
+    if path.is_symlink():
+        return "it is a link, and links are not followed; copy the file itself"
+    if not is_name(path.name):
+        return "its name cannot be used here; rename it with letters, digits, space and .()+@=-_"
+    return ""
 
 
 def existing(root: Path, name: str) -> Path:
@@ -50,14 +84,32 @@ def existing(root: Path, name: str) -> Path:
 
 def files(root: Path, suffixes: tuple[str, ...]) -> list[str]:
     """The names of the files below ``root`` with one of the suffixes, sorted; links and hidden ones left out."""
-    paths = []
+    return sorted(path.relative_to(root).as_posix() for path, why in _walk(root, suffixes) if not why)
+
+
+def left_out(root: Path, suffixes: tuple[str, ...]) -> dict[str, str]:
+    """The files and folders that `files` leaves out, but hidden ones, each with the reason."""
+    return {
+        path.relative_to(root).as_posix().encode("utf-8", "replace").decode(): why
+        for path, why in _walk(root, suffixes)
+        if why
+    }
+
+
+def _walk(root: Path, suffixes: tuple[str, ...]) -> Iterator[tuple[Path, str]]:
+    seen = 0
     for folder, inner, names in os.walk(root, followlinks=False):
-        inner[:] = [name for name in inner if is_name(name)]
+        inner[:] = sorted(name for name in inner if not name.startswith("."))
+        refused = {name: why for name in inner if (why := why_left_out(Path(folder, name)))}
+        yield from ((Path(folder, name), why) for name, why in refused.items())
+        inner[:] = [name for name in inner if name not in refused]
         for name in names:
             path = Path(folder, name)
-            if path.suffix.lower() in suffixes and is_name(name) and not path.is_symlink():
-                paths.append(path.relative_to(root).as_posix())
-    return sorted(paths)
+            if path.suffix.lower() in suffixes and not name.startswith("."):
+                yield path, why_left_out(path)
+            seen += 1
+        if seen > MAX_FILES:
+            return
 
 
 def used(root: Path) -> int:

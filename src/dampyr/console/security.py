@@ -10,8 +10,10 @@ from __future__ import annotations
 import hmac
 import ipaddress
 import socket
+import time
+from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
@@ -28,6 +30,9 @@ COOKIE = "dampyr_token"
 MAX_BODY = 2**20  # bytes: far above the largest request, a campaign's text of 64 KiB
 MAX_UPLOAD = 64 * 2**20  # bytes: many times a record of the published campaign
 UPLOAD = "application/octet-stream"
+ALLOWED = 5  # wrong tokens: a person mistypes a few times
+PAUSE = 10.0  # s: six tokens a minute find none of 32 letters
+MAX_ADDRESSES = 10_000  # that are remembered: 1 MB
 SAFE = ("GET", "HEAD", "OPTIONS")
 POLICY = "; ".join(
     (
@@ -110,11 +115,37 @@ def same(given: str, token: str) -> bool:
     return hmac.compare_digest(given.encode(), token.encode())
 
 
+@dataclass
+class Brake:
+    """Wrong tokens by the address that they came from: after `ALLOWED` different ones each next one is `PAUSE` s away.
+
+    One that is sent again counts once: a page that was left open has the token of the console before.
+    """
+
+    clock: Callable[[], float]
+    _wrong: OrderedDict[str, tuple[tuple[int, ...], float]] = field(default_factory=OrderedDict)
+
+    def wait(self, address: str) -> float:
+        """s until a token from ``address`` is looked at."""
+        wrong, last = self._wrong.get(address, ((), 0.0))
+        return max(0.0, last + PAUSE - self.clock()) if len(wrong) >= ALLOWED else 0.0
+
+    def count(self, address: str, given: str, right: bool) -> None:
+        """A token was looked at."""
+        wrong, last = self._wrong.pop(address, ((), 0.0))
+        if not right:
+            new = hash(given) not in wrong
+            latest = (*wrong, hash(given))[-ALLOWED:] if new else wrong
+            self._wrong[address] = (latest, self.clock() if new else last)
+        while len(self._wrong) > MAX_ADDRESSES:
+            self._wrong.popitem(last=False)
+
+
 class Guard:
     """The outermost layer of the console: `Rules` before everything, headers on everything, bodies counted."""
 
-    def __init__(self, inner: Any, rules: Rules) -> None:
-        self.inner, self.rules = inner, rules
+    def __init__(self, inner: Any, rules: Rules, clock: Callable[[], float] = time.monotonic) -> None:
+        self.inner, self.rules, self.brake = inner, rules, Brake(clock)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "lifespan":
@@ -128,11 +159,25 @@ class Guard:
 
     def _answer(self, scope: Scope) -> Response | None:
         """The answer to what does not reach the application: a refusal, or the address with a token in it."""
+        if (braked := self._braked(scope)) is not None:
+            return braked
         entered = self._entered(scope)
         if entered is not None:
             return entered
         refusal = self.rules.refusal(scope)
         return None if refusal is None else JSONResponse({"detail": refusal[1]}, refusal[0])
+
+    def _braked(self, scope: Scope) -> Response | None:
+        """The answer to an address that has sent wrong tokens again and again: none of its tokens is looked at for a while."""
+        token, given = self.rules.token, _given(scope)
+        address = (scope.get("client") or ("",))[0]
+        if token is None or not given or scope["path"] in self.rules.open_here:
+            return None
+        if (seconds := self.brake.wait(address)) > 0.0:
+            words = f"too many wrong tokens came from this address; wait {seconds:.0f} s, and try again"
+            return JSONResponse({"detail": words}, 429, {"retry-after": f"{seconds:.0f}"})
+        self.brake.count(address, given, same(given, token))
+        return None
 
     def _entered(self, scope: Scope) -> Response | None:
         """``/?token=...`` with the right token: keep it in a cookie, and take it out of the address."""
@@ -236,6 +281,16 @@ def _is_address(name: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _given(scope: Scope) -> str:
+    """The token that a request brings, wherever it stands; "" where it brings none."""
+    if scope["path"] == "/":
+        return parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
+    if not scope["path"].startswith("/api"):
+        return ""  # the page itself needs none
+    headers = _headers(scope)
+    return headers.get("authorization", "").removeprefix("Bearer ") or _cookie(headers.get("cookie", ""))
 
 
 def _cookie(text: str) -> str:

@@ -13,13 +13,16 @@ from pydantic import BaseModel, Field
 from starlette.requests import HTTPConnection
 
 from dampyr.console.job_processes import Jobs
+from dampyr.console.record_list import RecordList
 from dampyr.console.rigs import Opener, opened
+from dampyr.console.workers import Workers
 
 
 @dataclass
 class AppState:
     """The state of one console. ``own`` is for pages: page name -> its state while the console runs.
 
+    ``workers`` plan, list and read for requests, ``uploads`` read what comes in, one after the other.
     ``opener(data, name, simulate)`` connects a rig, and ``clock`` gives the bench's time [s].
     """
 
@@ -29,6 +32,9 @@ class AppState:
     opener: Opener = opened
     clock: Callable[[], float] = time.monotonic
     own: dict[str, Any] = field(default_factory=dict)
+    workers: Workers = field(default_factory=Workers)
+    records: RecordList = field(default_factory=RecordList)
+    uploads: Workers = field(default_factory=lambda: Workers(at_once=1))
 
 
 def get_app_state(connection: HTTPConnection) -> AppState:

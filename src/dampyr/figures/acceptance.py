@@ -23,6 +23,7 @@ STATES: Mapping[bool | None, tuple[str, dict[str, Any]]] = {
     None: ("not judged", {"marker": "s", "ms": 4.0, "mfc": "none", "mec": style.MUTED, "color": style.MUTED}),
 }
 """What a point looks like: its shape says as much as its colour."""
+MANY = 24  # records whose rows stand closer together, so that forty of them fit a printed page
 MARKS = {"extension": "^", "compression": "v", "energy": "o"}
 
 
@@ -33,7 +34,7 @@ def peak_velocity_band(
 
     ``points`` whether inside (True, False, or None where not judged) -> peak speeds m/s and forces N.
     """
-    fig, axes = style.figure(3.8, 1, 1, title)
+    fig, axes = style.figure(3.1, 1, 1, title)
     panel = axes[0, 0]
     with style.style():
         tables = [np.asarray(rows, dtype=float).reshape(-1, 4) for rows in bands]
@@ -57,7 +58,8 @@ def band_used(records: Mapping[str, Mapping[str, ArrayLike]], title: str = "") -
 
     The edges are at -1 and 1; to the right the damper is stronger than the reference.
     """
-    fig, axes = style.figure(1.2 + 0.26 * max(len(records), 2), 1, 1, title)
+    row = 0.26 if len(records) <= MANY else 0.19
+    fig, axes = style.figure(1.2 + row * max(len(records), 2), 1, 1, title)
     panel = axes[0, 0]
     with style.style():
         panel.axvspan(-1.0, 1.0, color=style.SKY, alpha=0.18, lw=0, label="band")

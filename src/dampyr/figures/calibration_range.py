@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -24,19 +24,29 @@ def calibrated(
     groups: Mapping[str, tuple[ArrayLike, ArrayLike]],
     ranges: Mapping[str, tuple[float, float]] | None = None,
     title: str = "",
+    colours: Mapping[str, str] | None = None,
 ) -> Figure:
-    """``groups`` name -> (frequencies Hz, amplitudes m, half of peak to peak) of its records.
+    """``groups`` name -> (frequencies Hz, amplitudes m, half of peak to peak) of its records, ``colours`` name -> colour.
 
     ``ranges`` are those of a damper: ``frequency`` (Hz) and ``displacement`` (m) make the box, ``velocity`` (m/s) the line
     on which a sine reaches the greatest speed. A record without frequency is not drawn.
     """
-    fig, axes = style.figure(3.4, 1, 1, title)
+    fig, axes = style.figure(3.0, 1, 1, title)
     panel = axes[0, 0]
     with style.style():
         if ranges:
             _box(panel, ranges)
-        for look, (name, (frequencies, amplitudes)) in zip(looks(), groups.items(), strict=False):
-            panel.plot(FREQUENCY.of(frequencies), AMPLITUDE.of(amplitudes), ls="", ms=5, label=name, **look)
+        for look, (name, (frequencies, amplitudes)) in zip(looks(groups, colours), groups.items(), strict=True):
+            panel.plot(
+                FREQUENCY.of(frequencies),
+                AMPLITUDE.of(amplitudes),
+                ls="",
+                ms=5.5,
+                mfc="none",
+                mew=1.3,
+                label=name,
+                **look,
+            )
         top = _top(groups, ranges or {})
         panel.set_ylim(0.0, 1.12 * top)
         panel.margins(x=0.08)
@@ -48,11 +58,10 @@ def calibrated(
     return fig
 
 
-def looks() -> Any:
-    """Colour and marker of one group after the other: told apart by the marker where colours are not seen, or come again."""
-    return (
-        {"color": colour, "marker": mark} for colour, mark in zip(cycle(style.SERIES), cycle(MARKERS), strict=False)
-    )
+def looks(names: Iterable[str], colours: Mapping[str, str] | None = None) -> Any:
+    """Colour and marker of each group: told apart by the marker where colours are not seen, or come again."""
+    colours = colours or style.case_colours(names)
+    return [{"color": colours[name], "marker": mark} for name, mark in zip(names, cycle(MARKERS), strict=False)]
 
 
 def _box(panel: Any, ranges: Mapping[str, tuple[float, float]]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +14,6 @@ from dampyr.figures.style import DISPLACEMENT, TIME, VOLTAGE, Axis
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COLOURS = (style.MUTED, style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.ORANGE)
-
 
 def controlled(
     time: ArrayLike,
@@ -25,13 +22,15 @@ def controlled(
     axis: Axis = DISPLACEMENT,
     input_axis: Axis = VOLTAGE,
     title: str = "",
+    colours: Mapping[str, str] | None = None,
 ) -> Figure:
-    """``time`` s ``(n,)``; ``cases`` name -> SI ``(n,)``, the first drawn grey; ``inputs`` of some of these, V or A ``(n,)``,
-    one panel each. Each name is followed by the greatest magnitude among the samples shown.
+    """``time`` s ``(n,)``; ``cases`` name -> SI ``(n,)``, the first drawn grey unless ``colours`` (name -> colour) says else;
+    ``inputs`` of some of these, V or A ``(n,)``, one panel each. Each name is followed by the greatest magnitude among the
+    samples shown.
     """
     count = len(inputs)
-    fig, axes = style.figure(3.0 + 0.95 * count, 1 + count, 1, title, sharex=True, height_ratios=(3.0, *[1.0] * count))
-    colours = dict(zip(cases, cycle(COLOURS), strict=False))
+    fig, axes = style.figure(2.5 + 1.05 * count, 1 + count, 1, title, sharex=True, height_ratios=(2.2, *[1.0] * count))
+    colours = colours or style.case_colours(cases, next(iter(cases)))
     t, top = TIME.of(time), axes[0, 0]
     with style.style():
         for name, values in cases.items():

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
 from dampyr.figures import style
+from dampyr.figures.symbols import label_as_mathtext
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,7 +59,9 @@ def _cell(panel: Any, row: int, column: int, value: float, size: float | None) -
 
 
 def _short(value: float) -> str:
-    """Such as −.95: a correlation needs no zero before its point."""
+    """Such as −.95: a correlation needs no zero before its point, and one that rounds to nothing no point."""
+    if abs(value) < 0.005:
+        return "0"
     return f"{value:.2f}".replace("0.", ".").replace("1.00", "1").replace("-", "−")
 
 
@@ -73,7 +76,7 @@ def _sizes(names: Sequence[str]) -> tuple[float, float]:
     width, letter = style.WIDTH - 0.55, 0.6 / 72  # of the figure without its margins, inches; of a letter, per point
     size = min(9.0 - 0.13 * max(m - FEW, 0), (width - NARROWEST) / (letter * letters))
     size = max(size, 4.0)
-    return size, min(0.42, max(width - letter * size * letters, 1.0) / m)
+    return size, min(0.31 if m <= FEW else 0.19, max(width - letter * size * letters, 1.0) / m)
 
 
 def _dress(panel: Any, names: Sequence[str], size: float, cell: float) -> None:
@@ -89,7 +92,7 @@ def _dress(panel: Any, names: Sequence[str], size: float, cell: float) -> None:
     for spine in panel.spines.values():
         spine.set_visible(False)
     panel.tick_params(length=0)
-    panel.set_yticks(range(m), [f"{name} ({k})" for k, name in enumerate(names, 1)], fontsize=size)
+    panel.set_yticks(range(m), [f"{label_as_mathtext(name)} ({k})" for k, name in enumerate(names, 1)], fontsize=size)
     panel.set_xticks(range(m - 1), [str(k) for k in range(1, m)], fontsize=min(size, 45 * cell))
 
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 FREQUENCY = Axis("frequency", "Hz")
 AMPLITUDE = Axis("amplitude", "mm", 1e3)
 MARKERS = "osD^v*P"
+NESTED = 4  # sizes of markers, so that tests of one place lie around one another and are all seen
 
 
 def envelope(
@@ -26,14 +27,16 @@ def envelope(
     tests: Mapping[str, tuple[ArrayLike, ArrayLike]],
     refused: tuple[ArrayLike, ArrayLike] = ((), ()),
     title: str = "",
+    colours: Mapping[str, str] | None = None,
 ) -> Figure:
     """``frequency`` (n,) Hz; ``limits`` name -> the largest amplitude (n,) m; ``tests`` name -> frequencies and amplitudes.
 
-    Both axes are logarithmic, so lines of equal speed are straight. ``refused`` tests are crossed out.
+    Both axes are logarithmic, so lines of equal speed are straight. ``refused`` tests are crossed out; ``colours`` name ->
+    colour are those of the page.
     """
     from matplotlib.ticker import LogLocator, NullFormatter
 
-    fig, axes = style.figure(4.0, 1, 1, title)
+    fig, axes = style.figure(3.6, 1, 1, title)
     panel = axes[0, 0]
     f = FREQUENCY.of(frequency)
     with style.style():
@@ -43,8 +46,10 @@ def envelope(
             panel.annotate(
                 name, (f[-1], last), (3, 0), textcoords="offset points", fontsize=8, color=style.MUTED, va="center"
             )
-        for colour, marker, (name, (x, y)) in zip(cycle(style.SERIES), cycle(MARKERS), tests.items(), strict=False):
-            panel.plot(FREQUENCY.of(x), AMPLITUDE.of(y), marker, ms=4.5, color=colour, label=name, alpha=0.85)
+        colours = colours or style.case_colours(tests)
+        for k, (marker, (name, (x, y))) in enumerate(zip(cycle(MARKERS), tests.items(), strict=False)):
+            look = {"ms": 4.5 + 2.5 * (k % NESTED), "mfc": "none", "mew": 1.3, "color": colours[name]}
+            panel.plot(FREQUENCY.of(x), AMPLITUDE.of(y), marker, label=name, **look)
         if np.size(refused[0]):
             panel.plot(FREQUENCY.of(refused[0]), AMPLITUDE.of(refused[1]), "x", ms=8, color=style.INK, label="refused")
         panel.set_xscale("log")

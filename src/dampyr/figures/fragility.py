@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -55,13 +54,16 @@ class Fragile(Representation):
         ]
 
 
-def fragility_curves(curves: Mapping[str, Fragile], axis: Axis = PGA, title: str = "") -> Figure:
-    """All curves in one panel; at most six, one colour each."""
+def fragility_curves(
+    curves: Mapping[str, Fragile], axis: Axis = PGA, title: str = "", colours: Mapping[str, str] | None = None
+) -> Figure:
+    """All curves in one panel; at most six, one colour each, those of ``colours`` (name -> colour) where it is given."""
     fig, axes = style.figure(3.3, 1, 1, title)
     panel = axes[0, 0]
     with style.style():
-        for colour, (name, curve) in zip(cycle(style.SERIES), curves.items(), strict=False):
-            _draw(panel, name, curve, axis, colour)
+        colours = colours or style.case_colours(curves)
+        for name, curve in curves.items():
+            _draw(panel, name, curve, axis, colours[name])
         panel.set_ylim(-2, 102)
         panel.set_xlim(left=0.0)
         style.name_axes(panel, axis, PROBABILITY)

@@ -29,7 +29,7 @@ def history(
     if model is None:
         fig, axes = style.figure(2.6, 1, 1, title)
     else:
-        fig, axes = style.figure(3.8, 2, 1, title, sharex=True, height_ratios=(2.6, 1))
+        fig, axes = style.figure(3.4, 2, 1, title, sharex=True, height_ratios=(2.4, 1))
     with style.style():
         top = axes[0, 0]
         style.line(top, time, axis.of(measured), color=style.MEASURED, lw=1.6, label="measured")

@@ -31,10 +31,12 @@ def incremental_curves(
     limits: Mapping[str, float] | None = None,
     furthest: float | None = None,
     title: str = "",
+    colour: str = style.BLUE,
 ) -> Figure:
     """``intensity`` and ``peaks`` (curves, scales) SI; ``fractiles`` name -> peaks (levels,); ``limits`` name -> peak.
 
-    Of more than 120 curves every n-th is drawn; ``furthest`` is the peak at which the axis ends, to compare figures.
+    Of more than 120 curves every n-th is drawn; ``furthest`` is the peak at which the axis ends, to compare figures;
+    ``colour`` is that of the fractiles, and limits are black.
     """
     fig, axes = style.figure(3.1, 1, 1, title)
     panel = axes[0, 0]
@@ -44,9 +46,9 @@ def incremental_curves(
             panel.plot(peak.of(x[row]), axis.of(y[row]), color=style.MUTED, lw=0.5, alpha=0.55)
         for dash, (name, values) in zip(cycle(DASHES), fractiles.items(), strict=False):
             shown = np.where(np.isfinite(values), values, np.nan)
-            panel.plot(peak.of(shown), axis.of(levels), dash, color=style.BLUE, lw=1.7, label=name)
+            panel.plot(peak.of(shown), axis.of(levels), dash, color=colour, lw=1.7, label=name)
         for name, value in (limits or {}).items():
-            panel.axvline(float(peak.of(value)), color=style.VERMILLION, lw=1.3, label=name)
+            panel.axvline(float(peak.of(value)), color=style.INK, lw=1.1, ls=":", label=name)
         panel.set_xlim(0.0, None if furthest is None else float(peak.of(furthest)))
         panel.set_ylim(bottom=0.0)
         style.name_axes(panel, peak, axis)

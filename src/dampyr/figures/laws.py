@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from dampyr.figures import style
 from dampyr.figures.style import VOLTAGE, Axis
+from dampyr.figures.symbols import as_mathtext
 from dampyr.representation import Representation, Summary
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def parameters_against_input(
     """One panel per parameter; ``calibrated`` is the range of the input that the laws were fitted on."""
     columns = min(2, len(laws))
     rows = math.ceil(len(laws) / columns)
-    fig, axes = style.figure(0.5 + 2.1 * rows, rows, columns, title, sharex=True)
+    fig, axes = style.figure(0.5 + 1.6 * rows, rows, columns, title, sharex=True)
     with style.style():
         for panel, law in zip(axes.flat, laws, strict=False):
             if calibrated:
@@ -68,7 +69,7 @@ def parameters_against_input(
                 panel.errorbar(x, y, bars, fmt="o", ms=4, color=style.VERMILLION, capsize=2.5, lw=1, label="fitted")
             for colour, (name, (inputs, values)) in zip(cycle(style.SERIES[2:]), law.others.items(), strict=False):
                 panel.plot(axis.of(inputs), law.axis.of(values), "D", ms=4, mfc="none", color=colour, label=name)
-            panel.set_ylabel(law.axis.label)
+            panel.set_ylabel(f"{as_mathtext(law.axis.words)} [{law.axis.unit}]")
         for empty in list(axes.flat)[len(laws) :]:
             empty.set_axis_off()
         for panel in list(axes.flat)[max(len(laws) - columns, 0) : len(laws)]:

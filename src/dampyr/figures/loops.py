@@ -21,22 +21,26 @@ def loops(
     measured: ArrayLike | None,
     models: Mapping[str, ArrayLike] | None = None,
     title: str = "",
+    colours: Mapping[str, str] | None = None,
+    points: int = style.POINTS,
 ) -> Figure:
     """Force-displacement and, with a velocity, force-velocity loops.
 
     ``displacement`` m, ``velocity`` m/s or None, ``measured`` N or None where nothing was measured,
-    ``models`` name -> N; all ``(n,)`` on one clock.
+    ``models`` name -> N; all ``(n,)`` on one clock. ``colours`` name -> colour are those of the page, ``points`` the
+    number of points of a line at most.
     """
     panels = [(displacement, DISPLACEMENT)] + ([(velocity, VELOCITY)] if velocity is not None else [])
-    fig, axes = style.figure(3.0, 1, len(panels), title, sharey=True)
+    fig, axes = style.figure(2.7, 1, len(panels), title, sharey=True)
     with style.style():
         for panel, (values, axis) in zip(axes[0], panels, strict=True):
             x = axis.of(values)
             if measured is not None:
                 style.line(panel, x, FORCE.of(measured), color=style.MEASURED, lw=1.2, label="measured")
             for colour, (name, force) in zip(cycle(style.SERIES), (models or {}).items(), strict=False):
-                style.line(panel, x, FORCE.of(force), color=colour, lw=1.1, label=name)
+                own = (colours or {}).get(name, colour)
+                panel.plot(*style.thin(x, FORCE.of(force), points), color=own, lw=1.1, label=name)
             style.name_axes(panel, axis, FORCE)
             panel.label_outer(remove_inner_ticks=False)
-        style.legend(fig, axes[0, 0])
+        style.legend(fig, axes[0, 0], min_entries=2 if measured is not None or len(models or {}) != 1 else 1)
     return fig

@@ -14,16 +14,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def planned_drive(time: ArrayLike, displacement: ArrayLike, voltage: ArrayLike, title: str = "") -> Figure:
-    """``time`` s, ``displacement`` m and ``voltage`` V, all ``(n,)``; the speed is that between set points."""
-    fig, axes = style.figure(4.2, 3, 1, title, sharex=True, height_ratios=(2, 2, 1))
+def planned_drive(
+    time: ArrayLike, displacement: ArrayLike, voltage: ArrayLike, title: str = "", colour: str = style.BLUE
+) -> Figure:
+    """``time`` s, ``displacement`` m and ``voltage`` V, all ``(n,)``; the speed is that between set points.
+
+    ``colour`` is that of the test in its page.
+    """
+    fig, axes = style.figure(4.4, 3, 1, title, sharex=True, height_ratios=(1.6, 1.6, 1))
     t = TIME.of(time)
     x = np.asarray(displacement, dtype=float)
     rows = ((DISPLACEMENT, x), (VELOCITY, np.gradient(x, t)), (VOLTAGE, voltage))
     with style.style():
-        for panel, colour, (axis, values) in zip(
-            axes[:, 0], style.SERIES[1::-1] + style.SERIES[2:3], rows, strict=True
-        ):
+        for panel, (axis, values) in zip(axes[:, 0], rows, strict=True):
             style.line(
                 panel,
                 t,

@@ -19,12 +19,18 @@ STROKE = Axis("stroke", "mm", 1e3)
 
 
 def residual_sizes(
-    groups: Mapping[str, tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]], axis: Axis = VOLTAGE, title: str = ""
+    groups: Mapping[str, tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]],
+    axis: Axis = VOLTAGE,
+    title: str = "",
+    colours: Mapping[str, str] | None = None,
 ) -> Figure:
-    """``groups`` name -> (inputs V or A, strokes m peak to peak, frequencies Hz, rms residual over the force's spread)."""
-    fig, axes = style.figure(2.9, 1, 3, title, sharey=True)
+    """``groups`` name -> (inputs V or A, strokes m peak to peak, frequencies Hz, rms residual over the force's spread).
+
+    ``colours`` name -> colour are those of the page.
+    """
+    fig, axes = style.figure(2.7, 1, 3, title, sharey=True)
     with style.style():
-        for look, (name, (*across, size)) in zip(looks(), groups.items(), strict=False):
+        for look, (name, (*across, size)) in zip(looks(groups, colours), groups.items(), strict=True):
             for panel, x, values in zip(axes[0], (axis, STROKE, FREQUENCY), across, strict=True):
                 panel.plot(x.of(values), SIZE.of(size), ls="", ms=4.5, alpha=0.85, label=name, **look)
         for panel, x in zip(axes[0], (axis, STROKE, FREQUENCY), strict=True):

@@ -22,7 +22,7 @@ def residual_velocity(panels: Mapping[str, Bands], title: str = "") -> Figure:
     """``panels`` name -> branch -> (velocity m/s, lower quartile, median, upper quartile in N), NaN where too few samples."""
     columns = min(2, len(panels))
     rows = math.ceil(len(panels) / columns)
-    fig, axes = style.figure(0.6 + 2.1 * rows, rows, columns, title, sharex=False)
+    fig, axes = style.figure(0.7 + 1.75 * rows, rows, columns, title, sharex=False)
     with style.style():
         for panel, (name, bands) in zip(axes.flat, panels.items(), strict=False):
             _panel(panel, bands)
@@ -39,9 +39,8 @@ def residual_velocity(panels: Mapping[str, Bands], title: str = "") -> Figure:
 
 def _panel(panel: Any, bands: Bands) -> None:
     panel.axhline(0.0, color=style.MUTED, lw=0.8)
-    for colour, (name, (velocity, lower, median, upper)) in zip(
-        (style.BLUE, style.VERMILLION), bands.items(), strict=False
-    ):
+    looks = ((style.INK, "-"), (style.MUTED, "--"))  # colours are those of inputs on a page
+    for (colour, dash), (name, (velocity, lower, median, upper)) in zip(looks, bands.items(), strict=False):
         v = VELOCITY.of(velocity)
         panel.fill_between(v, RESIDUAL.of(lower), RESIDUAL.of(upper), color=colour, alpha=0.18, lw=0)
-        style.line(panel, v, RESIDUAL.of(median), color=colour, lw=1.4, label=name)
+        style.line(panel, v, RESIDUAL.of(median), color=colour, ls=dash, lw=1.3, label=name)

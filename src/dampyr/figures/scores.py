@@ -25,7 +25,7 @@ def scores(
     title: str = "",
 ) -> Figure:
     """``groups`` name -> the scores of its records; ``references`` name -> group -> value."""
-    fig, axes = style.figure(0.9 + 0.45 * max(len(groups), 2), 1, 1, title)
+    fig, axes = style.figure(0.95 + 0.3 * len(groups), 1, 1, title)
     panel = axes[0, 0]
     with style.style():
         for row, values in enumerate(groups.values()):

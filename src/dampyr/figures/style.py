@@ -11,11 +11,11 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import cycle, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +37,14 @@ BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (
 )
 SERIES = (VERMILLION, BLUE, GREEN, PURPLE, ORANGE, SKY)
 MEASURED = MUTED
+CASES = (
+    BLUE,
+    VERMILLION,
+    GREEN,
+    PURPLE,
+    ORANGE,
+    SKY,
+)  # of things that are compared; grey is what they are compared with
 WIDTH = 5.6  # inches: as wide as the text of a page
 POINTS = 2400  # of a line: more than a page has pixels across
 
@@ -152,6 +160,16 @@ def in_pyplot(draw: Callable[..., Figure], *args: Any, **kwargs: Any) -> NDArray
         _for_pyplot.reset(token)
     fig.patch.set_alpha(1.0)
     return np.array(fig.axes)
+
+
+def case_colours(names: Iterable[str], reference: str | None = None) -> dict[str, str]:
+    """A colour for each case by its name, for all figures of a page; ``reference``, what the others are compared with, is grey.
+
+    There are six; more cases begin with the first again.
+    """
+    others = [name for name in dict.fromkeys(names) if name != reference]
+    grey = {} if reference is None else {reference: MUTED}
+    return grey | dict(zip(others, cycle(CASES), strict=False))
 
 
 def name_axes(axes: Axes, x: Axis, y: Axis) -> None:

@@ -45,10 +45,15 @@ class AcceptOptions:
 
 @dataclass(frozen=True, repr=False)
 class Accepted(Representation):
-    """Result of `accept_records`: the judgement of each record; ``reference`` is what the reference is called."""
+    """Result of `accept_records`: the judgement of each record; ``reference`` is what the reference is called.
+
+    ``records`` were judged, ``reference_records`` are those of a reference that is no card.
+    """
 
     reference: str
     results: tuple[Acceptance, ...]
+    records: tuple[Record, ...] = ()
+    reference_records: tuple[Record, ...] = ()
 
     @property
     def plot(self) -> AcceptancePlots:
@@ -123,7 +128,7 @@ def accept_records(
         results.append(
             accept(record, against, options.tolerance, options.quantities, options.offset, options.allow_extrapolation)
         )
-    return Accepted(name, tuple(results))
+    return Accepted(name, tuple(results), tuple(records), () if isinstance(against, Damper) else tuple(against))
 
 
 def inputs_of(reference: Damper | Sequence[Record]) -> Sequence[float]:

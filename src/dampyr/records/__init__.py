@@ -19,7 +19,7 @@ from dampyr.records.force_lag import Delay, correct_delay, estimate_delay
 from dampyr.records.force_offset import mean_force, remove_offset
 from dampyr.records.label_checks import creates_energy, disagreements
 from dampyr.records.lowpass import DisplacementNoise, displacement_noise, with_lowpass
-from dampyr.records.measure import Measured, cycle_energies, measure
+from dampyr.records.measure import Measured, amplitude_error, cycle_energies, measure, total_harmonic_distortion
 from dampyr.records.moving_average import Declaration, MovingAverage
 from dampyr.records.nominal_input import nominal_inputs
 from dampyr.records.overview import Overview, overview
@@ -64,6 +64,8 @@ __all__ = [
     "correct_delay",
     "Measured",
     "measure",
+    "amplitude_error",
+    "total_harmonic_distortion",
     "cycle_energies",
     "Overview",
     "overview",

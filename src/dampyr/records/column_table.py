@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,7 @@ TEMPERATURES = {
     **dict.fromkeys(("k", "kelvin"), "kelvin"),
 }
 """Units of a temperature, in lower case: there, C and F are no coulomb and no farad."""
+MAX_NAMED = 20  # columns that a message lists: a line of a page
 HALF_A_DAY = 43200.0  # s: a clock that goes back by more has passed midnight, one that goes back by less is wrong
 
 
@@ -52,7 +54,8 @@ class Table:
 
     ``kinds`` says what each column holds: "number"; or s, of a "clock" since midnight, of a "stamp" and a "date" since the
     midnight before the first. Empty: all are numbers. ``stamps`` are the first row's texts of those that are no numbers, by
-    column, ``groups`` what the file says of its session and specimen, and ``lines`` the line of each row in the file.
+    column, ``groups`` what the file says of its session and specimen, ``lines`` the line of each row in the file, and ``notes``
+    what the history says of how it was read.
     """
 
     names: tuple[str, ...]
@@ -62,6 +65,7 @@ class Table:
     stamps: Mapping[int, str] = field(default_factory=dict)
     groups: Mapping[str, str] = field(default_factory=dict)
     lines: Sequence[int] = ()
+    notes: tuple[str, ...] = ()
 
     def headers(self) -> list[str]:
         """Every column with its unit, ``Force [kN]``."""
@@ -72,7 +76,8 @@ class Table:
         count = self.values.shape[1]
         if not self.names:
             return f"{count} columns without names, 0 to {count - 1}"
-        return ", ".join(self.names if len(set(self.names)) == len(self.names) else self.headers())
+        words = self.names if len(set(self.names)) == len(self.names) else self.headers()
+        return ", ".join(words[:MAX_NAMED]) + (f" and {count - MAX_NAMED} more" if count > MAX_NAMED else "")
 
 
 def record_of(path: Path, table: Table, request: Request, kind: str) -> Record:
@@ -97,7 +102,7 @@ def record_of(path: Path, table: Table, request: Request, kind: str) -> Record:
         current=_constant(inputs["current"]),
         name=path.stem,
         provenance=provenance | stamp | ({SOURCE: MEASURED} if is_measured else {}),
-        history=("read from columns, converted to SI", *notes, *request.replaced(**measured)),
+        history=("read from columns, converted to SI", *table.notes, *notes, *request.replaced(**measured)),
         **table.groups,
     )
     return Record(**fields) if "displacement" in channels else with_integrated_displacement(**fields)
@@ -126,6 +131,16 @@ def _columns(path: Path, table: Table, request: Request) -> dict[str, int]:
         if channel not in declared and (column := _by_words(path, table, channel, set(used.values()))) is not None:
             used[channel] = column
     return {channel: used[channel] for channel in CHANNELS if channel in used}
+
+
+def guess_channels(path: Path, table: Table) -> dict[str, int]:
+    """Channel -> the column that its header's words say it is; those that are not certain are left out."""
+    guessed: dict[str, int] = {}
+    for channel in CHANNELS:
+        with suppress(FileError):
+            column = _by_words(path, table, channel, set(guessed.values()))
+            guessed |= {} if column is None else {channel: column}
+    return guessed
 
 
 def _declared_column(path: Path, table: Table, channel: str, said: str | int) -> int:

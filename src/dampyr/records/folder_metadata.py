@@ -42,13 +42,13 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+from dampyr.config import parse_toml
 from dampyr.errors import FileError, InputError
 from dampyr.records.lowpass import as_lowpass
 from dampyr.records.moving_average import KEYS as WINDOW_KEYS
@@ -202,9 +202,11 @@ def reading_of(folder: Path) -> FolderReading:
     if not path.is_file():
         return FolderReading(path, Section(path, (), {}))
     try:
-        settings = tomllib.loads(path.read_text("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
-        raise FileError(path, f"is no TOML ({' '.join(str(problem).split())}); repair that place") from None
+        settings = parse_toml(path.read_text("utf-8"))
+    except InputError as problem:
+        raise FileError(path, f"is no TOML that can be read: {problem}") from None
+    except UnicodeDecodeError as problem:
+        raise FileError(path, f"is no TOML ({problem}); save it as UTF-8 text") from None
     _check_keys(path, settings, (*KEYS, "validation", "ignore", "files"), "")
     tables = settings.get("files", [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dampyr.errors import InputError
 from dampyr.records.cycles import require_cycles
 from dampyr.records.drift import drift
 from dampyr.records.force_offset import mean_force
@@ -54,6 +55,11 @@ class Measured(Representation):
     distortion: float
     cycles: int
     motion_start: float
+
+    @property
+    def total_harmonic_distortion(self) -> float:
+        """The root of the sum of the squares of `harmonics`: of the orders 2 to 7, over the fundamental."""
+        return float(np.sqrt(sum(each**2 for each in self.harmonics.values())))
 
     def _summary(self) -> Summary:
         orders = ", ".join(f"{k}: {100 * v:.2g} %" for k, v in self.harmonics.items())
@@ -98,6 +104,26 @@ def fundamental(record: Record) -> tuple[float, float]:
     """The frequency in Hz and the distortion of :class:`Measured`, without the rest; an InputError without a whole cycle."""
     frequency, _, distortion = _harmonics(record, require_cycles(record, "a measurement"))
     return frequency, distortion
+
+
+def total_harmonic_distortion(record: Record) -> float:
+    r"""The total harmonic distortion of a record's displacement over its whole cycles:
+    :math:`\sqrt{A_2^2 + \ldots + A_7^2} / A_1`.
+
+    :class:`~dampyr.errors.InputError` without a whole cycle.
+    """
+    return measure(record).total_harmonic_distortion
+
+
+def amplitude_error(record: Record) -> float:
+    """By how much the amplitude of a record's fundamental over its whole cycles is larger than its label says, of the label's.
+
+    :class:`~dampyr.errors.InputError` without a whole cycle, or without a label.
+    """
+    if record.label is None or not record.label.peak_to_peak_m:
+        raise InputError(f"{record.name} has no label that says its peak to peak; give it one, or use `measure`")
+    _, amplitudes, _ = _harmonics(record, require_cycles(record, "an amplitude"))
+    return float(2.0 * amplitudes[0] / record.label.peak_to_peak_m - 1.0)
 
 
 def peak_to_peak(record: Record, cycles: list[tuple[int, int]]) -> float:

@@ -18,6 +18,7 @@ from dampyr.errors import InputError
 from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.moving_average import MovingAverage
 from dampyr.representation import Representation, Summary, column_name, data_frame, extent
+from dampyr.source_file import SourceFile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -135,6 +136,8 @@ class Record(Representation):
         Faults that the recorder saw in the test, a sentence each, such as a force that stands still while the table moves.
     uncertainty
         The standard uncertainty of channels by their names, with its parts; empty where nobody stated it.
+    source_file
+        The name and the SHA-256 of the file that it was read from, or None; reports list them.
 
     Raises
     ------
@@ -159,6 +162,7 @@ class Record(Representation):
     smoothed: MovingAverage | None = None
     marks: tuple[str, ...] = ()
     uncertainty: Mapping[str, Uncertainty] = field(default_factory=dict)
+    source_file: SourceFile | None = None
 
     def __post_init__(self) -> None:
         for channel in CHANNELS:

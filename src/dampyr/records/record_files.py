@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypedDict
 
@@ -19,6 +19,7 @@ from dampyr.records.moving_average import Declaration
 from dampyr.records.nominal_input import agrees
 from dampyr.records.record import CHANNELS, GROUPS, Array, Record, as_group
 from dampyr.records.smoothing import with_smoothing
+from dampyr.source_file import source_file
 
 REGISTRY = "dampyr.records.formats"
 
@@ -206,7 +207,8 @@ def read_file(path: Path, **said: Any) -> Record:
     try:
         metadata = reading_of(path.parent)
         request = _request(metadata, path, {name: value for name, value in said.items() if value is not None})
-        return _as_said(registry.member(REGISTRY, kind).read(path, request), request, metadata, path)
+        record = _as_said(registry.member(REGISTRY, kind).read(path, request), request, metadata, path)
+        return replace(record, source_file=source_file(path))
     except FileError:
         raise
     except InputError as problem:

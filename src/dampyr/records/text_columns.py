@@ -3,14 +3,22 @@
 A header cell is a name and a unit in brackets or parentheses: ``time [s]``, ``displacement [mm]``, ``force
 (N)``. Lines that start with ``#`` or ``%`` are comments; the last line before the numbers is the header, even
 as a comment, and a line of units may follow the names. A comma is the decimal mark where the delimiter is a semicolon, a tab
-or white space. A column may hold times of day (``10:00:00.123``), dates (``2026-03-01``) or both (``2026-03-01T10:00:00.123``).
+or white space. A text that is no UTF-8 is read as Latin-1, and the record's history says so. A column
+may hold times of day (``10:00:00.123``), dates (``2026-03-01``) or both (``2026-03-01T10:00:00.123``).
 """
 
 from __future__ import annotations
 
+import codecs
+import io
 import re
+from array import array
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from datetime import date
+from itertools import chain
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
@@ -19,6 +27,7 @@ from dampyr.records.column_table import SPELLINGS, TEMPERATURES, Table, name_and
 from dampyr.records.record import GROUPS, Array, Record
 from dampyr.records.record_files import Request
 
+MAX_COLUMNS = 1000  # of a line: a test has some ten channels; a file with more is written the wrong way round
 DELIMITERS = (";", "\t", ",", None)
 BARE_UNITS = {
     *("s", "ms", "min", "m", "cm", "mm", "um", "µm", "in", "inch", "inches", "n", "kn", "lbf", "kip", "kips"),
@@ -50,8 +59,12 @@ def read(path: Path, request: Request, kind: str) -> Record:
 
 
 def has_numbers(path: Path) -> bool:
-    """Whether a text file has a line of two or more numbers, and nothing else but times, as every record has."""
-    return any(_is_row(line.strip()) for line in path.read_text("utf-8-sig", errors="replace").splitlines())
+    """Whether a text file has a line of two or more numbers, and nothing else but times, as every record has.
+
+    A file with a line of too many columns counts as one, so that whoever reads it learns why it is none.
+    """
+    lines = (line.strip() for line in io.StringIO(_decoded(path)[0], newline=None))
+    return any(_is_too_wide(line) or _is_row(line) for line in lines)
 
 
 def read_table(path: Path, header: int | None = None, by_number: bool = False) -> Table:
@@ -60,25 +73,15 @@ def read_table(path: Path, header: int | None = None, by_number: bool = False) -
     ``header`` is the line of the names, from 1, or 0 where there is none; None: the last before the numbers, or before a line
     of units. ``by_number``: no name is needed, so that a header which does not fit the columns is left out.
     """
-    try:
-        lines = path.read_text("utf-8-sig").splitlines()
-    except UnicodeDecodeError as problem:
-        raise FileError(path, f"is no UTF-8 text (byte {problem.start}); save it as UTF-8 text") from None
-    if header is not None and header >= max(len(lines), 1):
-        raise FileError(
-            path, f"header = {header}, but the file has {len(lines)} lines; give the line of the names, from 1"
-        )
-    first = _first_row(path, lines, header or 0)
-    rows = [
-        (k, text)
-        for k, text in enumerate(lines[first:], start=first + 1)
-        if text.strip() and text.strip()[0] not in "#%"
-    ]
-    delimiter = _delimiter(rows[0][1].strip())
-    kinds, values = _values(path, rows, delimiter)
+    text, note = _decoded(path)
+    remaining = io.StringIO(text, newline=None)
+    lines, first = _first_row(path, remaining, header)
+    rows = _Rows(lines[first:], first, remaining)
+    delimiter = _delimiter(lines[first].strip())
+    kinds, values = _values(path, rows, delimiter, quoted='"' in text)
     cells = [] if header == 0 else _header(path, lines[:first], header, delimiter, values.shape[1], by_number)
     pairs = [name_and_unit(cell) for cell in cells]
-    texts = _texts(rows[0][1], delimiter)
+    texts = _texts(lines[first], delimiter)
     return Table(
         names=tuple(name for name, _ in pairs),
         units=tuple(unit for _, unit in pairs),
@@ -86,15 +89,71 @@ def read_table(path: Path, header: int | None = None, by_number: bool = False) -
         kinds=kinds,
         stamps={k: texts[k] for k, kind in enumerate(kinds) if kind != "number"},
         groups={match[1]: match[2].strip() for line in lines[:first] if (match := GROUP.fullmatch(line.strip()))},
-        lines=[number for number, _ in rows],
+        lines=rows.numbers,
+        notes=(note,) if note else (),
     )
 
 
-def _first_row(path: Path, lines: list[str], start: int) -> int:
-    """Where the numbers begin; a line right above them with something else in a place of a number counts with them."""
-    first = next((k for k in range(start, len(lines)) if _is_row(lines[k].strip())), None)
-    if first is None:
+def _decoded(path: Path) -> tuple[str, str]:
+    """The text of a file, and what the history says where it is no UTF-8."""
+    content = path.read_bytes()
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        with suppress(UnicodeDecodeError):
+            return content.decode("utf-16"), "read as UTF-16 text"
+    try:
+        return content.decode("utf-8-sig"), ""
+    except UnicodeDecodeError as problem:
+        if b"\0" in content:
+            raise FileError(path, f"is no text (byte {problem.start}); choose a text file") from None
+    return content.decode("cp1252", errors="replace"), "read as Latin-1 (Windows-1252) text, as it is no UTF-8"
+
+
+class _Rows:
+    """The lines with numbers, one after the other, without blank ones and comments; ``numbers`` are those of the lines."""
+
+    def __init__(self, begun: list[str], first: int, remaining: TextIO) -> None:
+        self.begun, self.first, self.remaining = begun, first, remaining
+        self.start = remaining.tell()
+        self.numbers = array("L")
+
+    def __iter__(self) -> Iterator[str]:
+        """From the first one on, as often as it is asked for."""
+        self.remaining.seek(self.start)
+        self.numbers = array("L")
+        for number, line in enumerate(chain(self.begun, self.remaining), start=self.first + 1):
+            text = line.strip()
+            if text and text[0] not in "#%":
+                self.numbers.append(number)
+                yield text
+
+
+def _is_too_wide(line: str) -> bool:
+    return len(line) > MAX_COLUMNS and max(map(line.count, ",;\t ")) > MAX_COLUMNS
+
+
+def _first_row(path: Path, remaining: TextIO, header: int | None) -> tuple[list[str], int]:
+    """The lines up to the first of numbers, and where the numbers begin; a line right above them with something else in a
+    place of a number counts with them.
+    """
+    start = header or 0
+    lines: list[str] = []
+    for line in remaining:
+        if _is_too_wide(line):
+            raise FileError(
+                path,
+                f"line {len(lines) + 1} has more than {MAX_COLUMNS} columns, a record has a line for each sample; "
+                "write it so, or leave out columns",
+            )
+        lines.append(line.rstrip("\n"))
+        if len(lines) > start and _is_row(lines[-1].strip()):
+            break
+    else:
+        if header is not None and header >= max(len(lines), 1):
+            raise FileError(
+                path, f"header = {header}, but the file has {len(lines)} lines; give the line of the names, from 1"
+            )
         raise FileError(path, "has no line of numbers; give a header and one line per sample")
+    first = len(lines) - 1
     delimiter = _delimiter(lines[first].strip())
     width = len(_texts(lines[first], delimiter))
     for k in range(first - 1, start - 1, -1):
@@ -102,7 +161,7 @@ def _first_row(path: Path, lines: list[str], start: int) -> int:
         if not lines[k].strip() or len(cells) != width or _kind(cells[0], delimiter) is None:
             break
         first = k
-    return first
+    return lines, first
 
 
 def _header(
@@ -188,29 +247,48 @@ def _kind(cell: str, delimiter: str | None) -> str | None:
         return next((kind for kind, pattern in KINDS.items() if pattern.fullmatch(text)), None)
 
 
-def _values(path: Path, rows: list[tuple[int, str]], delimiter: str | None) -> tuple[tuple[str, ...], Array]:
+def _values(path: Path, rows: _Rows, delimiter: str | None, quoted: bool) -> tuple[tuple[str, ...], Array]:
     """What each column holds, by the first row, and the values ``(n, m)``: numbers, or s."""
-    number, line = rows[0]
+    line = next(iter(rows))
     cells = _texts(line, delimiter)
     kinds = tuple(_kind(cell, delimiter) or "number" for cell in cells)
-    values = np.empty((len(rows), len(cells)))
+    if not quoted and set(kinds) == {"number"}:
+        with suppress(ValueError):  # then what is wrong is looked for line by line
+            return kinds, _numbers(rows, delimiter, line.endswith(delimiter or " "), len(cells))
     first_day = min((_day(cell) for cell, kind in zip(cells, kinds) if kind in ("date", "stamp")), default=0)
-    for k, (number_of_line, line) in enumerate(rows):
+    values = array("d")
+    for line in rows:
         cells = _texts(line, delimiter)
         if len(cells) != len(kinds):
             raise FileError(
                 path,
-                f"line {number_of_line} has {len(cells)} values and line {number} has {len(kinds)}; repair the line",
+                f"line {rows.numbers[-1]} has {len(cells)} values and line {rows.numbers[0]} has {len(kinds)}; repair the line",
             )
         for j, cell in enumerate(cells):
             try:
                 text = cell if delimiter == "," else cell.replace(",", ".")
-                values[k, j] = float(text) if kinds[j] == "number" else _seconds(text, kinds[j], first_day)
+                values.append(float(text) if kinds[j] == "number" else _seconds(text, kinds[j], first_day))
             except ValueError:
                 raise FileError(
-                    path, f"line {number_of_line}: {cell!r} is not {IN_WORDS[kinds[j]]}; repair or cut out the line"
+                    path,
+                    f"line {rows.numbers[-1]}: {cell[:40]!r} is not {IN_WORDS[kinds[j]]}; repair or cut out the line",
                 ) from None
-    return kinds, values
+    return kinds, np.array(values).reshape(-1, len(kinds))
+
+
+def _numbers(rows: _Rows, delimiter: str | None, ended: bool, width: int) -> Array:
+    """The values of rows that hold numbers alone; ValueError where one of them does not, or has another width."""
+    lines: Iterable[str] = rows
+    if ended and delimiter:  # a delimiter at the end of each line, as spreadsheets leave it
+        if any(not line.endswith(delimiter) for line in rows):
+            raise ValueError
+        lines = (line[:-1] for line in rows)
+    if delimiter != ",":
+        lines = (line.replace(",", ".") for line in lines)
+    values = np.loadtxt(lines, delimiter=delimiter, comments=None, ndmin=2)
+    if values.shape[1] != width:
+        raise ValueError
+    return values
 
 
 def _day(text: str) -> int:

@@ -38,6 +38,7 @@ from dampyr.figures.theta import theta
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.figure_files import figure_files
 from dampyr.report.html_page import page, write_page
+from dampyr.report.origin import made_by
 
 WRITERS = {
     "write_fit_page": "fit_page",
@@ -47,6 +48,7 @@ WRITERS = {
     "write_ensemble_page": "ensemble_page",
     "write_motion_page": "motion_page",
     "write_plan_page": "plan_page",
+    "write_hybrid_page": "hybrid_page",
 }
 """The writers of whole pages and their modules, loaded when they are used: each needs the package whose result it shows."""
 
@@ -70,6 +72,7 @@ __all__ = [
     "write_page",
     "save",
     "figure_files",
+    "made_by",
     "Law",
     "loops",
     "history",

@@ -14,6 +14,7 @@ from dampyr.identification import Acceptance, Accepted
 from dampyr.identification.acceptance import UNITS, forces_and_band, in_short, used_of_band
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.html_page import page, write_page
+from dampyr.report.origin import files_of, people_and_parts
 
 Array = NDArray[np.float64]
 MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads
@@ -37,10 +38,13 @@ def write_acceptance_page(result: Accepted, path: Path) -> Path:
     if any(one.unjudged for one in results):
         sections.append(Section("What was not judged", _open(results)))
     html = page(
-        f"Judged by {reference}",
+        f"Judged by {Path(reference).name}",
         sections,
         subtitle=f"Every whole cycle of {_count(len(results), 'record')}, within {results[0].tolerance} of the reference.",
         provenance={"reference": reference, "tolerance": str(results[0].tolerance), "offset": _offset(results[0])},
+        facts=people_and_parts(result.records),
+        files=files_of((*result.records, *result.reference_records)),
+        call=f"dampyr.report.write_acceptance_page(result, {path.name!r})",
     )
     write_page(path, html)
     return path

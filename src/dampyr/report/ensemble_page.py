@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import dampyr
 from dampyr.figures.fragility import axis_of
 from dampyr.figures.incremental import incremental_curves
+from dampyr.figures.style import case_colours
 from dampyr.ground_motions import end_in_words
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.report.fragility_section import fragility_section
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental, summary
 from dampyr.structures.ensemble_accuracy import BOUNDS, FLOOR, doubts
+from dampyr.structures.simulate import BARE
 
 SHOWN = {
     "drift": ("drift", "mm", 1e3),
@@ -40,13 +41,22 @@ def write_ensemble_page(
         dataset, fragilities, intensity = dataset.dataset, dataset.curves, dataset.intensity
     names = ", ".join(str(name) for name in dataset.building_name.values)
     sections = [Section("Peaks", summary_tables(dataset))]
-    sections += [fragility_section(fragility) for fragility in fragilities]
-    if dataset.sizes["scale"] > 1 and "drift" in dataset:
-        sections.append(
-            _incremental_section(incremental(dataset, "drift", intensity, fractions=FRACTIONS), fragilities)
-        )
+    swept = dataset.sizes["scale"] > 1 and "drift" in dataset
+    analysis = incremental(dataset, "drift", intensity, fractions=FRACTIONS) if swept else None
+    case_names = [curve.name for fragility in fragilities for curve in fragility.curves]
+    case_names += [sweep.name for sweep in analysis.sweeps] if analysis else []
+    colours = case_colours(case_names, BARE if BARE in case_names else None)
+    sections += [fragility_section(fragility, colours) for fragility in fragilities]
+    if analysis:
+        sections.append(_incremental_section(analysis, fragilities, colours))
     sections.append(Section("Accuracy", [Text("\n\n".join(trust(dataset)))]))
-    html = page(title or f"Ensemble: {names}", sections, subtitle=_sizes(dataset), provenance=_provenance(dataset))
+    html = page(
+        title or f"Ensemble: {names}",
+        sections,
+        subtitle=_sizes(dataset),
+        provenance=_provenance(dataset),
+        call=f"dampyr.report.write_ensemble_page(result, {Path(path).name!r})",
+    )
     return write_page(path, html)
 
 
@@ -85,7 +95,9 @@ def summary_tables(dataset: Any) -> list[Table]:
     return [Table(c, rows, units, caption=caption, digits=4) for caption, (c, units, rows) in made if len(c) > 2]
 
 
-def _incremental_section(analysis: Incremental, fragilities: Sequence[Fragility]) -> Section:
+def _incremental_section(
+    analysis: Incremental, fragilities: Sequence[Fragility], colours: Mapping[str, str]
+) -> Section:
     axis = axis_of(analysis.intensity)
     limits = {
         f"limit, {1e3 * f.limit:.4g} mm": f.limit for f in fragilities if (f.quantity, f.limit_unit) == ("drift", "m")
@@ -95,7 +107,9 @@ def _incremental_section(analysis: Incremental, fragilities: Sequence[Fragility]
     blocks: list[Block] = []
     for s in analysis.sweeps:
         names = {f"{100 * p:g} %": s.fractiles[k] for k, p in enumerate(analysis.fractions)}
-        figure = incremental_curves(s.intensity, s.peaks, s.levels, names, axis, limits=limits, furthest=furthest)
+        figure = incremental_curves(
+            s.intensity, s.peaks, s.levels, names, axis, limits=limits, furthest=furthest, colour=colours[s.name]
+        )
         blocks.append(FigureBlock(figure, _sweep_in_words(s)))
     return Section("Incremental analysis", blocks)
 
@@ -139,7 +153,6 @@ def _provenance(dataset: Any) -> dict[str, str]:
     shown = ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
     span = f"{scales.min():g} to {scales.max():g}" if scales.size > 1 else f"{scales[0]:g}"
     return {
-        "dampyr": dampyr.__version__,
         "motions": shown,
         "scales": f"{scales.size}, {span}",
         "accuracy": f"{attributes['accuracy']}, {attributes['precision_bits']} bits",

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-import dampyr
 from dampyr.identification import Fit, Identified, Validation, findings, warnings_of
+from dampyr.identification.fit_verdict import fit_verdict
 from dampyr.report.best_and_worst import best_and_worst_sections, extremes
-from dampyr.report.blocks import Block, Cell, Section, Table, Text, sentence
+from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, sentence
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks
 from dampyr.report.html_page import page, write_page
 from dampyr.report.leaderboard_section import leaderboard_section
+from dampyr.report.origin import files_of, people_and_parts
 from dampyr.report.prediction_section import mean_l1, prediction_section
 from dampyr.report.range_section import range_section
 from dampyr.report.residual_section import residual_section
@@ -43,9 +44,9 @@ def write_fit_page(
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
     if damper is not None:
-        provenance = dict(damper.provenance)
+        provenance = {name: text for name, text in damper.provenance.items() if name != "dampyr"}
     else:
-        provenance = {"records": ", ".join(record.name for record in fit.records), "dampyr": dampyr.__version__}
+        provenance = {"records": ", ".join(record.name for record in fit.records)}
     html = page(
         f"Identified: {fit.problem.composition}",
         [
@@ -62,6 +63,9 @@ def write_fit_page(
         ],
         subtitle=f"{records} by least squares over the whole motion.",
         provenance=provenance,
+        facts=people_and_parts(fit.records),
+        files=files_of(fit.records),
+        call=f"dampyr.report.write_fit_page(fit, {path.name!r})",
     )
     write_page(path, html)
     return path
@@ -74,10 +78,8 @@ def _summary(fit: Fit, checks: Sequence[Validation], beyond: Sequence[str]) -> S
     worst = extremes(fit.scores)[-1][1]
     rows: list[list[Cell]] = [
         ["model", str(fit.problem.composition)],
-        [
-            "the search",
-            ("" if fit.converged or fit.reason.startswith("did not") else "did not converge: ") + fit.reason,
-        ],
+        ["search and misfit", _verdict(fit)],
+        ["the search", fit.reason],
         ["input", inputs],
         [
             "fits its records",
@@ -97,6 +99,13 @@ def _summary(fit: Fit, checks: Sequence[Validation], beyond: Sequence[str]) -> S
     else:
         blocks.append(Text(sentence(findings(fit.residuals)[0])))
     return Section("In short", blocks)
+
+
+def _verdict(fit: Fit) -> Cell:
+    verdict = fit_verdict(fit)
+    if verdict.kind == "fair":
+        return verdict.words
+    return Verdict("agrees" if verdict.kind == "good" else "differs", verdict.words)
 
 
 def _inputs(fit: Fit) -> str:

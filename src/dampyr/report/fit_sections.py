@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,7 @@ from dampyr.identification.law_panels import law_panels
 from dampyr.identification.score import group_by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text, sentence
 
+PANELS = 6  # of laws in one figure: three rows of two, half of a printed page
 PAIRS = 8  # of parameters listed in words; the matrix shows all
 
 if TYPE_CHECKING:
@@ -86,17 +88,29 @@ def _correlations_in_words(correlations: NDArray[np.float64], names: list[str]) 
     return text + (f"\n\nNothing is known of how {', '.join(unknown)} would go with the others." if unknown else "")
 
 
-def law_figure(fit: Fit, damper: Damper) -> Figure:
-    """Each parameter over the input: the law, the fitted values with 95 % intervals, the calibrated range."""
+def law_figures(fit: Fit, damper: Damper) -> list[Figure]:
+    """Each parameter over the input: the law, the fitted values with 95 % intervals, the calibrated range.
+
+    No figure is so high that it would fill a printed page by itself.
+    """
     panels = law_panels(fit.problem, fit.outcome.point, fit.intervals(), damper)
-    return parameters_against_input(panels, damper.range, VOLTAGE if damper.input == "V" else CURRENT)
+    axis = VOLTAGE if damper.input == "V" else CURRENT
+    count = -(-len(panels) // PANELS)
+    each = -(-len(panels) // count)
+    each += each % 2 if count > 1 else 0
+    parts = [panels[k : k + each] for k in range(0, len(panels), each)]
+    return [parameters_against_input(part, damper.range, axis) for part in parts]
 
 
-def score_table(scores: dict[str, Score], caption: str) -> Table:
-    """One row per record, ratios in percent."""
+def score_table(
+    scores: Mapping[str, Score], caption: str, more: Mapping[str, tuple[str, Mapping[str, Cell]]] | None = None
+) -> Table:
+    """One row per record, ratios in percent; ``more`` name -> (unit, cell of each record) are further columns before them."""
+    more = more or {}
     rows: list[list[Cell]] = [
         [
             name,
+            *(cells[name] for _, cells in more.values()),
             100 * s.l1,
             100 * s.nrmse,
             s.r2,
@@ -108,8 +122,8 @@ def score_table(scores: dict[str, Score], caption: str) -> Table:
         for name, s in scores.items()
     ]
     return Table(
-        columns=("record", "L1", "NRMSE", "R²", "pointwise", "peak force", "energy", "offset"),
-        units=("", "%", "%", "", "%", "%", "%", "N"),
+        columns=("record", *more, "L1", "NRMSE", "R²", "pointwise", "peak force", "energy", "offset"),
+        units=("", *(unit for unit, _ in more.values()), "%", "%", "", "%", "%", "%", "N"),
         rows=rows,
         caption=caption,
         digits=3,
@@ -120,6 +134,8 @@ def score_blocks(fit: Fit) -> list[Block]:
     """How well a fit describes the records that it was fitted to."""
     table = score_table(fit.scores, f"From {fit.settling:g} s after the motion starts, each record's own offset taken.")
     groups = group_by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
+    if len(fit.records) == 1:
+        return [Text("This record was fitted: the score describes the fit and is no prediction."), table]
     return [
         Text("These records were fitted: the scores describe the fit and are not predictions."),
         FigureBlock(scores_by_input(groups), "L1 ratio of each record, by input."),
@@ -133,11 +149,7 @@ def fit_blocks(fit: Fit) -> list[Block]:
     if fit.damper is not None and fit.damper.range[0] < fit.damper.range[1]:
         bars = "fitted values" if fit.clusters == "cycle" else "fitted values with 95 % intervals"
         some = " (none where an error holds within these records only)" if fit.clusters == "record and cycle" else ""
-        blocks.append(
-            FigureBlock(
-                law_figure(fit, fit.damper),
-                f"Parameters over the input: {bars}{some}, the laws through them, the calibrated range.",
-            )
-        )
+        caption = f"Parameters over the input: {bars}{some}, the laws through them, the calibrated range."
+        blocks += [FigureBlock(figure, caption) for figure in law_figures(fit, fit.damper)]
     blocks.append(Text("\n\n".join(map(sentence, (f"the search {fit.reason}", *fit.notes)))))
     return blocks

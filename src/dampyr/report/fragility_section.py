@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -61,8 +61,8 @@ def _censored(c: Curve) -> str:
     return f"{c.name}: of {all_} sweeps {' and '.join(parts)}"
 
 
-def fragility_section(fragility: Fragility) -> Section:
-    """A section for one limit."""
+def fragility_section(fragility: Fragility, colours: Mapping[str, str] | None = None) -> Section:
+    """A section for one limit; ``colours`` of the cases, by their names."""
     caption = (
         f"Lognormal curves of largest likelihood; the band holds {100 * LEVEL:g} % of a bootstrap over the "
         f"{fragility.motions} motions (seed {fragility.seed}); points are the counted shares."
@@ -77,12 +77,12 @@ def fragility_section(fragility: Fragility) -> Section:
     )
     notes = "\n\n".join(sentence(each) for each in remarks(fragility))
     text: list[Block] = [Text(notes)] if notes else []
-    return Section(f"Fragility: {fragility.limit_in_words}", [*_figures(fragility, caption), table, *text])
+    return Section(f"Fragility: {fragility.limit_in_words}", [*_figures(fragility, caption, colours), table, *text])
 
 
-def _figures(fragility: Fragility, caption: str) -> list[Block]:
+def _figures(fragility: Fragility, caption: str, colours: Mapping[str, str] | None) -> list[Block]:
     axis = axis_of(fragility.intensity)
     parts: list[Sequence[Curve]] = [
         fragility.curves[k : k + MAX_CURVES] for k in range(0, len(fragility.curves), MAX_CURVES)
     ]
-    return [FigureBlock(fragility_curves(drawn_curves(part), axis), caption) for part in parts]
+    return [FigureBlock(fragility_curves(drawn_curves(part), axis, colours=colours), caption) for part in parts]

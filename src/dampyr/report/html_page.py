@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -13,14 +13,23 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+import dampyr
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
 from dampyr.report.figure_files import keep
+from dampyr.report.origin import moment, origin
 from dampyr.report.svg import inline_svg
+from dampyr.report.typography import as_html, raised, with_powers
+from dampyr.source_file import SourceFile
 
 DASH = "–"
 STYLES = ("look.css", "page.css")
+DIGITS = 12  # of a checksum that paper shows: enough to tell any two files apart
+MAX_PLACES = 6  # decimals of a column; smaller numbers have powers of ten
+MARGIN = 64  # letters of the title at the foot of a printed page
 _MARKS = {
     "agrees": "✓", "differs": "≠", "cannot be checked": "?",
     "passed": "✓", "failed": "✗", "not judged": "?",
@@ -41,11 +50,17 @@ def page(
     sections: Sequence[Section],
     subtitle: str = "",
     provenance: str | Mapping[str, str] = "",
+    *,
+    facts: Mapping[str, str] | None = None,
+    files: Iterable[SourceFile] = (),
+    call: str = "",
 ) -> str:
     """The page as a string of HTML.
 
-    ``subtitle`` stands under the title; ``provenance`` (a sentence, or name -> value) at the foot says where
-    the numbers came from. All text is escaped: none of it is taken for HTML.
+    ``subtitle`` stands under the title, and below it the date, the version and ``facts`` (name -> value), such as the operator;
+    ``provenance`` (a sentence, or name -> value) at the foot says where the numbers came from. There stand, too, the command
+    (`made_by`, else ``call`` of a writer) and the checksums of ``files`` and of those of the command. All text is escaped:
+    none of it is taken for HTML.
     """
     if not sections:
         raise InputError("a page needs at least one section")
@@ -67,16 +82,35 @@ def page(
     ]
     for number, (anchor, figure) in enumerate(figures, 1):
         keep(figure, number, anchor)
-    facts = {"": provenance} if isinstance(provenance, str) else dict(provenance)
+    given = {"": provenance} if isinstance(provenance, str) else dict(provenance)
+    source, date = origin(call), moment()
     return str(
         template.render(
             title=title,
             subtitle=subtitle,
             sections=ready,
-            provenance=facts if provenance else {},
+            provenance=given if provenance else {},
             marks=_MARKS,
+            date=date,
+            version=dampyr.__version__,
+            facts=dict(facts or {}),
+            command=source.command,
+            files=sorted({*files, *source.files}),
+            digits=DIGITS,
+            margin=_in_the_margin(f"{_shortened(title)} · {date}"),
         )
     )
+
+
+def _shortened(title: str) -> str:
+    return title if len(title) <= MARGIN else title[: MARGIN - 1].rstrip() + "…"
+
+
+def _in_the_margin(text: str) -> Any:
+    """A string of CSS: whatever is no plain letter is written by its number, so that none of it is taken for CSS."""
+    from markupsafe import Markup
+
+    return Markup('"' + "".join(c if c.isascii() and c.isalnum() else f"\\{ord(c):06x}" for c in text) + '"')
 
 
 def _table_names(sections: Sequence[Section]) -> Iterator[str]:
@@ -84,7 +118,7 @@ def _table_names(sections: Sequence[Section]) -> Iterator[str]:
     used_names: set[str] = set()
     for section in sections:
         for table in (block for block in section.blocks if isinstance(block, Table)):
-            name = table.caption or section.title
+            name = with_powers(table.caption or section.title)
             numbered = (f"{section.title}: {name} ({number})" for number in count(2))
             label = next(each for each in chain((name, f"{section.title}: {name}"), numbered) if each not in used_names)
             used_names.add(label)
@@ -112,6 +146,7 @@ def _template() -> Any:
         lstrip_blocks=True,
     )
     folder = files("dampyr.report") / "templates"
+    environment.filters["typeset"] = lambda text: Markup(as_html(str(text)))
     environment.globals["css"] = Markup("\n".join((folder / name).read_text("utf-8") for name in STYLES))
     environment.globals["js"] = Markup((folder / "page.js").read_text("utf-8"))
     return environment.get_template("page.html")
@@ -140,7 +175,7 @@ def _block(block: Block, prefix: str, labels: Iterator[str]) -> dict[str, Any]:
         case Verdict():
             return {"kind": "verdict", "verdict": block}
         case FigureBlock():
-            svg = inline_svg(block.figure, block.alt or block.caption, prefix)
+            svg = inline_svg(block.figure, with_powers(block.alt or block.caption), prefix)
             return {"kind": "figure", "svg": Markup(svg), "caption": block.caption}
         case Table():
             return _table(block) | {"label": next(labels)}
@@ -150,11 +185,17 @@ def _block(block: Block, prefix: str, labels: Iterator[str]) -> dict[str, Any]:
 def _table(table: Table) -> dict[str, Any]:
     sides = list(table.align) or [_side([row[k] for row in table.rows]) for k in range(len(table.columns))]
     units = list(table.units) or [""] * len(table.columns)
+    mixed = "unit" in table.columns  # a column of mm and V has no common decimals
+    places = [
+        None if mixed else _places([row[k] for row in table.rows], table.digits) for k in range(len(table.columns))
+    ]
     return {
         "kind": "table",
         "caption": table.caption,
         "columns": [{"name": n, "unit": u, "side": s} for n, u, s in zip(table.columns, units, sides, strict=True)],
-        "rows": [[_shown(cell, table.digits) for cell in row] for row in table.rows],
+        "rows": [
+            [_shown(cell, table.digits, place) for cell, place in zip(row, places, strict=True)] for row in table.rows
+        ],
     }
 
 
@@ -164,11 +205,29 @@ def _side(cells: Sequence[Cell]) -> str:
     return "right" if numbers and len(numbers) == len(filled) else "left"
 
 
+def _places(cells: Sequence[Cell], digits: int) -> int | None:
+    """How many decimals the numbers of a column have, so that their points stand below one another.
+
+    The largest has ``digits`` significant digits, less zeros that all would end with; None where the smallest would lose all
+    but one of its own, or a number has none at all.
+    """
+    sizes = [abs(float(cell)) for cell in cells if isinstance(cell, float | np.floating)]
+    sizes = [size for size in sizes if size > 0.0]
+    if not sizes or not all(map(math.isfinite, sizes)):
+        return None
+    if all(float(f"{size:.{digits}g}") == size for size in sizes):
+        return None  # as they were chosen, such as 0.8712 and 1.98 V: to be read as they are elsewhere
+    places = digits - 1 - math.floor(math.log10(max(sizes)))
+    if not 0 <= places <= MAX_PLACES or math.floor(math.log10(min(sizes))) + places < 1:
+        return None
+    return max(len(f"{size:.{places}f}".rstrip("0").partition(".")[2]) for size in sizes)
+
+
 def _is_number(cell: object) -> bool:
     return hasattr(cell, "__float__") and not isinstance(cell, bool)
 
 
-def _shown(cell: Any, digits: int) -> _Shown:
+def _shown(cell: Any, digits: int, places: int | None = None) -> _Shown:
     if cell is None:
         return _Shown(DASH, "")
     if isinstance(cell, Verdict):
@@ -178,7 +237,10 @@ def _shown(cell: Any, digits: int) -> _Shown:
     if isinstance(cell, int):
         return _Shown(str(cell).replace("-", "−"), str(cell))
     if _is_number(cell):
-        return _Shown(number(float(cell), digits), repr(float(cell)))
+        value = float(cell)
+        if places is not None and math.isfinite(value):
+            return _Shown(f"{value:.{places}f}".replace("-", "−"), repr(value))
+        return _Shown(number(value, digits), repr(value))
     return _Shown(str(cell), str(cell))
 
 
@@ -187,8 +249,5 @@ def number(value: float, digits: int = 5) -> str:
     if not math.isfinite(value):
         return DASH if math.isnan(value) else ("∞" if value > 0 else "−∞")
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
-    power = f"·10{str(int(exponent)).translate(_SUPERSCRIPT)}" if exponent else ""
+    power = f"·10{raised(str(int(exponent)))}" if exponent else ""
     return mantissa.replace("-", "−") + power
-
-
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -37,6 +37,7 @@ def write_motion_page(
         ],
         subtitle=f"{motion.n} samples every {motion.dt:g} s, {motion.duration:g} s",
         provenance={"source": motion.source or "not known"},
+        call=f"dampyr.report.write_motion_page(motion, {Path(path).name!r})",
     )
     return write_page(path, html)
 

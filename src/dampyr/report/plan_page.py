@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-import dampyr
 from dampyr.campaigns import Plan, PlannedTest
 from dampyr.campaigns.check import STROKE_MARGIN
 from dampyr.figures.envelope import envelope
 from dampyr.figures.planned_drive import planned_drive
+from dampyr.figures.style import case_colours
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.html_page import page, write_page
 from dampyr.rig import RigSettings
@@ -23,16 +23,25 @@ UNITS = ("", "", "s", "mm/s", "mm", "N", "V")
 def write_plan_page(plan: Plan, path: Path) -> Path:
     """Write the page."""
     sections = [Section("Planned tests", [plan_table(plan), *_notes(plan)])]
+    moving = [each for each in plan.tests if each.peak_speed > 0]
     if plan.refusals:
         refused: list[Block] = [Verdict("differs", sentence(each)) for each in plan.refusals]
         sections.insert(0, Section("Refused by the rig", refused))
-    if moving := [each for each in plan.tests if each.peak_speed > 0]:
+    if moving:
         sections.append(Section("Limits of the rig", [_envelope(plan.rig, moving)]))
-    sections.append(Section("One test of each kind", [_drive(each) for each in _firsts(plan)]))
+    colours = case_colours(_groups(moving).values())
+    drives = [_drive(each, colours[_groups(moving)[each.name]]) for each in _firsts(plan)]
+    sections.append(Section("One test of each kind", drives))
     header = plan.campaign.header
-    provenance = {"operator": header.operator, "note": header.note, "dampyr": dampyr.__version__}
     subtitle = f"{len(plan.tests)} tests on {plan.rig.name}, {plan.duration / 60:.1f} min"
-    html = page(header.name, sections, subtitle=subtitle, provenance={k: v for k, v in provenance.items() if v})
+    html = page(
+        header.name,
+        sections,
+        subtitle=subtitle,
+        provenance={"note": header.note} if header.note else "",
+        facts={"operator": header.operator} if header.operator else {},
+        call=f"dampyr.report.write_plan_page(plan, {Path(path).name!r})",
+    )
     return write_page(path, html)
 
 
@@ -66,13 +75,18 @@ def _envelope(rig: RigSettings, tests: list[PlannedTest]) -> FigureBlock:
     frequency = np.geomspace(0.6 * low, 1.6 * high, 200)
     limits = {f"{force:g} N": largest_amplitude(rig, frequency, force) for force in FORCES}
     groups: dict[str, list[tuple[float, float]]] = {}
-    of_one_kind = len({each.kind for each in tests}) == 1
+    names = _groups(tests)
     for each, place in zip(tests, places, strict=True):
-        name = f"{each.peak_voltage:g} V" if of_one_kind else each.kind.replace("_", " ")
         if not each.refusal:
-            groups.setdefault(name, []).append(place)
+            groups.setdefault(names[each.name], []).append(place)
     refused = [place for each, place in zip(tests, places, strict=True) if each.refusal]
-    figure = envelope(frequency, limits, {name: _columns(group) for name, group in groups.items()}, _columns(refused))
+    figure = envelope(
+        frequency,
+        limits,
+        {name: _columns(group) for name, group in groups.items()},
+        _columns(refused),
+        colours=case_colours(names.values()),
+    )
     caption = (
         "Each test by its farthest position and the frequency at which a sine of that amplitude has its peak speed. The lines "
         "are the largest sines at a braking force, with the table's friction, the motor's lag and the stroke."
@@ -89,6 +103,12 @@ def largest_amplitude(rig: RigSettings, frequency: np.ndarray, force: float) -> 
     return np.asarray(np.minimum(max_amplitude, rig.travel - STROKE_MARGIN))
 
 
+def _groups(tests: list[PlannedTest]) -> dict[str, str]:
+    """Test -> what it is drawn as: its voltage where all are of one kind, else its kind."""
+    of_one_kind = len({each.kind for each in tests}) == 1
+    return {each.name: f"{each.peak_voltage:g} V" if of_one_kind else each.kind.replace("_", " ") for each in tests}
+
+
 def _columns(places: list[tuple[float, float]]) -> tuple[list[float], list[float]]:
     return [f for f, _ in places], [a for _, a in places]
 
@@ -101,8 +121,9 @@ def _firsts(plan: Plan) -> list[PlannedTest]:
     return list(first_tests.values())
 
 
-def _drive(each: PlannedTest) -> FigureBlock:
+def _drive(each: PlannedTest, colour: str) -> FigureBlock:
     drive = each.drive
     return FigureBlock(
-        planned_drive(drive.time, drive.displacement, drive.voltage), sentence(f"{each.name}: {each.words}")
+        planned_drive(drive.time, drive.displacement, drive.voltage, colour=colour),
+        sentence(f"{each.name}: {each.words}"),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dampyr.figures.calibration_range import calibrated
+from dampyr.figures.style import case_colours
 from dampyr.identification import Fit
 from dampyr.models import Damper
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
@@ -34,7 +35,11 @@ def range_section(fit: Fit) -> Section:
             "Every record by the frequency and the amplitude (half of peak to peak, per cycle) that were measured. Inside the "
             "box, between the records, the damper interpolates; beyond it, and above the dashed line, it extrapolates."
         )
-        blocks.append(FigureBlock(calibrated(groups, fit.damper.ranges if fit.damper else None), caption))
+        blocks.append(
+            FigureBlock(
+                calibrated(groups, fit.damper.ranges if fit.damper else None, colours=case_colours(groups)), caption
+            )
+        )
     else:
         blocks.append(Text("No record holds a whole cycle, so none has a frequency."))
     return Section("Calibrated range", blocks)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dampyr.figures.autocorrelation import memory
 from dampyr.figures.residual_sizes import residual_sizes
 from dampyr.figures.residual_velocity import residual_velocity
-from dampyr.figures.style import CURRENT, VOLTAGE
+from dampyr.figures.style import CURRENT, VOLTAGE, case_colours
 from dampyr.identification import Residuals, findings, warnings_of
 from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
@@ -13,6 +13,7 @@ from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text,
 
 def residual_section(residuals: Residuals) -> Section:
     """The analysis in words, figures and tables."""
+    sizes_by_input = residuals.sizes_by_input()
     words, directions, sizes = _words(residuals), _direction_table(residuals), _size_table(residuals)
     return Section(
         "Residuals",
@@ -30,7 +31,9 @@ def residual_section(residuals: Residuals) -> Section:
                 "cycle is an error of the model.",
             ),
             FigureBlock(
-                residual_sizes(residuals.sizes_by_input(), VOLTAGE if residuals.unit == "V" else CURRENT),
+                residual_sizes(
+                    sizes_by_input, VOLTAGE if residuals.unit == "V" else CURRENT, colours=case_colours(sizes_by_input)
+                ),
                 "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
             ),
             sizes,
@@ -59,15 +62,15 @@ def _words(residuals: Residuals) -> list[Block]:
 def _direction_table(residuals: Residuals) -> Table:
     groups = residuals.groups_of_a_figure()
     rows: list[list[Cell]] = [
-        [name, side, group.sides[side].mean, group.sides[side].rms, group.sides[side].samples]
-        for name, group in groups.items()
+        [side, *(value for group in groups.values() for value in (group.sides[side].mean, group.sides[side].rms))]
         for side in SIDES
     ]
+    columns = ["moving", *(f"{what}, {name}" for name in groups for what in ("mean", "rms"))]
     return Table(
-        ("input", "moving", "mean", "rms", "samples"),
+        columns,
         rows,
-        ("", "", "N", "N", ""),
-        ("left", "left", "right", "right", "right"),
+        ("", *["N"] * (len(columns) - 1)),
+        ("left", *["right"] * (len(columns) - 1)),
         caption="The residual by direction: out is pulled, in is pushed.",
         digits=3,
     )

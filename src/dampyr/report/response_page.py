@@ -5,17 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from dampyr.figures.building import building_response
 from dampyr.figures.control_comparison import controlled
 from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
-from dampyr.figures.style import CURRENT, VOLTAGE, Axis
+from dampyr.figures.style import CURRENT, VOLTAGE, Axis, case_colours
 from dampyr.ground_motions import end_in_words
-from dampyr.report.blocks import FigureBlock, Section, Table, Text
+from dampyr.report.blocks import FigureBlock, Section, Table, Text, sentence
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import Response, Simulated
+from dampyr.structures.simulate import BARE
 
+Array = NDArray[np.float64]
 STROKE = Axis("stroke", "mm", 1e3)
+FINE = 6  # points of a loop for each sample: some hundred in a turn of a stiff frame, which is smooth on paper
 
 
 def write_response_page(cases: Simulated | Mapping[str, Response], path: Path) -> Path:
@@ -25,20 +31,22 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: Path) -
     """
     cases = cases.cases if isinstance(cases, Simulated) else cases
     first = next(iter(cases.values()))
+    colours = case_colours(cases, BARE if BARE in cases else None)
     html = page(
         f"Response: {first.title}",
         [
             Section("Peaks", [_peaks(cases), _energies(cases)]),
-            Section("Displacements", _displacements(cases)),
-            *([Section("Control", _control(cases))] if any(any(r.laws) for r in cases.values()) else []),
-            Section("The dampers' loops", _loops(cases)),
             Section(
                 "The ground motion",
                 [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],
             ),
+            Section("Displacements", _displacements(cases, colours)),
+            *([Section("Control", _control(cases, colours))] if any(any(r.laws) for r in cases.values()) else []),
+            Section("The dampers' loops", _loops(cases, colours)),
         ],
         subtitle="; ".join(cases),
         provenance={name: f"{r.scheme}, step {1e3 * r.step:.4g} ms" for name, r in cases.items()},
+        call=f"dampyr.report.write_response_page(result, {Path(path).name!r})",
     )
     write_page(path, html)
     return path
@@ -52,7 +60,7 @@ def _peaks(cases: Mapping[str, Response]) -> Table:
     ]  # fmt: skip
     floors = next(iter(cases.values())).floors
     return Table(
-        ("case", *floors, "largest drift", "largest acceleration", "base shear", "damper force"),
+        ("case", *map(floor_name, floors), "largest drift", "largest acceleration", "base shear", "damper force"),
         rows,
         ("", *("mm" for _ in floors), "mm", "m/s²", "N", "N"),
         caption="Peaks inside the step; displacements relative to the ground, accelerations absolute. "
@@ -74,18 +82,23 @@ def _energies(cases: Mapping[str, Response]) -> Table:
     )
 
 
-def _displacements(cases: Mapping[str, Response]) -> list[FigureBlock]:
+def floor_name(label: str) -> str:
+    """``floor 1`` for a floor called 1; a name of its own, such as roof, stays."""
+    return f"floor {label}" if label.isdigit() else label
+
+
+def _displacements(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock]:
     first = next(iter(cases.values()))
     return [
         FigureBlock(
-            building_response(first.time, {name: r.displacement[k] for name, r in cases.items()}),
-            f"{floor}: displacement relative to the ground.",
+            building_response(first.time, {name: r.displacement[k] for name, r in cases.items()}, colours=colours),
+            sentence(f"{floor_name(floor)}: displacement relative to the ground, and the largest sample of each case"),
         )
         for k, floor in enumerate(first.floors)
     ]
 
 
-def _control(cases: Mapping[str, Response]) -> list[FigureBlock]:
+def _control(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock]:
     """A figure for each site that has a law in some case: its stroke in all that have it, and the inputs."""
     blocks = []
     for site in dict.fromkeys(site for r in cases.values() for site in r.sites):
@@ -98,16 +111,29 @@ def _control(cases: Mapping[str, Response]) -> list[FigureBlock]:
             inputs = {name: r.input[r.sites.index(site)] for name, r in ruled.items()}
             blocks.append(
                 FigureBlock(
-                    controlled(first.time, strokes, inputs, STROKE, axis), f"{site}: stroke, and input at the coil."
+                    controlled(first.time, strokes, inputs, STROKE, axis, colours=colours),
+                    sentence(f"{site}: stroke of the damper, and the input at the coil"),
                 )
             )
     return blocks
 
 
-def _loops(cases: Mapping[str, Response]) -> list[FigureBlock | Text]:
-    blocks: list[FigureBlock | Text] = [
-        FigureBlock(loops(r.stroke[d], None, None, {"force": r.force[d]}), f"{name}: damper, {site}.")
-        for name, r in cases.items()
-        for d, site in enumerate(r.sites)
-    ]
+def _loops(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock | Text]:
+    blocks: list[FigureBlock | Text] = []
+    for name, r in cases.items():
+        for d, site in enumerate(r.sites):
+            stroke, force = between_samples(r.time, r.stroke[d], r.force[d])
+            every = f"{1e3 * (r.time[1] - r.time[0]):.3g} ms"
+            caption = f"{name}: damper, {site}; samples every {every}, and between them a smooth curve through them"
+            figure = loops(stroke, None, None, {name: force}, colours=colours, points=len(stroke))
+            blocks.append(FigureBlock(figure, sentence(caption)))
     return blocks or [Text("No case has a damper.")]
+
+
+def between_samples(time: Array, stroke: Array, force: Array) -> tuple[Array, Array]:
+    """A loop through its samples (n,) and, between them, points of a cubic spline of the stroke and of a monotone cubic of
+    the force, which makes no peak that no sample has."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    fine = np.interp(np.arange(FINE * (len(time) - 1) + 1) / FINE, np.arange(len(time)), time)
+    return CubicSpline(time, stroke)(fine), PchipInterpolator(time, force)(fine)

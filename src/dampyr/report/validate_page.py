@@ -21,10 +21,16 @@ from dampyr.report.best_and_worst import extremes, record_section
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.report.fit_sections import score_table
 from dampyr.report.html_page import page, write_page
+from dampyr.report.origin import files_of, of_card, people_and_parts
 from dampyr.report.range_section import SHOWN, range_table
 
 Array = NDArray[np.float64]
 SLACK = 1.01  # a record that reaches 1 % beyond the range, as noise does, is still inside
+OF_ONE = {
+    True: "The card was fitted on this record, so its score describes the fit and predicts nothing.",
+    False: "The card was not fitted on this record: the score is a prediction.",
+    None: "The card does not name the records that it was fitted on, so this score may be no prediction.",
+}
 SEEN = {True: "fitted", False: "unseen", None: "unknown"}
 
 
@@ -39,18 +45,25 @@ def write_validate_page(result: Validated, path: Path) -> Path:
     record_scores = {record.name: result.scores[record.name] for record in records}
     seen = seen_by(damper, records)
     html = page(
-        f"Validated: {card}",
+        f"Validated: {Path(card).name}",
         [
             Section("In short", _short(records, record_scores, seen)),
             Section("Scores", _scores(records, record_scores, seen)),
             Section("Outside the calibrated range", _outside(damper, records)),
             *(_record(damper, records, record_scores, words, name) for words, name in extremes(record_scores)),
         ],
-        subtitle=f"{damper.composition}: a free run along each of {len(records)} records, of which only the offset is taken.",
-        provenance={"card": card, **damper.provenance},
+        subtitle=f"{damper.composition}: a free run along {_along(records)}, of which only the offset is taken.",
+        provenance={"card": card, **{f"{name} of the card": text for name, text in of_card(damper).items()}},
+        facts=people_and_parts(records),
+        files=files_of(records),
+        call=f"dampyr.report.write_validate_page(result, {path.name!r})",
     )
     write_page(path, html)
     return path
+
+
+def _along(records: Sequence[Record]) -> str:
+    return f"each of {len(records)} records" if len(records) > 1 else "one record"
 
 
 def seen_by(damper: Damper, records: Sequence[Record]) -> dict[str, bool | None]:
@@ -85,6 +98,10 @@ def _short(records: Sequence[Record], scores: Mapping[str, Score], seen: Mapping
         False: "None of these records was fitted: the scores are predictions.",
         None: "The card does not name the records that it was fitted on, so these scores may be no predictions.",
     }
+    if len(records) == 1:
+        name, one = next(iter(scores.items()))
+        [state] = seen.values()
+        return [Text(f"{name}: L1 {100 * one.l1:.3g} %, NRMSE {100 * one.nrmse:.3g} %.\n\n{OF_ONE[state]}")]
     states = set(seen.values())
     text = hint[states.pop()] if len(states) == 1 else "Only the scores of unseen records are predictions."
     table = Table(
@@ -102,26 +119,30 @@ def _scores(records: Sequence[Record], scores: Mapping[str, Score], seen: Mappin
     for state, words in SEEN.items():
         some = {r.name: scores[r.name].l1 for r in records if seen[r.name] is state}
         groups |= {f"{name}, {words}": values for name, values in group_by_input(records, some).items()}
-    rows: list[list[Cell]] = [[r.name, r.input_value, r.input or "", SEEN[seen[r.name]]] for r in records]
+    more: dict[str, tuple[str, dict[str, Cell]]] = {
+        "input": (records[0].input or "", {r.name: r.input_value for r in records}),
+        "by the card": ("", {r.name: SEEN[seen[r.name]] for r in records}),
+    }
+    table = score_table(
+        scores,
+        "The window of each score starts after the run-in; the offset was taken from the record. Which records the card was "
+        "fitted on is known by the names on it.",
+        more,
+    )
+    if len(records) == 1:
+        return [table]
     return [
         FigureBlock(
             scores_figure(groups), "L1 ratio of each record, by input and by whether the card was fitted on it."
         ),
-        score_table(
-            dict(scores), "The window of each score starts after the run-in; the offset was taken from the record."
-        ),
-        Table(
-            ("record", "input", "unit", "by the card"),
-            rows,
-            caption="Which records the card was fitted on, by the names on the card.",
-        ),
+        table,
     ]
 
 
 def _outside(damper: Damper, records: Sequence[Record]) -> list[Block]:
     rows: list[list[Cell]] = []
     groups: dict[str, tuple[list[float], list[float]]] = {}
-    for record in records:
+    for record in sorted(records, key=lambda r: -np.inf if r.input_value is None else r.input_value):
         stroke, frequency = motion(record)
         group = groups.setdefault(next(iter(group_by_input([record], {record.name: 0.0}))), ([], []))
         group[0].append(frequency)
@@ -134,8 +155,9 @@ def _outside(damper: Damper, records: Sequence[Record]) -> list[Block]:
             Table(columns, rows, caption="Outside the calibrated range the damper is extrapolated.", digits=4)
         )
     else:
-        blocks.append(Text("Every record lies inside the calibrated range of the card."))
-    if any(np.any(np.isfinite(frequencies)) for frequencies, _ in groups.values()):
+        which = "Every record lies" if len(records) > 1 else "The record lies"
+        blocks.append(Text(f"{which} inside the calibrated range of the card."))
+    if len(records) > 1 and any(np.any(np.isfinite(frequencies)) for frequencies, _ in groups.values()):
         caption = "The records by the frequency and the amplitude (half of peak to peak, per cycle) that were measured."
         blocks.append(FigureBlock(calibrated(groups, damper.ranges), caption))
     return blocks

@@ -82,6 +82,7 @@ def test_a_leaderboard_of_two(client, finished, campaign_folder):
     assert done["result"]["model"] == board[0]["model"]
 
 
+@pytest.mark.prove
 def test_a_response_is_that_of_the_room(client, finished):
     job = client.post("/api/building/responses", json={"damper": {"inputs": [1.98], "laws": ["on_off"]}}).json()
     done = finished(job["id"])
@@ -98,6 +99,7 @@ def test_a_response_is_that_of_the_room(client, finished):
     }
 
 
+@pytest.mark.prove
 def test_an_ensemble_gives_fragility(client, finished):
     request_body = {
         "motions": 6,

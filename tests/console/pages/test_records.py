@@ -3,8 +3,8 @@
 import io
 import pickle
 import struct
-import subprocess
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -16,11 +16,14 @@ pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.console.memory import resident
 from tests.endurance import count
 from tests.records.test_self_contained import PLANTS, planted
 
 from dampyr import records
-from dampyr.console import app, limits
+from dampyr.console import app, record_uploads
+from dampyr.console.limits import READING
+from dampyr.console.page_words import in_page_words
 from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.to_json import plain
 
@@ -41,6 +44,8 @@ def everything(folder):
 def test_the_list_tells_what_the_command_tells(client, campaign_folder):
     reply = client.get("/api/records/list", params={"source": "labcontrol"}).json()
     own = {record.name: plain(records.describe(record)) for record in records.read_campaign(campaign_folder, role=None)}
+    for about in own.values():
+        about["notes"] = [in_page_words(note) for note in about["notes"]]
     assert {one["about"]["name"]: one["about"] for one in reply} == own
     keys = [one["key"] for one in reply]
     assert keys.index("labcontrol/ensaio.A.10.mat") - keys.index(KEY) == 9
@@ -67,7 +72,7 @@ def test_curves_keep_the_peaks(client, campaign_folder):
 
 def test_an_upload_comes_back_as_it_was(client, data):
     answer = upload(client, "run 1.csv", CSV, voltage=1.98)
-    assert (answer.status_code, answer.json()) == (201, {"key": "data/uploads/run 1.h5"})
+    assert (answer.status_code, answer.json()) == (201, {"key": "data/uploads/run 1.h5", "notices": []})
     (one,) = client.get("/api/records/list").json()
     assert one["about"]["input_value"] == 1.98
     assert one["about"]["measured"]["frequency_hz"] == pytest.approx(100 / 12 / 2 / np.pi, rel=1e-3)
@@ -190,28 +195,30 @@ def test_a_file_that_points_out_of_itself_shows_nothing(client, data, tmp_path, 
         assert "copy it with h5repack" in answer.text
 
 
+def test_one_file_that_unfolds_does_not_hide_the_others(client, data):
+    """Each is read where memory is bounded, and what cannot be is said in its place."""
+    for name, content in (("a.csv", CSV.encode()), ("b.h5", HOSTILE["unfolds.h5"]), ("c.csv", CSV.encode())):
+        (data / name).write_bytes(content)
+    before = resident()
+    listed = client.get("/api/records/list").json()
+    assert [(one["key"], bool(one["problem"])) for one in listed] == [
+        ("data/a.csv", False), ("data/b.h5", True), ("data/c.csv", False)
+    ]  # fmt: skip
+    assert "memory" in listed[1]["problem"]
+    assert resident() - before < 30
+
+
 def test_uploads_stop_at_the_quota(data):
     with TestClient(app(data, quota=20_000), base_url="http://localhost") as client:
         refused = upload(client, "a.csv", CSV * 4)
     assert (refused.status_code, everything(data)) == (413, [])
 
 
-def test_an_upload_is_read_where_memory_is_bounded(data, tmp_path, monkeypatch):
-    """The bounds are what refuses the bomb: without them it would be read."""
-    (tmp_path / "a.csv").write_text(CSV)
-    monkeypatch.setattr(limits, "SECONDS", 1e-3)
-    with pytest.raises(limits.InputError, match="more time or memory"):
-        limits.read_apart(tmp_path / "a.csv", tmp_path / "a.h5", {})
-
-
-def test_an_upload_that_unfolds_to_more_than_may_be_written_is_told(tmp_path, monkeypatch):
-    (tmp_path / "a.csv").write_text(CSV)
-    small = "import sys; from dampyr.console import limits; limits.WRITTEN = 10_000; sys.exit(limits.main())"
-    run = subprocess.run
-    monkeypatch.setattr(subprocess, "run", lambda command, **how: run([command[0], "-c", small], **how))
-    with pytest.raises(limits.InputError, match="more time or memory"):
-        limits.read_apart(tmp_path / "a.csv", tmp_path / "a.h5", {})
-    assert everything(tmp_path) == ["a.csv"]
+def test_an_upload_that_unfolds_to_more_than_may_be_written_is_told(client, data, monkeypatch):
+    monkeypatch.setattr(record_uploads, "READING", replace(READING, written=10_000))
+    refused = upload(client, "a.csv", CSV)
+    assert (refused.status_code, "more than may be written" in refused.text) == (400, True)
+    assert everything(data) == []
 
 
 @pytest.mark.parametrize("key", [*NO_KEYS, "data/.console/notes.json"])

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.console.building_schemas import EnsembleRequest
+from dampyr.console.building_schemas import EnsembleRequest, files_read
 from dampyr.console.dampers import damper_of
+from dampyr.console.equivalent_commands import ensemble_command
 from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.safe_paths import data_of
-from dampyr.report import write_ensemble_page
+from dampyr.report import made_by, write_ensemble_page
 from dampyr.report.ensemble_page import summary_rows, trust
 from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, remarks
 from dampyr.structures import EnsembleResult, run_ensemble
@@ -34,7 +35,8 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         workers=max(1, (os.cpu_count() or 2) - 1),  # one core is left to the console and the rig
     )
     progress("writing the page", 0.97)
-    write_ensemble_page(result, folder / PAGE)
+    with made_by(ensemble_command(parsed), files_read(data, parsed.damper.name, parsed.motion.file)):
+        write_ensemble_page(result, folder / PAGE)
     return {DATA: result.as_dict(), **_summarise(result)}
 
 

@@ -13,15 +13,17 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.console import curves, record_sources
+from dampyr.console.equivalent_commands import identify_command
 from dampyr.console.identify_schemas import IdentifyRequest
 from dampyr.console.jobs import CARD, CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
 from dampyr.identification import Fit, Identified, findings, identify, prediction, score, warnings_of
+from dampyr.identification.fit_verdict import fit_verdict
 from dampyr.identification.identify import marks_in_words
 from dampyr.identification.leaderboard import choice_in_words
 from dampyr.records import Record
-from dampyr.report import write_fit_page
+from dampyr.report import made_by, write_fit_page
 from dampyr.report.fit_sections import parameter_tables, score_table
 from dampyr.to_json import plain
 
@@ -36,7 +38,8 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     workers = min((os.cpu_count() or 2) - 1, MAX_WORKERS)  # one core is left to the console and the rig
     result = identify(chosen, parsed.options(), progress, workers)
     progress("writing the page", 0.9)
-    write_fit_page(result, folder / PAGE)
+    with made_by(identify_command(parsed)):
+        write_fit_page(result, folder / PAGE)
     if result.damper is not None:
         result.damper.save(folder / CARD)
     write_whole(folder / CURVES, json.dumps(_curves(result.fit, result.validation_records)))
@@ -53,6 +56,7 @@ def _summarise(result: Identified) -> dict[str, Any]:
         "card": fit.damper is not None,
         "converged": fit.converged,
         "reason": fit.reason,
+        "verdict": {"kind": fit_verdict(fit).kind, "words": fit_verdict(fit).words},
         "warnings_of_fit": [
             *marks_in_words((*fit.records, *result.validation_records)),
             *warnings_of(fit.residuals),

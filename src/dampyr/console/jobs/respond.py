@@ -11,11 +11,12 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.console import curves
-from dampyr.console.building_schemas import ResponseRequest
+from dampyr.console.building_schemas import ResponseRequest, files_read
 from dampyr.console.dampers import damper_of
+from dampyr.console.equivalent_commands import response_command
 from dampyr.console.jobs import CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
-from dampyr.report import write_response_page
+from dampyr.report import made_by, write_response_page
 from dampyr.structures import Response, simulate
 from dampyr.structures.simulate import BARE
 from dampyr.to_json import plain
@@ -30,7 +31,8 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     damper = damper_of(data, parsed.damper.name)
     result = simulate(parsed.building.building(), parsed.motion.motion(data), damper, parsed.options(), progress)
     progress("writing the page", 0.95)
-    write_response_page(result, folder / PAGE)
+    with made_by(response_command(parsed), files_read(data, parsed.damper.name, parsed.motion.file)):
+        write_response_page(result, folder / PAGE)
     write_whole(folder / CURVES, json.dumps(_curves(result.cases)))
     return {
         DATA: result.as_dict(),

@@ -8,11 +8,12 @@ from typing import Any
 
 from dampyr.console import record_sources
 from dampyr.console.dampers import damper_of, title_of
+from dampyr.console.equivalent_commands import validate_command
 from dampyr.console.identify_schemas import ValidateRequest
 from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.identification import validate
-from dampyr.report import write_validate_page
+from dampyr.report import made_by, write_validate_page
 
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
@@ -21,5 +22,6 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     chosen = record_sources.read_all(data, parsed.records)
     damper = damper_of(data, parsed.card)
     result = validate(damper, chosen, parsed.options(), title_of(parsed.card), progress)
-    write_validate_page(result, folder / PAGE)
+    with made_by(validate_command(parsed), [data / parsed.card]):
+        write_validate_page(result, folder / PAGE)
     return {DATA: result.as_dict()}

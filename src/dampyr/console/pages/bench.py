@@ -3,22 +3,36 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
+import shutil
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from datetime import date
+from glob import escape as glob_escape
+from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, WebSocket
+from fastapi import Path as InPath
+from fastapi.responses import FileResponse
 from pydantic import BaseModel, Field
 
-from dampyr.campaigns import read_journal
+from dampyr.campaigns import plan, read_journal
+from dampyr.campaigns import read as read_campaign
 from dampyr.campaigns.journal import NAME as JOURNAL
+from dampyr.campaigns.run_folders import RunFolder, folder_state, run_folder
 from dampyr.console import safe_paths
-from dampyr.console.bench_session import Bench
+from dampyr.console.bench_alarms import AlarmLimit, Reading
+from dampyr.console.bench_events import BenchEvent
+from dampyr.console.bench_reference import ReferenceLoop
+from dampyr.console.bench_session import Bench, RunAbout
 from dampyr.console.bench_state import BenchState
 from dampyr.console.decimation import COLUMNS, as_lists
+from dampyr.console.error_responses import MAX_SENTENCE, without_places
 from dampyr.console.grid import FOLDER
 from dampyr.console.guided import Step
 from dampyr.console.rigs import rig_names, rig_settings
+from dampyr.console.run_reference import REPORT, RunReference
 from dampyr.console.state import AppState, Here
 from dampyr.console.stream import ABORTING, Stream
 from dampyr.errors import InputError
@@ -26,6 +40,7 @@ from dampyr.errors import InputError
 TITLE, ORDER = "Bench", 10
 OPEN_HERE = ("/api/bench/abort",)
 RUNS = "runs"
+MAX_RUNS = 100  # folders that a page lists
 ID = "^[A-Za-z0-9-]{8,64}$"
 
 router = APIRouter()
@@ -88,11 +103,82 @@ class Keep(ClientRequest):
     keep: bool
 
 
+class Go(ClientRequest):
+    """m from the middle, extension positive."""
+
+    position: float = Field(ge=-1.0, le=1.0)
+
+
+class SineMotion(ClientRequest):
+    """A sine that is not recorded: m, Hz, V at the coil, whole cycles."""
+
+    amplitude: float = Field(gt=0.0, le=1.0)
+    frequency: float = Field(gt=0.0, le=100.0)
+    voltage: float = Field(0.0, ge=0.0, le=100.0)
+    cycles: int = Field(5, ge=1, le=1000)
+
+
+class CoilVoltage(ClientRequest):
+    """V at the coil for a time [s], with the table at rest."""
+
+    voltage: float = Field(ge=0.0, le=100.0)
+    seconds: float = Field(10.0, gt=0.0, le=3600.0)
+
+
+class LimitRequest(ClientRequest):
+    """The range (SI) within which a reading raises no alarm; without low and high its limit is removed."""
+
+    reading: Reading
+    low: float | None = None
+    high: float | None = None
+
+
+class AlarmRequest(ClientRequest):
+    """Which alarm; without a number all of them."""
+
+    number: int | None = None
+
+
 class Start(ClientRequest):
-    """Which campaign of the list, and into which folder below ``runs``; one with a part of it is continued."""
+    """Which campaign of the list, and into which folder below ``runs``; one with a part of it is continued.
+
+    ``reference`` is the folder of an earlier run of the same tests, with which each cycle is compared within ``tolerance``, a
+    ratio; empty: no comparison.
+    """
 
     campaign: str = Field(max_length=100)
     folder: str = Field(max_length=100)
+    operator: str = Field("", max_length=200)
+    specimen: str = Field("", max_length=200)
+    note: str = Field("", max_length=2000)
+    reference: str = Field("", max_length=100)
+    tolerance: float = Field(0.15, gt=0.0, le=1.0)
+
+
+class Number(ClientRequest):
+    """The number of a campaign in the queue."""
+
+    number: int
+
+
+class TestName(ClientRequest):
+    """A test of the campaign that runs."""
+
+    __test__ = False
+    test: str = Field(max_length=200)
+
+
+class FolderState(BaseModel):
+    """What running a campaign into a folder would mean: new, interrupted, complete, foreign or running, and a sentence."""
+
+    state: str
+    words: str
+
+
+class SuggestedFolder(BaseModel):
+    """A folder that is not there yet."""
+
+    folder: str
 
 
 class Abort(BaseModel):
@@ -102,11 +188,12 @@ class Abort(BaseModel):
 
 
 class RigFile(BaseModel):
-    """A rig that can be connected; ``wired`` where its file names wires."""
+    """A rig that can be connected; ``wired`` where its file names wires, ``problem`` where its file cannot be read."""
 
     name: str
     title: str
     wired: bool
+    problem: str = ""
 
 
 class TestState(BaseModel):
@@ -117,6 +204,14 @@ class TestState(BaseModel):
     state: str
     attempt: int
     reason: str
+
+
+class Disk(BaseModel):
+    """Bytes of the disk on which the data folder lies."""
+
+    folder: str
+    total: int
+    free: int
 
 
 class Done(BaseModel):
@@ -149,16 +244,72 @@ def rigs(here: Here) -> list[RigFile]:
     for name in ("", *rig_names(here.data)):
         try:
             settings = rig_settings(here.data, name)
-        except InputError:
-            continue  # `dampyr run --rig` reports what is wrong with a file
+        except InputError as problem:
+            words = without_places(str(problem), here.data)[:MAX_SENTENCE]
+            rig_files.append(RigFile(name=name, title=name, wired=False, problem=words))
+            continue
         rig_files.append(RigFile(name=name, title=settings.name, wired=bool(settings.wires.serial)))
     return rig_files
 
 
 @router.get("/runs")
-def runs(here: Here) -> list[str]:
-    """The folders of records that campaigns left."""
-    return sorted(path.parent.name for path in (here.data / RUNS).glob(f"*/{JOURNAL}"))
+def runs(here: Here) -> list[RunFolder]:
+    """The folders of records that campaigns left, the latest first; the last hundred."""
+    journals = [path for path in (here.data / RUNS).glob(f"*/{JOURNAL}") if not path.is_symlink()]
+    latest = sorted(journals, key=lambda path: path.stat().st_mtime, reverse=True)[:MAX_RUNS]
+    return [run_folder(path.parent) for path in latest]
+
+
+@router.get("/runs/{folder}/report")
+def report(here: Here, folder: Annotated[str, InPath(max_length=100)]) -> FileResponse:
+    """The report that was written at the end of a run."""
+    path = safe_paths.existing(here.data, f"{RUNS}/{folder}/{REPORT}")
+    return FileResponse(path, filename=f"{folder}-{REPORT}", headers={"content-type": "text/html; charset=utf-8"})
+
+
+@router.get("/folder")
+def folder_state_of(
+    here: Here,
+    bench: CurrentBench,
+    campaign: Annotated[str, Query(max_length=100)],
+    folder: Annotated[str, Query(max_length=100)],
+) -> FolderState:
+    """What starting a campaign into a folder would mean, before it is started."""
+    place = _run_folder(here, folder)
+    if not (place / JOURNAL).is_file():
+        return FolderState(state="new", words="a new folder")
+    path = safe_paths.existing(here.data, f"{FOLDER}/{campaign}.toml")
+    settings = bench.rig.settings if bench.rig is not None else rig_settings(here.data, "")
+    state, words = folder_state(plan(read_campaign(path), settings), place)
+    return FolderState(state=state, words=words)
+
+
+@router.get("/suggested")
+def suggested(here: Here, campaign: Annotated[str, Query(max_length=100)]) -> SuggestedFolder:
+    """A folder for the next run of a campaign: its name, the date, and a number from the second one of a day on."""
+    name = f"{campaign}-{date.today().isoformat()}"[:95]
+    taken = {path.name for path in (here.data / RUNS).glob(f"{glob_escape(name)}*")}
+    numbers = (name if k == 1 else f"{name}-{k}" for k in itertools.count(1))
+    return SuggestedFolder(folder=next(each for each in numbers if each not in taken))
+
+
+@router.get("/disk")
+def disk(here: Here) -> Disk:
+    """The room on the disk of the data folder."""
+    usage = shutil.disk_usage(here.data)
+    return Disk(folder=here.data.resolve().name, total=usage.total, free=usage.free)
+
+
+@router.get("/events")
+def events(bench: CurrentBench) -> list[BenchEvent]:
+    """Who did what, the latest first; all of it is in the file bench/bench-events.jsonl of the data folder."""
+    return bench.events
+
+
+@router.get("/reference")
+def reference(bench: CurrentBench) -> ReferenceLoop | None:
+    """The loop of the reference of the test under way; null where there is none."""
+    return bench.reference_loop
 
 
 @router.get("/tests")
@@ -174,7 +325,7 @@ def tests(here: Here, folder: Annotated[str, Query(max_length=100)]) -> list[Tes
 @router.post("/control")
 def control(request: ClientRequest, bench: CurrentBench) -> Done:
     """Take control, from whoever has it; what they moved stops."""
-    bench.clients.take(request.client)
+    bench.take_control(request.client)
     return Done()
 
 
@@ -221,6 +372,55 @@ def jog(request: Jog, bench: CurrentBench) -> Done:
     return Done()
 
 
+@router.post("/go")
+def go(request: Go, bench: CurrentBench) -> Done:
+    """Move slowly to a position."""
+    bench.go(request.client, request.position)
+    return Done()
+
+
+@router.post("/sine")
+def sine(request: SineMotion, bench: CurrentBench) -> Done:
+    """Move as a sine, without recording."""
+    bench.sine(request.client, request.amplitude, request.frequency, request.voltage, request.cycles)
+    return Done()
+
+
+@router.post("/coil")
+def coil(request: CoilVoltage, bench: CurrentBench) -> Done:
+    """Put a voltage on the coil for a time, with the table at rest."""
+    bench.energise(request.client, request.voltage, request.seconds)
+    return Done()
+
+
+@router.post("/halt")
+def halt(request: ClientRequest, bench: CurrentBench) -> Done:
+    """End a motion by hand or the coil's voltage, and stay armed."""
+    bench.halt(request.client)
+    return Done()
+
+
+@router.post("/extremes")
+def extremes(request: ClientRequest, bench: CurrentBench) -> Done:
+    """Let the least and the greatest readings begin anew."""
+    bench.reset_extremes(request.client)
+    return Done()
+
+
+@router.post("/alarms/limit")
+def alarm_limit(request: LimitRequest, bench: CurrentBench) -> Done:
+    """Set, change or remove an alarm limit."""
+    bench.set_alarm_limit(request.client, AlarmLimit(request.reading, request.low, request.high))
+    return Done()
+
+
+@router.post("/alarms/acknowledge")
+def acknowledge(request: AlarmRequest, bench: CurrentBench) -> Done:
+    """Acknowledge an alarm, or all of them."""
+    bench.acknowledge(request.client, request.number)
+    return Done()
+
+
 @router.post("/zero")
 def zero(request: ClientRequest, bench: CurrentBench) -> Done:
     """Take the load cell's signal of a second for no force."""
@@ -252,12 +452,55 @@ def calibration_end(request: Keep, bench: CurrentBench) -> Done:
 @router.post("/start")
 def start(request: Start, here: Here, bench: CurrentBench) -> Done:
     """Check a campaign and run it, or what is left of it."""
-    path = safe_paths.existing(here.data, f"{FOLDER}/{request.campaign}.toml")
-    folder = safe_paths.inside(here.data, f"{RUNS}/{request.folder}")
-    if folder.parent != here.data / RUNS:
-        raise InputError(f"folder = {request.folder!r} is not allowed; give a name without /")
-    bench.start(request.client, request.campaign, path, folder)
+    bench.start(request.client, request.campaign, *_what_to_run(request, here))
     return Done()
+
+
+@router.post("/queue")
+def enqueue(request: Start, here: Here, bench: CurrentBench) -> Done:
+    """Run a campaign after the one under way."""
+    bench.enqueue(request.client, request.campaign, *_what_to_run(request, here))
+    return Done()
+
+
+@router.post("/queue/remove")
+def dequeue(request: Number, bench: CurrentBench) -> Done:
+    """Take a campaign out of the queue."""
+    bench.dequeue(request.client, request.number)
+    return Done()
+
+
+@router.post("/skip")
+def skip(request: TestName, bench: CurrentBench) -> Done:
+    """Leave out a test, or end the one under way in order; it stays incomplete."""
+    bench.skip(request.client, request.test)
+    return Done()
+
+
+@router.post("/repeat")
+def repeat(request: TestName, bench: CurrentBench) -> Done:
+    """Record a test once more, after those that are left."""
+    bench.repeat(request.client, request.test)
+    return Done()
+
+
+def _what_to_run(request: Start, here: AppState) -> tuple[Path, Path, RunAbout, RunReference | None]:
+    path = safe_paths.existing(here.data, f"{FOLDER}/{request.campaign}.toml")
+    against = None
+    if request.reference:
+        folder = safe_paths.existing(here.data, f"{RUNS}/{request.reference}/{JOURNAL}").parent
+        if request.reference == request.folder:
+            raise InputError(f"reference = {request.reference!r} is the folder of this run; choose an earlier run")
+        against = RunReference(folder, request.tolerance)
+    about = RunAbout(request.operator.strip(), request.specimen.strip(), request.note.strip())
+    return path, _run_folder(here, request.folder), about, against
+
+
+def _run_folder(here: AppState, name: str) -> Path:
+    folder = safe_paths.inside(here.data, f"{RUNS}/{name}")
+    if folder.parent != here.data / RUNS:
+        raise InputError(f"folder = {name!r} is not allowed; give a name without /")
+    return folder
 
 
 @router.post("/pause")

@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel
 
 from dampyr import structures
 from dampyr.console import safe_paths
 from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS, EnsembleRequest, ResponseRequest
-from dampyr.console.dampers import CARDS, DamperLink, damper_of, dampers
+from dampyr.console.dampers import CARDS, DamperLink, damper_of, list_dampers
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
+from dampyr.console.limits import READING
 from dampyr.console.state import Here
 from dampyr.errors import MissingData
 from dampyr.structures.simulate import all_inputs
@@ -34,10 +35,11 @@ class Choices(BaseModel):
 
 
 @router.get("/choices")
-def list_choices(here: Here) -> Choices:
+async def list_choices(here: Here, request: Request) -> Choices:
     """Dampers, control laws and ground motions that can be chosen."""
+    links = [DamperLink(**each) for each in await here.workers.run(request, READING, list_dampers, here.data)]
     motions = safe_paths.files(here.data / MOTIONS, MOTION_SUFFIXES)
-    return Choices(dampers=dampers(here.data), laws=structures.available_control_laws(), motions=motions)
+    return Choices(dampers=links, laws=structures.available_control_laws(), motions=motions)
 
 
 @router.post("/responses", status_code=202)
@@ -45,6 +47,7 @@ def respond(here: Here, request: ResponseRequest) -> JobState:
     """Start to compute a response; bare, and with the damper at each input."""
     _check(here.data, request)
     title = f"{request.building.kind.replace('_', '-')}, {request.motion.kind.replace('_', ' ')}, {_shown(request.damper.name)}"
+    title += f", {_inputs(request)}"
     return as_job_state(here.jobs.submit(RESPONSE, request.model_dump(), title))
 
 
@@ -53,6 +56,7 @@ def run_ensemble(here: Here, request: EnsembleRequest) -> JobState:
     """Start an ensemble; its result holds fragility curves."""
     _check(here.data, request)
     title = f"ensemble, {request.motions} motions, {len(request.scales)} scales, {_shown(request.damper.name)}"
+    title += f", {_inputs(request)}, seed {request.seed}"
     return as_job_state(here.jobs.submit(ENSEMBLE, request.model_dump(), title))
 
 
@@ -81,6 +85,11 @@ def _check(data: Any, request: ResponseRequest | EnsembleRequest) -> None:
         request.motion.motion(data)
     options, damper = request.options(), damper_of(data, request.damper.name)
     all_inputs(damper, options.inputs, options.laws)
+
+
+def _inputs(request: ResponseRequest | EnsembleRequest) -> str:
+    """What drives the damper: its constant inputs and its control laws."""
+    return " ".join([*(f"{value:g}" for value in request.damper.inputs), *request.damper.laws]) or "no input"
 
 
 def _shown(name: str) -> str:

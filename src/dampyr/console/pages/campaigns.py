@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
-from fastapi import APIRouter, HTTPException
+from anyio import to_thread
+from fastapi import APIRouter, HTTPException, Request
 from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
 from dampyr.atomic_write import write_whole
 from dampyr.console import safe_paths
-from dampyr.console.grid import (
-    FOLDER,
-    Envelope,
-    Grid,
-    envelope_of,
-    grid_of,
-    grid_text,
-    place_of,
-    planned_text,
-)
-from dampyr.console.rigs import rig_file, rig_settings
-from dampyr.console.state import Here
+from dampyr.console.campaign_plans import path_answer, plan_answer
+from dampyr.console.grid import FOLDER, Envelope, Grid, grid_of, grid_text
+from dampyr.console.limits import PLANNING
+from dampyr.console.state import AppState, Here
 from dampyr.console.step_texts import StepKind, step_kinds
-from dampyr.errors import InputError
-from dampyr.report.plan_page import plan_notes
+from dampyr.errors import InputError, MissingData
 
 TITLE, ORDER = "Campaigns", 20
 MAX_TEXT_LENGTH = 65536  # characters: the page's text field has the same limit
@@ -47,10 +40,42 @@ class PlanRequest(Text):
     rig: str = Field("", max_length=100)
 
 
+class PathRequest(PlanRequest):
+    """Of which test the path is drawn; of all without a name."""
+
+    test: str = Field("", max_length=200)
+
+
+class PathTest(BaseModel):
+    """A test and when it begins, s."""
+
+    name: str
+    time: float
+
+
+class CampaignPath(BaseModel):
+    """Displacement [mm] and voltage [V], each the times [s] and the values, with None between tests.
+
+    The rests between the tests take their time, the slow ways do not.
+    """
+
+    displacement: list[list[float | None]]
+    voltage: list[list[float | None]]
+    tests: list[PathTest]
+    duration_s: float
+
+
 class Saved(PlanRequest):
     """A campaign to keep. ``replaces`` is the text that its file may hold; another text there is left alone."""
 
     replaces: str | None = Field(None, max_length=MAX_TEXT_LENGTH)
+
+
+class Rename(BaseModel):
+    """A campaign and its new name."""
+
+    name: str = Field(min_length=1, max_length=200)
+    to: str = Field(min_length=1, max_length=100)
 
 
 class GridForm(BaseModel):
@@ -109,32 +134,69 @@ def files(here: Here) -> list[str]:
 
 
 @router.get("/files/{name}")
-def load(name: Name, here: Here) -> File:
+async def load(name: Name, here: Here, request: Request) -> File:
     """A campaign."""
     path = safe_paths.existing(here.data, f"{FOLDER}/{name}.toml")
+    if (size := path.stat().st_size) > MAX_TEXT_LENGTH:
+        raise InputError(
+            f"{name}.toml has {size / 1024:.0f} KiB, a page edits at most {MAX_TEXT_LENGTH // 1024}; shorten it"
+        )
     try:
         text = path.read_text("utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{name}.toml is not UTF-8 text; rewrite it") from None
-    return File(name=name, text=text, grid=_grid(text))
+    return File(name=name, text=text, grid=await _grid(here, request, text))
 
 
 @router.put("/files/{name}")
-def save(name: Name, request: Saved, here: Here) -> File:
+async def save(name: Name, given: Saved, here: Here, request: Request) -> File:
     """Save a campaign that can be read; what the rig cannot do may be saved."""
+    path = safe_paths.inside(here.data, f"{FOLDER}/{name}.toml")
+    if path.parent != here.data / FOLDER or not (safe_paths.is_new_name(name) or path.is_file()):
+        raise InputError(f"{name!r} is not a valid campaign name; use letters, digits, space and .()+@=-_")
+    await here.workers.run(request, PLANNING, plan_answer, here.data, given.text, given.rig)
+    grid = await _grid(here, request, given.text)
+    await to_thread.run_sync(_write, here, path, given)
+    return File(name=name, text=given.text, grid=grid)
+
+
+@router.post("/rename")
+def rename(given: Rename, here: Here) -> File:
+    """Give a campaign another name."""
+    path, target = _campaign(here, given.name), _campaign(here, given.to)
+    if not safe_paths.is_new_name(given.to):
+        raise InputError(f"{given.to!r} is not a valid campaign name; use letters, digits, space and .()+@=-_")
+    with safe_paths.ALONE:
+        if not path.is_file():
+            raise MissingData(f"there is no campaign {given.name!r}; it may have been renamed or deleted meanwhile")
+        if target.exists():
+            raise HTTPException(409, f"there is a campaign {given.to!r} already; choose another name")
+        path.rename(target)
+    return File(name=given.to, text="", grid=None)
+
+
+@router.delete("/files/{name}", status_code=204)
+def remove(name: Name, here: Here) -> None:
+    """Delete a campaign; records of it stay."""
+    safe_paths.existing(here.data, f"{FOLDER}/{name}.toml").unlink()
+
+
+def _campaign(here: AppState, name: str) -> Path:
     path = safe_paths.inside(here.data, f"{FOLDER}/{name}.toml")
     if path.parent != here.data / FOLDER:
         raise InputError(f"{name!r} is not a valid campaign name; leave out the /")
-    _plan(request, here)
-    safe_paths.check_quota(here.data, len(request.text), here.quota)
+    return path
+
+
+def _write(here: AppState, path: Path, given: Saved) -> None:
+    safe_paths.check_quota(here.data, len(given.text), here.quota)
     path.parent.mkdir(exist_ok=True)
     with safe_paths.ALONE:
-        if request.replaces is not None and path.exists() and path.read_bytes() != request.replaces.encode():
+        if given.replaces is not None and path.exists() and path.read_bytes() != given.replaces.encode():
             raise HTTPException(
-                409, f"{name!r} holds another campaign by now; open it anew, or save under another name"
+                409, f"{path.stem!r} holds another campaign by now; open it anew, or save under another name"
             )
-        write_whole(path, request.text)
-    return File(name=name, text=request.text, grid=_grid(request.text))
+        write_whole(path, given.text)
 
 
 @router.get("/kinds")
@@ -150,31 +212,27 @@ def text(grid: GridForm) -> Text:
 
 
 @router.post("/plan")
-def dry_run(request: PlanRequest, here: Here) -> PlanAnswer:
+async def dry_run(given: PlanRequest, here: Here, request: Request) -> PlanAnswer:
     """What a campaign would ask of a rig, and all that it cannot do; nothing moves."""
-    return _plan(request, here)
+    return PlanAnswer(**await here.workers.run(request, PLANNING, plan_answer, here.data, given.text, given.rig))
 
 
-def _grid(text: str) -> GridForm | None:
+@router.post("/path")
+async def draw_path(given: PathRequest, here: Here, request: Request) -> CampaignPath:
+    """The path of a whole campaign over time, or of one of its tests."""
+    arguments = (here.data, given.text, given.rig, given.test)
+    return CampaignPath(**await here.workers.run(request, PLANNING, path_answer, *arguments))
+
+
+async def _grid(here: AppState, request: Request, text: str) -> GridForm | None:
+    form = await here.workers.run(request, PLANNING, grid_values, text)
+    return None if form is None else GridForm(**form)
+
+
+def grid_values(text: str) -> dict[str, Any] | None:
+    """The fields of a `GridForm` that a campaign's TOML says and nothing else; None where the page shows the text alone."""
     try:
         grid = grid_of(text)
-        return None if grid is None else GridForm(**vars(grid))
+        return None if grid is None else GridForm(**vars(grid)).model_dump()
     except (ValueError, TypeError):
-        return None  # no grid: the page shows the text alone
-
-
-def _plan(request: PlanRequest, here: Here) -> PlanAnswer:
-    settings, path = rig_settings(here.data, request.rig), rig_file(here.data, request.rig)
-    campaign_plan = planned_text(request.text, here.data, settings, None if path is None else path.parent)
-    tests = [
-        TestPlan(
-            name=each.name, words=each.words, duration_s=each.duration, speed_mm_s=1e3 * each.peak_speed,
-            position_mm=1e3 * each.peak_position, force_N=each.peak_force, voltage_V=each.peak_voltage,
-            frequency_Hz=place_of(each.peak_speed, each.peak_position)[0], refusal=each.refusal,
-        )
-        for each in campaign_plan.tests
-    ]  # fmt: skip
-    return PlanAnswer(
-        name=campaign_plan.campaign.header.name, rig=campaign_plan.rig.name, duration_s=campaign_plan.duration, tests=tests,
-        notes=plan_notes(campaign_plan), refusals=list(campaign_plan.refusals), envelope=envelope_of(campaign_plan),
-    )  # fmt: skip
+        return None

@@ -86,7 +86,7 @@ def read_curves(here: Here, id: Id, record: Annotated[str, Query(max_length=200)
 def save_card(here: Here, id: Id, card: Card) -> SavedCard:
     """Save the damper's card in the folder ``cards`` of the data folder; an existing one is not replaced."""
     damper = _damper(here, id)
-    if not safe_paths.is_name(card.name):
+    if not safe_paths.is_new_name(card.name):
         raise InputError(f"{card.name!r} is not a file name; use letters, digits, space and .()+@=-_")
     target = safe_paths.inside(here.data, f"{CARDS}/{card.name}.toml")
     safe_paths.check_quota(here.data, 2**16, here.quota)

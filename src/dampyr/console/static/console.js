@@ -1,5 +1,6 @@
 // The shell: navigation, one page at a time, light and dark.
 import { get } from "./lib/api.js";
+import { dashboard } from "./lib/dashboard.js";
 import { h } from "./lib/dom.js";
 import { say } from "./lib/notice.js";
 
@@ -7,6 +8,7 @@ const main = document.getElementById("main");
 let leave = null;
 let showing = 0;
 let pages = [];
+const ENDING = 5; // s, longer than a console takes to end
 
 /** #/records?open=... as { name, query }. */
 function place() {
@@ -28,24 +30,61 @@ async function show(first = false) {
   document.title = page ? `${page.title} · dampyr` : "dampyr console";
   const root = h("div", { class: "page" });
   main.replaceChildren(root);
-  if (!page) return welcome(root);
+  if (!page) return welcome(root, turn);
   root.append(h("h1", {}, page.title));
+  let module = null;
   try {
-    const module = await import(`./pages/${name}.js`);
+    module = await import(`./pages/${name}.js`);
     const left = await module.show(root, query);
     if (turn === showing) leave = left ?? null;
     else left?.();
   } catch (problem) {
-    if (turn === showing) say(problem.message, "bad");
+    if (turn === showing) unavailable(root, problem, Boolean(module));
   }
   if (!first) main.focus({ preventScroll: true });
   scrollTo(0, 0);
 }
 
-function welcome(root) {
-  root.append(h("h1", {}, "dampyr"));
-  if (!pages.length) root.append(h("p", {}, "This console has no pages."));
-  root.append(h("ul", { class: "doors" }, pages.map((one) => h("li", {}, h("a", { href: `#/${one.name}` }, one.title)))));
+/**
+ * A page that could not be opened says why, and opens itself as soon as the console answers again. Where its module could not be
+ * fetched the document is loaded anew, since a browser may remember the failure; not before the console has answered for longer
+ * than one takes to end, or nothing of it might be fetched.
+ */
+function unavailable(root, problem, fetched = true) {
+  const refused = "status" in problem && problem.status > 0;
+  const words = refused ? problem.message : "the console does not answer; this page opens as soon as it does";
+  root.append(h("p", { class: "verdict bad", role: "alert" }, words.charAt(0).toUpperCase() + words.slice(1)));
+  if (refused) return;
+  const turn = showing;
+  answering(fetched ? 1 : ENDING, () => turn === showing).then((still) => {
+    if (!still) return;
+    if (fetched) show();
+    else location.reload();
+  });
+}
+
+/** Resolves once the console has answered `times` in a row, a second apart; with false where `wanted()` is not any more. */
+async function answering(times, wanted = () => true) {
+  for (let k = 0; k < times; ) {
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+    if (!wanted()) return false;
+    k = await get("console").then(() => k + 1, (problem) => (problem.status > 0 ? k + 1 : 0));
+  }
+  return wanted();
+}
+
+async function welcome(root, turn) {
+  if (!pages.length) {
+    root.append(h("h1", {}, "dampyr"), h("p", {}, "This console has no pages."));
+    return;
+  }
+  try {
+    const left = await dashboard(root, pages);
+    if (turn === showing) leave = left;
+    else left();
+  } catch (problem) {
+    if (turn === showing) unavailable(root, problem);
+  }
 }
 
 const THEMES = ["system", "light", "dark"];
@@ -87,7 +126,8 @@ async function start() {
     document.querySelector(".brand").title = `dampyr ${about.version}`;
   } catch (problem) {
     say(problem.message, "bad");
-    if (problem.status === 401) askForToken();
+    if (problem.status === 401 || problem.status === 429) askForToken();
+    else if (!(problem.status > 0)) answering(ENDING).then(() => location.reload());
     return;
   }
   addEventListener("hashchange", () => show());

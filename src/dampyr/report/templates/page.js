@@ -1,5 +1,6 @@
 
-// A click on a heading sorts the table by it; a second click turns the order. Without script the tables just stand.
+// A click on a heading sorts the table by it; a second click turns the order. Without script the tables just stand. The
+// heading's own words stay outside of the button, which lies over them: browsers print no button in a repeated heading.
 for (const table of document.querySelectorAll("table")) {
   const heads = [...table.tHead.rows[0].cells];
   const body = table.tBodies[0];
@@ -8,7 +9,8 @@ for (const table of document.querySelectorAll("table")) {
   heads.forEach((head, column) => {
     const button = document.createElement("button");
     button.type = "button";
-    button.append(...head.childNodes);
+    button.className = "sort";
+    button.setAttribute("aria-label", `Sort by ${head.textContent.replace(/\s+/g, " ").trim()}`);
     head.append(button);
     button.addEventListener("click", () => {
       const falling = head.getAttribute("aria-sort") === "ascending";

@@ -9,6 +9,7 @@ export function begin(place) {
   place.append(badge, knob);
   addEventListener("keydown", (event) => {
     if (event.key !== "Escape" || event.repeat) return;
+    if (document.querySelector("dialog[open]") && bench.connected && bench.state && !bench.state.armed) return; // it closes the dialog
     event.preventDefault();
     now();
   }, { capture: true });
@@ -25,7 +26,8 @@ async function now() {
   try {
     const took = await abort();
     document.documentElement.dataset.aborted = took.toFixed(0);
-    say(`aborted: the table is braked and the coil is off, after ${took.toFixed(0)} ms`, "bad");
+    const rig = bench.state && !bench.state.rig ? "no rig is connected, so there was nothing to stop" : "the table is braked and the coil is off";
+    say(`aborted: ${rig}, after ${took.toFixed(0)} ms`, "bad");
   } catch (problem) {
     say(`${problem.message} — use the switch on the rig`, "bad");
   }

@@ -1,14 +1,16 @@
 // Records judged by a reference damper: the request, the band with its points, and the points outside.
 import { get, query as asQuery } from "./api.js";
-import { chart, COLOURS } from "./chart.js";
+import { chart, charts as drawCharts, COLOURS } from "./chart.js";
 import { choice, field, h, number, section, short, tick } from "./dom.js";
-import { attempt } from "./notice.js";
+import { attempt, say } from "./notice.js";
+import { oneNumber } from "./numbers.js";
 import { table } from "./table.js";
 
 const OTHERS = "others";
-const QUANTITIES = ["extension", "compression", "energy"];
+const WAYS = ["extension", "compression"];
+const QUANTITIES = [...WAYS, "energy"];
 const START = { reference: "", tolerance: "15", force: "0", energy: "0", offset: "", judge: QUANTITIES };
-const SHAPES = [[true, "circle"], [false, "cross"], [null, "square"]];
+const SHAPES = [[true, "circle", "inside"], [false, "cross", "outside"], [null, "square", "not judged"]];
 const BADGES = { passed: "badge good", failed: "badge bad", "not judged": "badge" };
 
 /** The request in an address. */
@@ -64,7 +66,14 @@ function asking(keys, dampers, request, changed) {
     request[name] = value;
     changed();
   };
-  const box = (name, extra = {}) => h("input", { type: "text", inputmode: "decimal", value: request[name], onchange: (event) => take(name, event.target.value.trim().replace(",", ".")), ...extra });
+  const box = (name, extra = {}) => h("input", { type: "text", inputmode: "decimal", value: request[name], onchange: (event) => typed(name, event.target.value), ...extra });
+  const typed = (name, text) => {
+    try {
+      take(name, String(oneNumber(text, "The entry") ?? ""));
+    } catch (problem) {
+      say(problem.message, "bad");
+    }
+  };
   const ticks = QUANTITIES.map((name) => tick(name, { checked: request.judge.includes(name), onchange: (event) => {
     const judged = QUANTITIES.filter((one) => (one === name ? event.target.checked : request.judge.includes(one)));
     if (judged.length) take("judge", judged);
@@ -85,26 +94,32 @@ function asWanted(keys, request) {
 
 function shown(judgement, question, charts) {
   const names = judgement.records.map((one) => one.name);
-  const forces = chart({
-    label: `Forces at peak velocity of ${names.join(", ")} in the band about the reference`, height: 380,
-    x: { words: "peak velocity", unit: "mm/s", pad: 0.06 }, y: { words: "force", unit: "N" },
-    series: [...judgement.bands.flatMap(asBand), ...judgement.records.flatMap((one, k) => asPoints(one, k, one.points.filter((p) => p.quantity !== "energy"), (p, i) => [1e3 * p.speed[i], p.measured[i]]))],
-  });
+  const colourOf = new Map(judgement.records.map((one, k) => [one, COLOURS[k]]));
+  const inputs = [...new Map(judgement.records.map((one) => [inputOf(one), one])).keys()];
+  const forces = drawCharts(inputs.flatMap((input) => {
+    const some = judgement.records.filter((one) => inputOf(one) === input);
+    return WAYS.filter((way) => some.some((one) => one.points.some((p) => p.quantity === way && p.cycle.length))).map((way) => ({
+      label: `Forces at peak velocity in ${way} of ${some.map((one) => one.name).join(", ")} in the band about the reference`, height: 270,
+      x: { words: `peak velocity${input ? ` at ${input}` : ""}, ${way}`, unit: "mm/s", pad: 0.06, least: 5 }, y: { words: "force", unit: "N", least: 20 },
+      series: [...judgement.bands.filter((one) => inputOf(one) === input && one.quantity === way).flatMap(asBand),
+        ...some.flatMap((one) => asPoints(one, colourOf.get(one), one.points.filter((p) => p.quantity === way), (p, i) => [1e3 * p.speed[i], p.measured[i]]))],
+    }));
+  }), { across: true });
   const cycles = Math.max(1, ...judgement.records.flatMap((one) => one.points.flatMap((p) => p.cycle)));
   const used = chart({
     label: `Deviation within the band, every cycle of ${names.join(", ")} uses`, height: 260,
     x: { words: "cycle", pad: 0.04 }, y: { words: "off by", unit: "half-widths" },
-    series: [{ name: "edges of the band", x: [0, cycles + 1, null, 0, cycles + 1], y: [1, 1, null, -1, -1], colour: "ink", dash: [6, 5], width: 1, always: true },
-      ...judgement.records.flatMap((one, k) => asPoints(one, k, one.points, (p, i) => (p.used[i] === null ? null : [p.cycle[i], p.used[i]])))],
+    series: [{ name: "edges of the band", x: [0, cycles + 1, null, 0, cycles + 1], y: [1, 1, null, -1, -1], colour: "ink", dash: "dashed", width: 1, always: true, silent: true },
+      ...judgement.records.flatMap((one) => asPoints(one, colourOf.get(one), one.points, (p, i) => (p.used[i] === null ? null : [p.cycle[i], p.used[i]])))],
   });
   charts.push(forces, used);
   const judged = judgement.records.some((one) => one.judged);
-  const any = judgement.records.some((one) => one.count);
+  const any = judgement.records.some((one) => one.points.some((p) => WAYS.includes(p.quantity) && p.cycle.length));
   return [
     h("p", { class: "verdict", role: "status" }, inShort(judgement.records)),
     summary(judgement.records),
     h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/acceptance/page?${question}`, download: "acceptance.html" }, "Save the page")),
-    any ? section("Forces at peak velocity", forces.element, h("p", { class: "soft" }, "● inside, ✕ outside, □ not judged. Extension above, compression below; the band is drawn through the means of points of equal speed.")) : null,
+    any ? section("Forces at peak velocity", forces.element, h("p", { class: "soft" }, "● inside, ✕ outside, □ not judged; one chart for each input and direction. The band is drawn through the means of points of equal speed.")) : null,
     judged ? section("Deviation within the band", used.element, h("p", { class: "soft" }, "Deviation in half-widths of the band: 0 is the reference, 1 and −1 are the edges; above 0 the damper is stronger, in either direction.")) : null,
     outside(judgement.records),
     open(judgement.records),
@@ -144,18 +159,20 @@ function open(records) {
 
 const percent = (value) => (value === null || value === undefined ? null : 100 * value);
 
-function asBand(one, k) {
+const inputOf = (one) => (one.input === null ? "" : `${number(one.input_value, 5)} ${one.input}`);
+
+function asBand(one) {
   const speeds = one.speed.map((value) => 1e3 * value);
-  const reach = 0.02 * Math.max(...speeds);
+  const reach = 0.02 * Math.max(...speeds.map(Math.abs));
   const x = [speeds[0] - reach, ...speeds, speeds.at(-1) + reach];
   const ends = (values) => [values[0], ...values, values.at(-1)];
-  const round = { name: k ? "" : "band", x: [...x, ...[...x].reverse()], y: [...ends(one.high), ...ends(one.low).reverse()], colour: "sky", fill: true, always: true };
-  return [round, { name: k ? "" : "reference", x, y: ends(one.expected), colour: "ink", dash: [6, 5], width: 1.2, always: true }];
+  const round = { name: "band", x: [...x, ...[...x].reverse()], y: [...ends(one.high), ...ends(one.low).reverse()], colour: "sky", fill: true, always: true, silent: true };
+  return [round, { name: "reference", x, y: ends(one.expected), colour: "ink", dash: "dashed", width: 1.2, always: true }];
 }
 
-function asPoints(record, k, columns, place) {
-  return SHAPES.map(([state, shape]) => {
-    const at = columns.flatMap((p) => p.inside.flatMap((inside, i) => (inside === state ? [place(p, i)] : []))).filter(Boolean);
-    return { name: state === true ? record.name : "", points: true, shape, colour: COLOURS[k], always: true, x: at.map(([x]) => x), y: at.map(([, y]) => y) };
+function asPoints(record, colour, columns, place) {
+  return SHAPES.map(([state, shape, words]) => {
+    const at = columns.flatMap((p) => p.inside.flatMap((inside, i) => (inside === state ? [[place(p, i), `cycle ${p.cycle[i]}, ${p.quantity}, ${words}`]] : []))).filter(([point]) => point);
+    return { name: state === true ? record.name : "", of: record.name, points: true, shape, colour, always: true, ...(state === false ? { size: 11, width: 2.6 } : {}), x: at.map(([[x]]) => x), y: at.map(([[, y]]) => y), tips: at.map(([, tip]) => tip) };
   }).filter((one) => one.x.length || one.name);
 }

@@ -31,8 +31,8 @@ export const text = async (path) => (await ask("GET", path)).text();
 export const post = async (path, data = {}, signal = undefined) => (await ask("POST", path, JSON.stringify(data), inJson, signal)).json();
 export const put = async (path, data) => (await ask("PUT", path, JSON.stringify(data), inJson)).json();
 export const remove = (path) => ask("DELETE", path);
-export const upload = async (path, file) =>
-  (await ask("PUT", path, file, { "content-type": "application/octet-stream" })).json();
+export const send = async (method, path, file) => (await ask(method, path, file, { "content-type": "application/octet-stream" })).json();
+export const upload = (path, file) => send("PUT", path, file);
 
 /** Save an answer as a file, by the name that it has. */
 export async function download(path) {

@@ -29,7 +29,14 @@ export function before(page, kinds, follow) {
   function line(one) {
     const chosen = (event) => (event.preventDefault(), follow(one.id));
     const kind = { done: "good", failed: "bad" }[one.state] ?? "";
-    return h("li", {}, h("a", { href: `#/${page}?job=${one.id}`, onclick: chosen }, one.title), " ", h("span", { class: `badge ${kind}` }, one.state));
+    return h("li", {}, h("a", { href: `#/${page}?job=${one.id}`, onclick: chosen }, one.title), h("small", {}, when(one.made)), " ", h("span", { class: `badge ${kind}` }, one.state));
+  }
+
+  /** The time of today, or the day and the time. */
+  function when(made) {
+    const date = new Date(1e3 * made);
+    const today = date.toDateString() === new Date().toDateString();
+    return date.toLocaleString([], today ? { timeStyle: "short" } : { dateStyle: "short", timeStyle: "short" });
   }
 
   look();

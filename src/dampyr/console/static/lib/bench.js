@@ -10,7 +10,12 @@ const signs = new Map();
 let link = null;
 let counted = 0;
 
-export const bench = { state: null, holds: false, connected: false, strips: null };
+export const bench = { state: null, holds: false, connected: false };
+
+let at = performance.now();
+
+/** s since the console was heard last. */
+export const age = () => (performance.now() - at) / 1000;
 
 /** The id of this tab; a reload keeps it, and with it control. */
 export const client = (() => {
@@ -52,6 +57,7 @@ function take(message) {
     say(message.refused, "bad");
     return;
   }
+  at = performance.now();
   bench.state = message.state ?? bench.state;
   bench.holds = message.holds;
   for (const listener of listeners) listener(message);
@@ -64,6 +70,7 @@ function send(message) {
 
 /** Send a command to the bench; a refusal is shown as a notice. */
 export async function ask(what, more = {}) {
+  if (document.activeElement?.getAttribute("aria-disabled") === "true") return false;
   try {
     await post(`bench/${what}`, { client, ...more });
     return true;

@@ -1,66 +1,64 @@
 // The live charts of the bench: strips of the last seconds, and loops of force over displacement and velocity.
-import { chart } from "./chart.js";
 import { h } from "./dom.js";
+import { loop, strip } from "./strip.js";
 
 const SPAN = 12; // s in the strips
 const LOOPS = 4; // s in the loops
-const SLOW = 5; // frames for one of the coil and the temperature
+const RECENT = 1; // s of a loop that are drawn strongly
+const LEAST = { x: 2, force: 50, voltage: 0.5, temperature: 2, velocity: 10 }; // spans below which noise would fill a chart
 const NAMES = ["time", "x_low", "x_high", "force_low", "force_high", "voltage_low", "voltage_high", "temperature", "velocity",
   "x_first", "force_first", "x_second", "force_second"];
 
 export function live() {
-  const time = { words: "time", unit: "s" };
-  const strip = (words, unit, last = false) =>
-    chart({ label: `${words} over the last ${SPAN} seconds, live`, x: { ...time, bare: !last }, y: { words, unit }, height: last ? 176 : 130 });
-  const loop = (words, unit) => chart({ label: `Force over ${words}, the last ${LOOPS} seconds, live`, x: { words, unit, pad: 0.05 }, y: { words: "force", unit: "N" }, height: 286 });
+  const strips = h("div", { class: "strips" });
+  const rings = h("div", { class: "loops" });
+  const over = (words, unit, least, colour, last = false) =>
+    strip(strips, { label: `${words} over the last ${SPAN} seconds, live`, y: { words, unit, least }, series: [{ name: words, colour }], height: last ? 132 : 98, bare: !last });
+  const loopOver = (words, unit, least) =>
+    loop(rings, { label: `Force over ${words}, the last ${LOOPS} seconds, live`, x: { words, unit, least }, y: { words: "force", unit: "N", least: LEAST.force }, series: [{ name: "force", colour: "blue" }, { name: "reference", colour: "orange" }], height: 212 });
   const parts = {
-    x: strip("position", "mm"), force: strip("force", "N"), voltage: strip("coil", "V"), temperature: strip("damper", "°C", true),
-    fx: loop("displacement", "mm"), fv: loop("velocity", "mm/s"),
+    x: over("position", "mm", LEAST.x, "blue"), force: over("force", "N", LEAST.force, "vermillion"), voltage: over("coil", "V", LEAST.voltage, "purple"),
+    temperature: over("damper", "°C", LEAST.temperature, "green", true), fx: loopOver("displacement", "mm", LEAST.x), fv: loopOver("velocity", "mm/s", LEAST.velocity),
   };
-  const element = h("div", { class: "live" },
-    h("div", { class: "strips" }, parts.x.element, parts.force.element, parts.voltage.element, parts.temperature.element),
-    h("div", { class: "loops" }, parts.fx.element, parts.fv.element));
+  const key = h("p", { class: "soft key", hidden: true }, h("span", { class: "swatch reference" }), " reference");
+  rings.append(key);
+  const element = h("div", { class: "live" }, strips, rings);
+  let bounds = "";
+  let reference = null;
   const data = Object.fromEntries(NAMES.map((name) => [name, []]));
-  let wanted = false;
-  let drawn = 0;
 
   /** Take the new bins of a frame. */
-  function take(strips) {
-    if (strips) {
+  function take(bins) {
+    if (bins) {
       const latest = data.time.at(-1) ?? -1;
-      const from = strips.time.findIndex((t, k) => t > latest || strips.force_low[k] === null);
-      if (from >= 0) for (const name of NAMES) data[name].push(...strips[name].slice(from));
+      const from = bins.time.findIndex((t, k) => t > latest || bins.force_low[k] === null);
+      if (from >= 0) for (const name of NAMES) data[name].push(...bins[name].slice(from));
       const last = data.time.at(-1) ?? 0;
       let drop = 0;
       while (drop < data.time.length && data.time[drop] < last - SPAN) drop++;
       if (drop) for (const name of NAMES) data[name].splice(0, drop);
     }
-    if (!wanted) {
-      wanted = true;
-      requestAnimationFrame(draw);
-    }
+    if (element.isConnected) draw();
   }
 
+  /** Every chart up to the same moment. */
   function draw() {
-    wanted = false;
-    if (!element.isConnected) return;
-    parts.x.set([band("x", "blue")]);
-    parts.force.set([band("force", "vermillion")]);
-    loops();
-    if (drawn++ % SLOW) return;
-    parts.voltage.set([band("voltage", "purple")]);
-    parts.temperature.set([{ name: "temperature", colour: "green", x: data.time, y: data.temperature }]);
+    const now = data.time.at(-1) ?? 0;
+    const over = (part, low, high) => parts[part].set({ now, span: SPAN, lines: [{ time: data.time, low: data[low], high: data[high] }] });
+    over("x", "x_low", "x_high");
+    over("force", "force_low", "force_high");
+    over("voltage", "voltage_low", "voltage_high");
+    over("temperature", "temperature", "temperature");
+    loops(now);
   }
 
-  function loops() {
-    const from = Math.max(0, data.time.findLastIndex((t) => t < data.time.at(-1) - LOOPS) + 1);
-    parts.fx.set([{ name: "force", colour: "blue", x: pairs("x_first", "x_second", from), y: pairs("force_first", "force_second", from) }]);
-    parts.fv.set([{ name: "force", colour: "blue", x: speeds(from), y: pairs("force_first", "force_second", from) }]);
-  }
-
-  /** From the least to the greatest of each bin: no peak is left out. */
-  function band(name, colour) {
-    return { name, colour, x: data.time.flatMap((t) => [t, t]), y: pairs(`${name}_low`, `${name}_high`, 0) };
+  function loops(now) {
+    const since = (span) => Math.max(0, data.time.findLastIndex((t) => t < now - span) + 1);
+    const [from, recent] = [since(LOOPS), 2 * (since(RECENT) - since(LOOPS))];
+    const y = pairs("force_first", "force_second", from);
+    const more = (x) => (reference ? [{ x: reference[x], y: reference.force }] : []);
+    parts.fx.set({ lines: [{ x: pairs("x_first", "x_second", from), y, recent }, ...more("x")] });
+    parts.fv.set({ lines: [{ x: speeds(from), y, recent }, ...more("velocity")] });
   }
 
   /** Speeds at a quarter and at three quarters of each bin. */
@@ -79,8 +77,27 @@ export function live() {
     return values;
   }
 
+  /** Draw the limits of the rig, SI: { force, travel, voltage, temperature }. */
+  function limits(given) {
+    const now = JSON.stringify(given);
+    if (now === bounds) return;
+    bounds = now;
+    const both = (value, words) => [{ value, words: `${words} ±` }, { value: -value, words: "" }];
+    parts.x.limits(both(given.travel * 1e3, "end of travel"));
+    parts.force.limits(both(given.force, "limit"));
+    parts.voltage.limits([{ value: given.voltage, words: "limit" }]);
+    parts.temperature.limits([{ value: given.temperature, words: "limit" }]);
+  }
+
+  /** Draw a reference's loop, { x mm, force N, velocity mm/s }, over the live ones; null: none. */
+  function overlay(loop) {
+    reference = loop;
+    key.hidden = !loop;
+    draw();
+  }
+
   function clear() {
     for (const part of Object.values(parts)) part.clear();
   }
-  return { element, take, clear };
+  return { element, take, limits, overlay, clear };
 }

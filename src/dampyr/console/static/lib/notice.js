@@ -1,14 +1,19 @@
-// A sentence to the person, read out by a screen reader; it stays until it is taken away or leaves by itself.
+// A sentence to the person, read out by a screen reader; it leaves by itself, later where it is bad, and not while it is pointed at.
 import { button, h } from "./dom.js";
+
+const STAYS = { note: 6000, bad: 20000 }; // ms
+const ALL = 3;
 
 export function say(sentence, kind = "note") {
   const words = sentence.charAt(0).toUpperCase() + sentence.slice(1);
   const shown = h("div", { class: `notice ${kind}` }, h("span", {}, words));
-  shown.append(button("×", () => shown.remove(), { class: "quiet", "aria-label": "Take the message away" }));
+  shown.append(button("×", () => shown.remove(), { class: "quiet", "aria-label": "Close the message" }));
   const all = document.getElementById("notices");
   for (const other of [...all.children]) if (other.firstChild.textContent === words) other.remove();
   all.append(shown);
-  if (kind === "note") setTimeout(() => shown.remove(), 6000);
+  while (all.children.length > ALL) all.firstChild.remove();
+  const leave = () => (shown.matches(":hover, :focus-within") ? setTimeout(leave, 1000) : shown.remove());
+  setTimeout(leave, STAYS[kind] ?? STAYS.bad);
 }
 
 /** Run something; what goes wrong is said. */

@@ -1,6 +1,6 @@
 // Records to choose from, with boxes to tick, by source.
 import { get, query as asQuery } from "./api.js";
-import { button, choice, field, h, number, short } from "./dom.js";
+import { button, choice, field, h, number, short, tick } from "./dom.js";
 import { attempt } from "./notice.js";
 import { table } from "./table.js";
 
@@ -13,11 +13,15 @@ export async function picker(start, changed) {
   const source = choice(sources.map((one) => [one.name, one.title]), { value: first ?? sources.at(-1).name, onchange: load });
   const filter = h("input", { type: "search", oninput: fill });
   const list = h("div");
+  const rest = tick("interrupted and repeated ones", { onchange: fill });
+  const isLeftOut = (one) => one.left_out && !rest.firstChild.checked && !taken.has(one.key);
   const count = h("span", { class: "soft", role: "status" });
   const element = h("div", {}, h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter)),
-    h("div", { class: "row" }, button("All shown", () => mark(true)), button("None", () => mark(false)), count), list);
+    h("div", { class: "row" }, button("All shown", () => mark(true)), button("None", () => mark(false)), rest, count), list);
 
-  const shown = () => listed.filter((one) => !one.problem && `${one.key} ${one.about.input_value} ${one.about.role}`.toLowerCase().includes(filter.value.toLowerCase()));
+  const shown = () => listed.filter((one) => !one.problem && !isLeftOut(one) && `${one.key} ${one.about.input_value} ${one.about.role}`.toLowerCase().includes(filter.value.toLowerCase()));
+
+  const unreadable = () => listed.filter((one) => one.problem).length;
 
   function mark(on) {
     if (!on) taken.clear();
@@ -35,16 +39,16 @@ export async function picker(start, changed) {
     list.replaceChildren(table({
       caption: "Records; those for validation are predicted, never fitted",
       columns: [{ words: "Chosen", plain: true }, { name: "record" }, { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "role" }],
-      rows: shown().map(({ key, about }) => {
+      rows: shown().map(({ key, about, left_out: leftOut }) => {
         const box = h("input", { type: "checkbox", checked: taken.has(key), "aria-label": `Choose ${short(key)}`,
           onchange: () => (box.checked ? taken.add(key) : taken.delete(key), tell()) });
         const [low, high] = about.input_range ?? [null, null];
         const input = low === null ? null : { key: low, show: low === high ? `${number(low, 5)} ${about.input}` : `${number(low, 3)} to ${number(high, 3)} ${about.input}` };
-        return [{ key: Number(!taken.has(key)), show: box }, short(key), input, about.measured?.frequency_hz ?? null, about.role === "fit" ? "fit" : "validation"];
+        return [{ key: Number(!taken.has(key)), show: box }, leftOut ? { key: short(key), show: h("span", { class: "named" }, short(key), h("span", { class: "badge bad", title: leftOut }, leftOut.split(":")[0])) } : short(key), input, about.measured?.frequency_hz ?? null, about.role === "fit" ? "fit" : "validation"];
       }),
       empty: "No records are here.",
     }));
-    count.textContent = `${taken.size} chosen`;
+    count.textContent = `${taken.size} chosen${unreadable() ? `; ${unreadable()} cannot be read, Records says why` : ""}`;
   }
 
   async function load() {

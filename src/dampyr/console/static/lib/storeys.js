@@ -11,11 +11,11 @@ const s = (tag, attributes) => {
   return made;
 };
 
-/** storeys({ time, cases: { name: [[floor 1 over time], ...] } }): { element, clear }. */
-export function storeys({ time, cases }) {
+/** storeys({ time, cases: { name: [[floor 1 over time], ...] }, colourOf: (name) => ... }): { element, clear }. */
+export function storeys({ time, cases, colourOf }) {
   const most = Math.max(...Object.values(cases).flat(2).map(Math.abs)) || 1;
   const scale = REACH / most;
-  const drawn = Object.entries(cases).map(([name, floors]) => frame(name, floors));
+  const drawn = Object.entries(cases).map(([name, floors]) => frame(name, floors, colourOf(name)));
   const slide = h("input", { type: "range", min: "0", max: String(time.length - 1), value: "0", "aria-label": "Time", oninput: () => (stop(), at(Number(slide.value))) });
   const clock = h("span", { class: "stage" });
   const play = button("Play", () => (running ? stop() : start()));
@@ -65,7 +65,7 @@ function peak(cases) {
   return top.reduce((best, value, k) => (Math.abs(value) > Math.abs(top[best]) ? k : best), 0);
 }
 
-function frame(name, floors) {
+function frame(name, floors, colour) {
   const storey = Math.max(14, Math.min(80, 190 / floors.length));
   const height = storey * floors.length + 24;
   const svg = s("svg", { viewBox: `0 0 ${WIDTH} ${height}`, role: "img", "aria-label": `${name}: the building, ${floors.length} floors, moving` });
@@ -73,6 +73,7 @@ function frame(name, floors) {
   svg.append(s("line", { x1: 10, x2: WIDTH - 10, y1: ground, y2: ground, class: "ground" }));
   const columns = floors.map(() => [s("path", { class: "column" }), s("path", { class: "column" })]);
   const slabs = floors.map(() => s("rect", { class: "slab", width: 76, height: 7, rx: 1.5 }));
+  for (const slab of slabs) slab.style.fill = `var(--${colour})`;
   svg.append(...columns.flat(), ...slabs);
   return {
     name,

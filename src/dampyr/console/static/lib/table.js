@@ -7,9 +7,10 @@ import { button, h, number } from "./dom.js";
  */
 export function table({ caption = "", columns, rows, empty = "Nothing here." }) {
   const sides = columns.map((column, k) => column.align ?? (isNumeric(rows, k) ? "right" : "left"));
+  const places = columns.map((column, k) => decimals(rows.map((row) => row[k]).filter((cell) => typeof cell === "number"), column.digits ?? 4));
   const body = h("tbody");
   const made = rows.map((row) => {
-    const line = h("tr", {}, row.map((cell, k) => h("td", { class: sides[k] }, shown(cell, columns[k]))));
+    const line = h("tr", {}, row.map((cell, k) => h("td", { class: sides[k] }, shown(cell, columns[k], places[k]))));
     body.append(line);
     return { line, keys: row.map(key) };
   });
@@ -52,12 +53,31 @@ function key(cell) {
   return typeof cell === "boolean" ? Number(cell) : cell;
 }
 
-function shown(cell, column) {
+function shown(cell, column, places) {
   if (cell === null || cell === undefined) return "–";
   if (cell instanceof Node) return cell;
   if (typeof cell === "object") return cell.show;
   if (typeof cell === "boolean") return cell ? "yes" : "no";
+  if (typeof cell === "number" && places !== null && Number.isFinite(cell)) return (Number(cell.toFixed(places)) === 0 ? (0).toFixed(places) : cell.toFixed(places)).replace("-", "−");
   return typeof cell === "number" || cell === "inf" ? number(cell, column.digits ?? 4) : cell;
+}
+
+const MAX_PLACES = 6; // behind the point; columns that need more have powers of ten
+const MAX_RATIO = 1e5; // of the largest to the least number of a column that is aligned
+
+/**
+ * The decimals of a column, so that its numbers align: as many as give the largest number `digits` digits and the least one two.
+ * null where no number of decimals suits all.
+ */
+export function decimals(values, digits) {
+  const sizes = values.filter((one) => Number.isFinite(one) && one !== 0).map(Math.abs);
+  if (!sizes.length) return values.length ? 0 : null;
+  if (values.every(Number.isInteger)) return Math.max(...sizes) < 1e6 ? 0 : null;
+  const [least, largest] = [Math.min(...sizes), Math.max(...sizes)];
+  const places = Math.max(0, digits - 1 - Math.floor(Math.log10(largest)), 1 - Math.floor(Math.log10(least)));
+  if (places > MAX_PLACES || largest >= 1e6 || largest / least > MAX_RATIO) return null;
+  const idle = Math.min(...values.map((one) => /0*$/.exec(one.toFixed(places))[0].length));
+  return Math.max(0, places - idle);
 }
 
 function order(a, b) {

@@ -2,16 +2,21 @@
 import { setAddress } from "../lib/address.js";
 import { get, post } from "../lib/api.js";
 import { before } from "../lib/before.js";
-import { chart, COLOURS } from "../lib/chart.js";
+import { charts, COLOURS } from "../lib/chart.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
 import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
+import { numberList, oneNumber } from "../lib/numbers.js";
 import { storeys } from "../lib/storeys.js";
 import { table } from "../lib/table.js";
 
 const G = 9.80665;
 const TIME = { words: "time", unit: "s" };
 const KINDS = ["respond", "ensemble"];
+const ENERGIES = { // not in the colours of the first cases
+  input: { name: "input", colour: "ink" }, viscous: { name: "viscous damping", colour: "sky" },
+  dampers: { name: "damper", colour: "purple", width: 2 }, moving: { name: "kinetic and strain", colour: "orange" },
+};
 
 export async function show(root, query) {
   const choices = await get("building/choices");
@@ -61,10 +66,18 @@ export async function show(root, query) {
     live = [];
   }
 
-  const plot = (settings) => {
-    const made = chart(settings);
+  const plot = (panels, settings) => {
+    const made = charts([panels].flat(), settings);
     live.push(made);
     return made.element;
+  };
+
+  /** The charts of `host`, in place of those that it had. */
+  const redraw = (host, panels, settings) => {
+    host.drawing?.clear();
+    live = live.filter((one) => one !== host.drawing);
+    host.replaceChildren(plot(panels, settings));
+    host.drawing = live.at(-1);
   };
 
   const page = (id) => h("a", { class: "button", href: `/api/building/jobs/${id}/page`, download: "" }, "Save the whole page");
@@ -72,32 +85,33 @@ export async function show(root, query) {
   async function response({ id, result: r }) {
     const curves = await attempt(() => get(`building/responses/${id}/curves`));
     if (!curves) return;
-    const moving = storeys(curves.frames);
-    live.push(moving);
     const names = r.cases.map((one) => one.name);
-    const over = (which, k, words, unit, factor, height = 220) => plot({
-      label: `${words} over time, ${names.join(", ")}`, x: TIME, y: { words, unit }, height,
-      series: names.map((name, c) => ({ name, colour: c ? COLOURS[c - 1] : "muted", x: curves.cases[name][which][k].x, y: curves.cases[name][which][k].y.map((v) => factor * v) })) });
+    const colourOf = (name) => (names.indexOf(name) ? COLOURS[(names.indexOf(name) - 1) % COLOURS.length] : "muted");
+    const moving = storeys({ ...curves.frames, colourOf });
+    live.push(moving);
+    const over = (which, k, words, unit, factor) => ({
+      label: `${words} over time, ${names.join(", ")}`, x: TIME, y: { words, unit }, height: 210,
+      series: names.map((name) => ({ name, colour: colourOf(name), always: true, x: curves.cases[name][which][k].x, y: curves.cases[name][which][k].y.map((v) => factor * v) })) });
     const floor = choice(r.floors.map((name, k) => [k, `floor ${name}`]), { value: String(r.floors.length - 1), onchange: () => histories() });
     const lines = h("div");
     const chosen = choice(names, { value: names.at(-1), onchange: () => energies() });
     const energy = h("div");
-    const histories = () => {
-      const k = Number(floor.value);
-      lines.replaceChildren(over("displacement", k, "displacement", "mm", 1e3), over("acceleration", k, "acceleration", "m/s²", 1), over("drift", k, `drift of storey ${k + 1}`, "mm", 1e3));
-    };
-    const energies = () => energy.replaceChildren(plot({ label: `Energies over time, ${chosen.value}`, x: TIME, y: { words: "energy", unit: "J" }, height: 260, zero: true,
-      series: Object.entries(curves.cases[chosen.value].energy).map(([name, line]) => ({ name: { input: "input", viscous: "viscous damping", dampers: "damper", moving: "kinetic and strain" }[name], ...line })) }));
     const damped = names.filter((name) => curves.cases[name].loops.length);
     const ruled = damped.filter((name) => new Set(curves.cases[name].inputs[0].y).size > 1);
+    const input = ruled.length ? [{ label: `Input over time, ${ruled.join(", ")}`, x: TIME, y: { words: "input", unit: r.unit }, height: 150,
+      series: ruled.map((name) => ({ name, always: true, width: 1, colour: colourOf(name), ...curves.cases[name].inputs[0] })) }] : [];
+    const histories = () => {
+      const k = Number(floor.value);
+      redraw(lines, [over("displacement", k, `displacement, floor ${r.floors[k]}`, "mm", 1e3), over("acceleration", k, `acceleration, floor ${r.floors[k]}`, "m/s²", 1), over("drift", k, `drift, storey ${k + 1}`, "mm", 1e3), ...input], { linked: true });
+    };
+    const energies = () => redraw(energy, { label: `Energies over time, ${chosen.value}`, x: TIME, y: { words: "energy", unit: "J" }, height: 260, zero: true,
+      series: Object.entries(curves.cases[chosen.value].energy).map(([name, line]) => ({ ...ENERGIES[name], ...line })) });
     sheet.replaceChildren(
       section(r.title, r.cases.flatMap((one) => [...one.outside, ...(one.converged ? [] : [one.reason])].map((words) => h("p", { class: "verdict bad" }, `${one.name}: ${words}.`))), moving.element),
       section("Peaks", peaks(r), h("div", { class: "row" }, page(id))),
       section("Histories", field("Floor", floor), lines),
-      damped.length ? section("The damper", h("div", { class: "charts" }, plot({ label: `Damper force over stroke, ${damped.join(", ")}`, x: { words: "stroke", unit: "mm", pad: 0.04 }, y: { words: "force", unit: "N" }, height: 340,
-        series: damped.map((name, c) => ({ name, always: true, colour: COLOURS[c], y: curves.cases[name].loops[0].y, x: curves.cases[name].loops[0].x.map((v) => 1e3 * v) })) }),
-      ruled.length ? plot({ label: `Input over time, ${ruled.join(", ")}`, x: TIME, y: { words: "input", unit: r.unit }, height: 340,
-        series: ruled.map((name) => ({ name, always: true, colour: COLOURS[damped.indexOf(name)], ...curves.cases[name].inputs[0] })) }) : null)) : "",
+      damped.length ? section("The damper", plot({ label: `Damper force over stroke, ${damped.join(", ")}`, x: { words: "stroke", unit: "mm", pad: 0.04 }, y: { words: "force", unit: "N" }, height: 340,
+        series: damped.map((name) => ({ name, always: true, colour: colourOf(name), y: curves.cases[name].loops[0].y, x: curves.cases[name].loops[0].x.map((v) => 1e3 * v) })) })) : "",
       section("Energy", field("Case", chosen), energy, energyTable(r)),
       section("Ground motion", plot({ label: "Ground acceleration over time", x: TIME, y: { words: "acceleration", unit: "m/s²" }, height: 180, series: [{ name: "ground", colour: "muted", ...curves.ground }] })));
     histories();
@@ -106,14 +120,14 @@ export async function show(root, query) {
 
   function ensemble({ id, result: r }) {
     const series = r.curves.flatMap((one, k) => {
-      const colour = COLOURS[k % COLOURS.length];
+      const colour = one.name === "no damper" ? "muted" : COLOURS[(k - 1 + COLOURS.length) % COLOURS.length]; // as in a response
       const line = (y, more) => (y ? [{ colour, x: one.x.map((v) => v / G), y: y.map((v) => (v === null ? null : 100 * v)), ...more }] : []);
-      return [...line(one.y, { name: one.name, always: true, width: 2.2 }), ...line(one.low, { dash: [5, 5], width: 1 }), ...line(one.high, { dash: [5, 5], width: 1 }),
-        { colour, points: true, x: one.counted.x.map((v) => v / G), y: one.counted.y.map((v) => 100 * v) }];
+      return [...line(one.y, { name: one.name, always: true, width: 2.2 }), ...line(one.low, { of: one.name, dash: "dashed", width: 1 }), ...line(one.high, { of: one.name, dash: "dashed", width: 1 }),
+        { name: one.y ? "" : one.name, of: one.name, always: true, colour, points: true, x: one.counted.x.map((v) => v / G), y: one.counted.y.map((v) => 100 * v) }];
     });
     const shown = (one, digits) => table({ columns: one.columns.map((name, k) => ({ name, unit: one.units[k], digits })), rows: one.rows, caption: one.caption });
     sheet.replaceChildren(
-      section(`Fragility: ${r.limit}`, plot({ label: `Probability of ${r.limit} over peak ground acceleration`, x: { words: "peak ground acceleration", unit: "g" }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
+      section(`Fragility: ${r.limit}`, plot({ label: `Probability of ${r.limit} over peak ground acceleration`, x: { words: "peak ground acceleration", unit: "g", pad: 0.03 }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
         h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dashed: 90 % bands over the motions; points: the shares that were counted.`),
         shown({ ...r.table, caption: "Median and spread of each curve" }, 4), r.remarks.map((one) => h("p", {}, `${one}.`)), h("div", { class: "row" }, page(id))),
       section("Peaks", shown({ ...r.peaks, caption: "Across motions, of the worst storey and floor" }, 4)),
@@ -131,7 +145,7 @@ function peaks(r) {
   const rows = r.cases.map((one) => [one.name, ...one.peak_displacement.map((v) => 1e3 * v), 1e3 * Math.max(...one.peak_drift), Math.max(...one.peak_acceleration), one.peak_base_shear,
     one.peak_force.length ? Math.max(...one.peak_force) : null, one.mean_input.length ? one.mean_input[0] : null, -100 * (1 - one.peak_displacement.at(-1) / r.cases[0].peak_displacement.at(-1)) || null]);
   return table({ caption: `Peaks inside the step; displacements relative to the ground, accelerations absolute; the response ${r.end ?? "ends with the record"}`, rows,
-    columns: [{ name: "case" }, ...r.floors.map((name) => ({ name: `floor ${name}`, unit: "mm" })), { name: "largest drift", unit: "mm" }, { name: "largest acceleration", unit: "m/s²" }, { name: "base shear", unit: "N" },
+    columns: [{ name: "case" }, ...r.floors.map((name) => ({ name: `floor\u00a0${name}`, unit: "mm" })), { name: "largest drift", unit: "mm" }, { name: "largest acceleration", unit: "m/s²" }, { name: "base shear", unit: "N" },
       { name: "damper force", unit: "N" }, { name: "mean input", unit: r.unit }, { name: "top floor, change", unit: "%", digits: 3 }] });
 }
 
@@ -174,9 +188,9 @@ function asking(choices) {
   const quantity = choice([["drift", "drift, mm"], ["acceleration", "acceleration, g"]]);
   const limit = text("12");
   const element = h("div", {},
-    h("fieldset", {}, h("legend", {}, "Building"), field("Which", building), own),
-    h("fieldset", {}, h("legend", {}, "Ground motion"), field("Which", motion), h("div", { class: "fields" }, field("Peak, g", pga), field("Rest after it, s", after), seeded, united)),
-    h("fieldset", {}, h("legend", {}, "Damper"), field("Which", damper), range, h("div", { class: "fields" }, field("Storey", storey), field("Inputs", inputs, "one case each")),
+    h("fieldset", {}, h("legend", {}, "Building"), field("Structure", building), own),
+    h("fieldset", {}, h("legend", {}, "Ground motion"), field("Motion", motion), h("div", { class: "fields" }, field("Peak, g", pga), field("Rest after it, s", after), seeded, united)),
+    h("fieldset", {}, h("legend", {}, "Damper"), field("Card or published damper", damper), range, h("div", { class: "fields" }, field("Storey", storey), field("Inputs", inputs, "one case each")),
       h("div", { class: "row", role: "group", "aria-label": "Control laws" }, laws.map(([, box]) => box)), beyond));
   const many = h("div", { class: "fields" }, field("Synthetic motions", count), field("Scales", scales), field("Limit of", quantity), field("Limit", limit));
 
@@ -201,13 +215,11 @@ function asking(choices) {
 }
 
 function several(words, control) {
-  const values = control.value.trim().split(/[\s;]+/).filter(Boolean).map((part) => Number(part.replace(",", ".").replace("−", "-")));
-  if (values.some(Number.isNaN)) throw new Error(`${words}: ${control.value} must be numbers separated by spaces.`);
-  return values;
+  return numberList(control.value, words);
 }
 
 function one(words, control) {
-  const values = several(words, control);
-  if (values.length !== 1) throw new Error(`${words}: ${control.value || "nothing"} must be one number.`);
-  return values[0];
+  const value = oneNumber(control.value, words);
+  if (value === null) throw new Error(`${words} is empty; give a number.`);
+  return value;
 }

@@ -2,10 +2,11 @@
 import { setAddress } from "../lib/address.js";
 import { download, get, post, query as asQuery } from "../lib/api.js";
 import { before } from "../lib/before.js";
-import { chart } from "../lib/chart.js";
+import { charts as drawCharts } from "../lib/chart.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
 import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
+import { oneNumber } from "../lib/numbers.js";
 import { picker } from "../lib/picker.js";
 import { table } from "../lib/table.js";
 
@@ -43,10 +44,13 @@ export async function show(root, query) {
 
   async function start(wanted) {
     const request = { records: records.chosen(), model: wanted, loss: loss.value, weighting: weighting.value, predict: predict.value };
-    const left = settling.value.trim().replace(",", ".");
-    if (left) request.settling = Number(left);
-    const width = bandwidth.value.trim().replace(",", ".");
-    if (width) request.bandwidth = Number(width);
+    try {
+      const [left, width] = [oneNumber(settling.value, "Settling"), oneNumber(bandwidth.value, "Velocity bandwidth")];
+      if (left !== null) request.settling = left;
+      if (width !== null) request.bandwidth = width;
+    } catch (problem) {
+      return say(problem.message, "bad");
+    }
     if (!request.records.length) return say("Choose one record or more first.", "bad");
     const job = await attempt(() => post("identify/jobs", request));
     if (job) {
@@ -80,9 +84,10 @@ export async function show(root, query) {
     };
     const plots = h("div");
     const which = choice(r.records, { onchange: () => draw(which.value) });
+    const verdict = r.verdict ?? { kind: r.converged ? "" : "bad", words: `The search ${r.reason}.` }; // of jobs of before
     sheet.replaceChildren(
       section(r.model,
-        h("p", { class: `verdict ${r.converged ? "good" : "bad"}` }, `${r.converged ? "The search" : "It did not converge: the search"} ${r.reason}. L1 ${number(100 * r.mean_l1, 3)} % on average over what it was fitted to.`),
+        h("p", { class: `verdict ${verdict.kind}` }, verdict.words),
         r.predictions.map((one) => h("p", {}, `It predicts ${one.records} records that it was not fitted on, by ${one.split}, with an L1 of ${number(100 * one.mean_l1, 3)} %.`)),
         r.held.map((one) => h("p", {}, one.problem || `Validation record ${one.record}: L1 ${number(100 * one.l1, 3)} %, predicted.`)),
         h("div", { class: "row" }, r.card ? [field("Name of the card", name), button("Save the card", keep, { class: "main" }), Object.entries(choices.exports).map(([kind, words]) =>
@@ -102,17 +107,18 @@ export async function show(root, query) {
       const lines = await attempt(() => get(`identify/jobs/${id}/curves?${asQuery({ record })}`));
       if (!lines) return;
       clear();
-      const pair = (over, words, unit, factor, height) => plot({ words, unit }, FORCE, `Measured and modelled force of ${record} over ${words}`, height, [
-        { name: "measured", colour: "muted", width: 2.4, ...scaled(lines[over].measured, factor) }, { name: r.model, colour: "vermillion", ...scaled(lines[over].model, factor) }]);
+      const series = (over, factor) => [
+        { name: "measured", colour: "muted", width: 2.4, ...scaled(lines[over].measured, factor) }, { name: r.model, colour: "vermillion", ...scaled(lines[over].model, factor) }];
+      const pair = (over, unit, factor, height) => ({ label: `Measured and modelled force of ${record} over ${over}`, x: { words: over, unit }, y: FORCE, height, series: series(over, factor) });
+      const residual = { label: `Residual force of ${record}`, x: { words: "time", unit: "s" }, y: { words: "residual", unit: "N" }, height: 150, series: [{ name: "measured minus modelled", colour: "blue", ...lines.residual }] };
       plots.replaceChildren(
-        pair("time", "time", "s", 1, 260),
-        plot({ words: "time", unit: "s" }, { words: "residual", unit: "N" }, `Residual force of ${record}`, 150, [{ name: "measured minus modelled", colour: "blue", always: true, ...lines.residual }]),
-        h("div", { class: "charts" }, pair("displacement", "displacement", "mm", 1e3, 340), pair("velocity", "velocity", "mm/s", 1e3, 340)));
+        plot([pair("time", "s", 1, 260), residual], { linked: true }),
+        plot([pair("displacement", "mm", 1e3, 340), pair("velocity", "mm/s", 1e3, 340)], { across: true }));
     }
   }
 
-  function plot(x, y, label, height, series) {
-    const made = chart({ label, x, y, height, series });
+  function plot(panels, settings) {
+    const made = drawCharts(panels, settings);
     charts.push(made);
     return made.element;
   }

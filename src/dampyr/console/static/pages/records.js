@@ -1,39 +1,47 @@
 // Records: a list to choose from, and the chosen ones overlaid.
 import { acceptance, forAddress, fromAddress } from "../lib/acceptance.js";
 import { setAddress } from "../lib/address.js";
-import { get, put, query as asQuery, remove, upload } from "../lib/api.js";
-import { chart, COLOURS } from "../lib/chart.js";
-import { button, choice, field, h, number, section, short } from "../lib/dom.js";
+import { get, post, put, query as asQuery, remove } from "../lib/api.js";
+import { charts, COLOURS } from "../lib/chart.js";
+import { confirmed, prompted } from "../lib/dialog.js";
+import { button, choice, field, h, number, section, short, tick } from "../lib/dom.js";
 import { attempt, say } from "../lib/notice.js";
+import { oneNumber } from "../lib/numbers.js";
 import { table } from "../lib/table.js";
+import { uploads } from "../lib/uploads.js";
 
 const MAX_OPEN = COLOURS.length;
 const TIME = { words: "time", unit: "s" };
-const FORCE = { words: "force", unit: "N" };
-const DISPLACEMENT = { words: "displacement", unit: "mm" };
-const VELOCITY = { words: "velocity", unit: "mm/s" };
+const FORCE = { words: "force", unit: "N", least: 20 };
+const DISPLACEMENT = { words: "displacement", unit: "mm", least: 1 };
+const VELOCITY = { words: "velocity", unit: "mm/s", least: 5 };
 const TABS = { time: "Time", loops: "Loops", spectra: "Spectra", cycles: "Cycles", acceptance: "Acceptance", about: "About" };
 
 export async function show(root, query) {
-  const state = { source: query.get("source"), open: query.getAll("open").slice(0, MAX_OPEN), tab: query.get("tab") ?? "time", filter: "", role: "" };
+  const state = { source: query.get("source"), open: query.getAll("open").slice(0, MAX_OPEN), tab: Object.hasOwn(TABS, query.get("tab") ?? "") ? query.get("tab") : "time", filter: "", role: "" };
   const request = fromAddress(query);
   const cached = new Map();
   let listed = [];
-  let charts = [];
+  let drawings = [];
   const [sources, formats] = await Promise.all([get("records/sources"), get("records/formats")]);
-  state.source ??= sources.at(-1).name;
+  if (!state.source) { // one's own records, where there are any
+    const own = await get(`records/list?${asQuery({ source: "data" })}`);
+    state.source = own.length ? "data" : sources.at(-1).name;
+  }
 
   const list = h("div");
   const sheet = h("div");
   const source = choice(sources.map((one) => [one.name, one.title]), { value: state.source, onchange: () => ((state.source = source.value), load()) });
   const filter = h("input", { type: "search", oninput: () => ((state.filter = filter.value.toLowerCase()), fill()) });
   const role = choice([["", "all"], ["fit", "fit"], ["validation", "validation"], ["notes", "with remarks"]], { onchange: () => ((state.role = role.value), fill()) });
+  const rest = tick("Interrupted and repeated ones too", { onchange: () => fill() });
   root.append(
     h("div", { class: "split wide" },
       h("div", { class: "side" },
         h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter), field("Role", role)),
+        rest,
         list,
-        uploads(formats.read, (key) => ((state.source = source.value = "data"), (state.open = [key]), load(true)))),
+        uploads(formats.read, (keys) => ((state.source = source.value = "data"), (state.open = keys.slice(0, MAX_OPEN)), load(true)))),
       sheet),
   );
 
@@ -46,6 +54,7 @@ export async function show(root, query) {
 
   function fill() {
     const shown = listed.filter(passes);
+    const leftOut = rest.firstChild.checked ? 0 : listed.filter((one) => one.left_out && !shown.includes(one)).length;
     const rows = shown.map((one) => {
       const m = one.about?.measured;
       const seen = one.about?.overview;
@@ -53,7 +62,7 @@ export async function show(root, query) {
         m || seen ? 1e3 * (m?.peak_speed ?? seen.peak_speed) : null];
     });
     list.replaceChildren(table({
-      caption: `${shown.length} of ${listed.length} records; up to ${MAX_OPEN} are overlaid`,
+      caption: `${shown.length} of ${listed.length} records; up to ${MAX_OPEN} are overlaid${leftOut ? `; ${leftOut} interrupted or repeated not shown` : ""}`,
       columns: [{ words: "Shown", plain: true }, { name: "record" }, { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "peak speed", unit: "mm/s" }],
       rows,
       empty: state.source === "data" ? "No records are here yet; upload one below, or run a campaign." : "No record matches the filter.",
@@ -61,6 +70,7 @@ export async function show(root, query) {
   }
 
   function passes(one) {
+    if (one.left_out && !rest.firstChild.checked && !state.open.includes(one.key)) return false;
     const words = `${one.key} ${inputOf(one.about)?.key ?? ""} ${one.about?.notes.join(" ") ?? one.problem} ${one.note}`.toLowerCase();
     if (!words.includes(state.filter)) return false;
     if (state.role === "notes") return Boolean(one.problem || one.about.notes.length || one.note);
@@ -89,8 +99,8 @@ export async function show(root, query) {
 
   async function draw() {
     keepAddress();
-    for (const one of charts) one.clear();
-    charts = [];
+    for (const one of drawings) one.clear();
+    drawings = [];
     if (!state.open.length) {
       sheet.replaceChildren(h("p", { class: "blank" }, "Choose one or more records from the list."));
       return;
@@ -124,56 +134,58 @@ export async function show(root, query) {
   async function curves(keys) {
     return Promise.all(keys.map(async (key) => {
       if (!cached.has(key)) cached.set(key, await get(`records/curves?${asQuery({ key })}`));
-      return cached.get(key);
+      return { key, ...cached.get(key) };
     }));
   }
 
-  function overlay(loaded, which, x, y, label, { fx = 1, fy = 1, ...more } = {}) {
-    const series = loaded.map((one, k) => ({ name: one.name, x: times(one[which].x, fx), y: times(one[which].y, fy), colour: COLOURS[k], always: true }));
-    const made = chart({ label: `${label} of ${loaded.map((one) => one.name).join(", ")}`, x, y, series, ...more });
-    charts.push(made);
+  /** Series of what was loaded, one for each record; a colour is a record's in every view. */
+  const seriesOf = (loaded, which, fx = 1, fy = 1) => {
+    const names = namesOf(loaded);
+    return loaded.map((one, k) => ({ name: names[k], x: times(one[which].x, fx), y: times(one[which].y, fy), colour: COLOURS[k], always: true }));
+  };
+
+  function drawn(panels, settings = {}) {
+    const made = charts(panels, settings);
+    drawings.push(made);
     return made.element;
   }
 
   const VIEWS = {
     async time(keys) {
       const loaded = await curves(keys);
-      return [
-        overlay(loaded, "displacement", TIME, DISPLACEMENT, "Displacement over time", { fy: 1e3, height: 220 }),
-        overlay(loaded, "velocity", TIME, VELOCITY, "Velocity over time", { fy: 1e3, height: 220 }),
-        overlay(loaded, "force", TIME, FORCE, "Force over time", { height: 260 }),
-        hint(),
-      ];
+      const over = (which, words, y, fy, height) => ({ label: `${words} over time of ${named(loaded)}`, x: TIME, y, height, series: seriesOf(loaded, which, 1, fy) });
+      return [drawn([over("displacement", "Displacement", DISPLACEMENT, 1e3, 210), over("velocity", "Velocity", VELOCITY, 1e3, 210), over("force", "Force", FORCE, 1, 250)], { linked: true }), hint()];
     },
     async loops(keys) {
       const loaded = await curves(keys);
-      return [h("div", { class: "charts" },
-        overlay(loaded, "force_displacement", DISPLACEMENT, FORCE, "Force over displacement", { fx: 1e3, height: 420 }),
-        overlay(loaded, "force_velocity", VELOCITY, FORCE, "Force over velocity", { fx: 1e3, height: 420 })), hint()];
+      const over = (which, words, x) => ({ label: `Force over ${words} of ${named(loaded)}`, x: { ...x, pad: 0.04 }, y: FORCE, height: 420, series: seriesOf(loaded, which, 1e3) });
+      return [drawn([over("force_displacement", "displacement", DISPLACEMENT), over("force_velocity", "velocity", VELOCITY)], { across: true }), hint()];
     },
     async spectra(keys) {
       const loaded = await curves(keys);
-      return [overlay(loaded, "spectrum", { words: "frequency", unit: "Hz" }, { words: "amplitude of the force", unit: "N" }, "Amplitudes of the force by frequency", { height: 360, zero: true }), hint()];
+      return [drawn([{ label: `Amplitudes of the force by frequency of ${named(loaded)}`, height: 420, x: { words: "frequency", unit: "Hz", log: true }, y: { words: "amplitude of the force", unit: "N", log: true },
+        series: seriesOf(loaded, "spectrum") }]), hint()];
     },
     async cycles(keys) {
       const loaded = await Promise.all(keys.map((key) => get(`records/cycles?${asQuery({ key })}`)));
       const names = keys.map(short);
-      const pickup = chart({
-        label: `Force at peak velocity of every cycle of ${names.join(", ")}`, x: { ...VELOCITY, words: "peak velocity", pad: 0.08 }, y: { words: "force minus its mean", unit: "N" }, height: 340,
-        series: loaded.map((all, k) => ({ name: names[k], points: true, colour: COLOURS[k], always: true,
-          x: all.flatMap((one) => [1e3 * one.speed_out, 1e3 * one.speed_in]), y: all.flatMap((one) => [one.force_out, one.force_in]) })),
-      });
-      charts.push(pickup);
+      const ways = [["out", "circle", "extension"], ["in", "ring", "compression"]];
+      const pickup = drawn([{
+        label: `Size of the force at peak velocity of every cycle of ${names.join(", ")}`, height: 340,
+        x: { words: "peak velocity", unit: "mm/s", pad: 0.08, least: 5 }, y: { words: "force minus its mean", unit: "N", least: 20 },
+        series: loaded.flatMap((all, k) => ways.map(([way, shape, words]) => ({ name: shape === "ring" ? "" : names[k], of: names[k], points: true, shape, colour: COLOURS[k], always: true,
+          x: all.map((one) => 1e3 * Math.abs(one[`speed_${way}`])), y: all.map((one) => Math.abs(one[`force_${way}`])), tips: all.map((_, i) => `cycle ${i + 1}, ${words}`) }))),
+      }]);
       const rows = loaded.flatMap((all, k) => all.map((one, i) => [names[k], i + 1, one.start_s, 1 / one.period_s, 1e3 * one.stroke_m, one.least_force, one.largest_force, one.energy,
         1e3 * one.speed_out, one.force_out, 1e3 * one.speed_in, one.force_in]));
-      return [section("Peak-velocity pick-up", pickup.element), section("Every whole cycle", table({
+      return [section("Peak-velocity pick-up", pickup, h("p", { class: "soft" }, "● extension, ○ compression, both without their signs.")), section("Every whole cycle", table({
         caption: "Forces at peak velocity, minus the record's mean force", rows,
         columns: [{ name: "record" }, { name: "cycle" }, { name: "start", unit: "s" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "least force", unit: "N" },
           { name: "largest force", unit: "N" }, { name: "energy", unit: "J" }, { name: "peak velocity, out", unit: "mm/s" }, { name: "force there", unit: "N" },
           { name: "peak velocity, in", unit: "mm/s" }, { name: "force there", unit: "N" }],
       }))];
     },
-    acceptance: (keys) => acceptance(keys, request, keepAddress, charts),
+    acceptance: (keys) => acceptance(keys, request, keepAddress, drawings),
     async about(keys) {
       const loaded = await Promise.all(keys.map((key) => get(`records/one?${asQuery({ key })}`)));
       return loaded.map((one) => about(one));
@@ -191,8 +203,8 @@ export async function show(root, query) {
       ...(m ? [["whole cycles", `${m.cycles} from ${number(m.motion_start)} s on`], ["frequency", `${number(m.frequency_hz)} Hz`], ["peak to peak", `${number(1e3 * m.peak_to_peak_m)} mm`],
         ["peak speed", `${number(1e3 * m.peak_speed)} mm/s`], ["mean force", `${number(m.mean_force)} N`], ["energy per cycle", `${number(m.energy_per_cycle)} J`], ["drift", `${number(1e3 * m.drift_m_per_s, 3)} mm/s`],
         ["third harmonic", `${number(100 * m.harmonics[3], 2)} %`]] : [["overall stroke", `${number(1e3 * a.overview.stroke_m)} mm`], ["peak speed", `${number(1e3 * a.overview.peak_speed)} mm/s`]]),
-      ...Object.entries(q.quantum).map(([channel, step]) => [`${channel} step`, `${number(step, 3)} ${SI[channel] ?? ""}`]),
-      ...Object.entries(a.uncertainty).map(([channel, one]) => [`${channel} uncertainty`, `${number(one.standard, 2)} ${SI[channel]} (one sigma), by ${one.largest} before all`]),
+      ...Object.entries(q.quantum).map(([channel, step]) => [`${channel} step`, inUnit(channel, step, 3)]),
+      ...Object.entries(a.uncertainty).map(([channel, one]) => [`${channel} uncertainty`, `${inUnit(channel, one.standard, 2)} (one sigma), by ${one.largest} before all`]),
       ...Object.entries(a.provenance), ...a.history.map((step) => ["processing", step]),
     ];
     const text = h("textarea", { value: one.note, maxlength: "2000" });
@@ -206,64 +218,73 @@ export async function show(root, query) {
     };
     const exports = formats.written.map((format) =>
       h("a", { class: "button", href: `/api/records/export?${asQuery({ key, format: format.name })}`, download: "" }, format.title));
-    const away = key.startsWith("data/uploads/") ? button("Delete the record", () => drop(key), { class: "quiet" }) : null;
+    const own = key.startsWith("data/uploads/");
     return section(a.name,
       h("p", {}, a.notes.length ? a.notes.map((note) => h("span", { class: "badge bad" }, note)) : h("span", { class: "badge good" }, "no remarks")),
-      h("div", { class: "row" }, h("span", { class: "label" }, "Save as"), exports, away),
+      h("div", { class: "row" }, h("span", { class: "label" }, "Save as"), exports),
       h("dl", { class: "facts" }, facts.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)])),
-      field("Note", text), h("div", { class: "row" }, button("Save the note", keep)));
+      field("Note", text), h("div", { class: "row" }, button("Save the note", keep)),
+      own ? changes(key, a) : null);
+  }
+
+  /** What can be changed of a record that was uploaded. */
+  function changes(key, a) {
+    const entries = { specimen: a.specimen, operator: a.provenance.operator, measurement_session: a.measurement_session };
+    const inputs = Object.fromEntries(Object.entries(entries).map(([name, value]) => [name, h("input", { type: "text", maxlength: "100", value: value ?? "" })]));
+    const numbers = { voltage: a.input === "V" ? a.input_value : null, current: a.input === "A" ? a.input_value : null, temperature: null };
+    for (const [name, value] of Object.entries(numbers)) inputs[name] = h("input", { type: "text", inputmode: "decimal", value: value ?? "" });
+    const typed = (name) => (name in numbers ? oneNumber(inputs[name].value, WORDS[name]) : inputs[name].value.trim());
+    const before = Object.fromEntries(Object.keys(inputs).map((name) => [name, typed(name)]));
+    const save = async () => {
+      let given;
+      try {
+        given = Object.fromEntries(Object.keys(inputs).map((name) => [name, typed(name)]).filter(([name, value]) => value !== before[name] && value !== null && value !== ""));
+      } catch (problem) {
+        return say(problem.message, "bad");
+      }
+      if (!Object.keys(given).length) return say("Nothing is changed; enter what is known of the record.", "bad");
+      if (!(await attempt(() => post("records/edit", { key, ...given })))) return;
+      cached.delete(key);
+      await load(true);
+      say("The record is written anew; the file as it came is stored with it.");
+    };
+    const rename = async () => {
+      const name = await prompted(`Rename ${short(key)}`, "New name", short(key), "Rename");
+      if (name === null || name === short(key)) return;
+      const made = await attempt(() => post("records/rename", { key, name }));
+      if (!made) return;
+      state.open = state.open.map((one) => (one === key ? made.key : one));
+      await load(true);
+      say(`Renamed ${short(made.key)}.`);
+    };
+    return h("details", {}, h("summary", {}, "Change what is said of it"),
+      h("div", { class: "fields" }, Object.keys(inputs).map((name) => field(WORDS[name], inputs[name]))),
+      h("div", { class: "row" }, button("Save the changes", save), button("Rename", rename)),
+      h("div", { class: "row" }, button("Delete the record", () => drop(key), { class: "danger" })));
   }
 
   async function drop(key) {
+    if (!(await confirmed(`Delete the record ${short(key)} and its note? The console cannot bring it back.`, "Delete"))) return;
     if ((await attempt(() => remove(`records/uploads/${encodeURIComponent(key.split("/").at(-1))}`))) === undefined) return;
     state.open = state.open.filter((one) => one !== key);
-    say("The record is deleted.");
     await load(true);
+    say("The record is deleted.");
   }
 
   await load();
   await draw();
-  return () => charts.forEach((one) => one.clear());
+  return () => drawings.forEach((one) => one.clear());
 }
 
-/** The upload form: a file, and what the file does not state itself. */
-function uploads(formats, taken) {
-  const file = h("input", { type: "file", accept: formats.map((one) => `.${one.name}`).join() });
-  const voltage = h("input", { type: "text", inputmode: "decimal" });
-  const units = h("input", { type: "text", placeholder: "displacement=mm force=N" });
-  const columns = h("input", { type: "text", placeholder: "force=Load cell; time=Clock" });
-  const dt = h("input", { type: "text", placeholder: "2 ms" });
-  const variable = h("input", { type: "text" });
-  const header = h("input", { type: "text", inputmode: "numeric" });
-  const sign = choice([["", "as it is"], ["-1", "turned"]]);
-  const session = h("input", { type: "text", placeholder: "2026-03-01" });
-  const specimen = h("input", { type: "text" });
-  const go = h("button", { type: "submit", class: "main" }, "Upload");
-  const form = h("form", {}, field("File", file, `${formats.map((one) => one.title).join(", ")}; at most 64 MiB`),
-    h("div", { class: "fields" }, field("Voltage at the coil, V", voltage, "where the file does not state it"), field("Units", units, "where the header does not state them"), field("Columns", columns, "where the names are not recognised; by number from 0"),
-      field("Sampling interval", dt, "of a file without a time"), field("Line of the names", header, "from 1; 0 for none"), field("Variable", variable, "the matrix of a MATLAB file"),
-      field("Sign of the force", sign), field("Session", session, "one day's records on one mounting"), field("Specimen", specimen, "which damper it is")),
-    h("div", { class: "row" }, go));
-  form.addEventListener("submit", async (event) => {
-    event.preventDefault();
-    if (!file.files.length) return say("Choose a file first.", "bad");
-    go.disabled = true;
-    const said = asQuery({ voltage: voltage.value.trim().replace(",", "."), unit: units.value.split(/[\s;]+/).filter(Boolean), column: columns.value.split(";").map((one) => one.trim()).filter(Boolean),
-      dt: dt.value.trim(), header: header.value.trim(), variable: variable.value.trim(), force_sign: sign.value, measurement_session: session.value.trim(), specimen: specimen.value.trim() });
-    const loaded = await attempt(() => upload(`records/uploads/${encodeURIComponent(file.files[0].name)}?${said}`, file.files[0]));
-    go.disabled = false;
-    if (loaded) {
-      say(`Uploaded ${short(loaded.key)}.`);
-      form.reset();
-      taken(loaded.key);
-    }
-  });
-  return h("details", {}, h("summary", {}, "Upload a record"), form);
-}
-
-const SI = { time: "s", displacement: "m", force: "N", velocity: "m/s", voltage: "V", current: "A", temperature: "°C" };
+const WORDS = { specimen: "Specimen", operator: "Operator", measurement_session: "Session", voltage: "Voltage at the coil, V", current: "Current, A", temperature: "Temperature, °C" };
+const UNITS = { time: ["s", 1], displacement: ["mm", 1e3], force: ["N", 1], velocity: ["mm/s", 1e3], voltage: ["V", 1], current: ["A", 1], temperature: ["°C", 1] };
+const inUnit = (channel, value, digits) => `${number((UNITS[channel]?.[1] ?? 1) * value, digits)} ${UNITS[channel]?.[0] ?? ""}`;
 const times = (values, factor) => (factor === 1 ? values : values.map((value) => factor * value));
-const hint = () => h("p", { class: "soft" }, "Drag over a chart to zoom in; double-click to show all.");
+const named = (loaded) => namesOf(loaded).join(", ");
+const hint = () => h("p", { class: "soft" }, "Drag over a chart to zoom in (on a touch screen press Zoom first); double-click to show all. A name in the legend hides its line.");
+
+/** The names of records; of two runs with the same names each with its folder. */
+const namesOf = (loaded) => loaded.map((one) => (loaded.some((other) => other !== one && other.name === one.name) ? `${one.name} (${one.key.split("/").at(-2)})` : one.name));
 
 const nameOf = (one) => ({ key: one.key, show: h("span", { class: "named", title: one.key }, short(one.key), flags(one)) });
 
@@ -275,7 +296,8 @@ export function inputOf(about) {
 
 function flags(one) {
   const marks = [];
-  if (one.problem) marks.push(h("span", { class: "badge bad", title: one.problem }, "cannot be read"));
+  if (one.left_out) marks.push(h("span", { class: "badge bad", title: one.left_out }, one.left_out.split(":")[0]));
+  if (one.problem) marks.push(h("span", { class: "badge bad", title: one.problem }, "cannot be read"), h("small", { class: "under" }, one.problem));
   else if (one.about.notes.length) marks.push(h("span", { class: "badge bad", title: one.about.notes.join("; ") }, `remarks: ${one.about.notes.length}`));
   if (one.about?.role === "validation") marks.push(h("span", { class: "badge" }, "validation"));
   if (one.note) marks.push(h("span", { class: "badge", title: one.note }, "note"));

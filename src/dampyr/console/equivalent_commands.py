@@ -1,0 +1,126 @@
+"""The command line that does what a request of a page does: reports name it, so that they can be made again without a browser.
+
+Paths are those in the data folder, where the command is to be run.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from dampyr.console.record_sources import OWN
+
+if TYPE_CHECKING:
+    from dampyr.console.building_schemas import (
+        BuildingRequest,
+        DamperRequest,
+        EnsembleRequest,
+        MotionRequest,
+        ResponseRequest,
+    )
+    from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
+
+WHERE = "in the console's data folder"
+
+
+def _command(*words: str, note: str = "") -> str:
+    return f"{shlex.join(['dampyr', *words])} ({'; '.join([WHERE, *([note] if note else [])])})"
+
+
+def _paths(keys: Iterable[str]) -> list[str]:
+    return [key.removeprefix(f"{OWN}/") for key in keys]
+
+
+def _options(request: Any, **flags: str) -> list[str]:
+    """``--flag value`` for each field of ``request`` that is not as usual; ``flags`` field -> flag."""
+    words: list[str] = []
+    for field, flag in flags.items():
+        value = getattr(request, field)
+        if value == type(request).model_fields[field].default:
+            continue
+        if value is True:
+            words.append(flag)
+            continue
+        for each in value if isinstance(value, list) else [value]:
+            words += [flag, f"{each:g}" if isinstance(each, float) else str(each)]
+    return words
+
+
+def identify_command(request: IdentifyRequest) -> str:
+    """As ``dampyr identify``."""
+    options = _options(
+        request, model="--model", tried="--try", predict="--predict", loss="--loss", weighting="--weighting",
+        settling="--settling", bandwidth="--bandwidth",
+    )  # fmt: skip
+    return _command("identify", *_paths(request.records), *options)
+
+
+def validate_command(request: ValidateRequest) -> str:
+    """As ``dampyr validate``."""
+    options = _options(request, settling="--settling", allow_extrapolation="--allow-extrapolation")
+    return _command("validate", request.card, *_paths(request.records), *options)
+
+
+def accept_command(request: Any) -> str:
+    """As ``dampyr accept``; a reference of several records is a folder of them there.
+
+    ``request`` is an `dampyr.console.record_acceptance.AcceptanceRequest`.
+    """
+    tolerance = ["--tolerance", f"{100 * request.tolerance:g}%"]
+    slacks = ((request.force, "N"), (request.energy, "J"))
+    slack = [f"--slack={value:g}{unit}" for value, unit in slacks if value]
+    offset = [] if request.offset is None else [f"--offset={request.offset:g}N"]
+    options = [*tolerance, *slack, *_options(request, judge="--judge"), *offset]
+    several = "the reference is a folder of these records" if len(request.reference) > 1 else ""
+    reference = " ".join(_paths(request.reference))
+    return _command("accept", reference, *_paths(request.key), *options, note=several)
+
+
+def response_command(request: ResponseRequest) -> str:
+    """As ``dampyr simulate``."""
+    words = [*_damper(request.damper), *_motion(request.motion), *_options(request, after="--after")]
+    return _command("simulate", *words, note=_only_here(request))
+
+
+def ensemble_command(request: EnsembleRequest) -> str:
+    """As ``dampyr ensemble``."""
+    scales = ["--scale", ",".join(f"{scale:g}" for scale in request.scales)]
+    limit = f"{1e3 * request.limit:g}mm" if request.quantity == "drift" else f"{request.limit:g}m/s^2"
+    words = [*_damper(request.damper), *_motions(request.motion, request.motions), *scales, "--limit", limit]
+    words += ["--without-damper", *_options(request, after="--after", seed="--seed")]
+    return _command("ensemble", *words, note=_building(request.building))
+
+
+def _damper(request: DamperRequest) -> list[str]:
+    inputs = [word for value in request.inputs for word in ("--voltage", f"{value:g}")]
+    laws = [word for law in request.laws for word in ("--control", law)]
+    return [
+        request.name, *inputs, *laws, *_options(request, storey="--storey", allow_extrapolation="--allow-extrapolation")
+    ]  # fmt: skip
+
+
+def _motion(request: MotionRequest) -> Sequence[str]:
+    words = ["--motion", f"motions/{request.file}"] if request.kind == "file" else []
+    unit = ["--motion-unit", request.unit] if request.unit else []
+    return [*words, *unit, *([] if request.pga is None else [f"--pga={request.pga:g}m/s^2"])]
+
+
+def _motions(request: MotionRequest, count: int) -> Sequence[str]:
+    if request.kind != "kanai_tajimi":
+        return _motion(request)
+    pga = [] if request.pga is None else [f"--pga={request.pga:g}m/s^2"]
+    return ["--synthetic", str(count), "--duration", f"{request.duration:g}", *pga]
+
+
+def _only_here(request: ResponseRequest) -> str:
+    motion = request.motion
+    synthetic = f"a synthetic motion of {motion.duration:g} s, seed {motion.seed}, for El Centro 1940"
+    notes = [_building(request.building), synthetic if motion.kind == "kanai_tajimi" else ""]
+    return "; ".join(note for note in notes if note)
+
+
+def _building(request: BuildingRequest) -> str:
+    if request.kind == "two_storey":
+        return ""
+    return f"a shear building of {len(request.masses)} storeys, which only the console and Python take"

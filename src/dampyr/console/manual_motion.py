@@ -1,0 +1,61 @@
+"""Motions by hand on an armed rig: a sine that is checked as a test of a campaign is, and a voltage on the coil at rest."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from dampyr.campaigns import campaign_of, plan, specimen
+from dampyr.errors import InputError
+from dampyr.rig import Drive, RigSettings, Table
+
+MAX_CYCLES = 1000
+MAX_SECONDS = 120.0  # of a voltage on the coil at rest: an operator looks at it
+PERIOD = 0.01  # s from set point to set point
+
+
+def sine_drive(
+    settings: RigSettings, folder: Path | None, amplitude: float, frequency: float, voltage: float, cycles: int
+) -> Drive:
+    """The drive of a sine of ``amplitude`` [m], ``frequency`` [Hz] and ``voltage`` [V]; not recorded.
+
+    Raises :class:`~dampyr.errors.InputError` where the rig cannot do it, with what it can.
+    """
+    if not 1 <= cycles <= MAX_CYCLES:
+        raise InputError(f"cycles = {cycles} is not allowed; give 1 to {MAX_CYCLES}")
+    step = {
+        "kind": "sine", "amplitude": f"{amplitude!r} m", "frequency": f"{frequency!r} Hz", "voltage": f"{voltage!r} V",
+        "cycles": cycles, "rest_before": "0 s",
+    }  # fmt: skip
+    campaign = campaign_of({"name": "by hand", "check_amplitude": 0.0, "step": [step]})
+    planned = plan(campaign, settings, specimen(settings, folder))
+    if planned.refusals:
+        raise InputError(planned.refusals[0])
+    return planned.tests[0].drive
+
+
+def check_coil(settings: RigSettings, voltage: float, seconds: float) -> None:
+    """Raise :class:`~dampyr.errors.InputError` where a voltage [V] or its duration [s] is not allowed."""
+    limit = min(settings.limits.voltage, settings.board.range * settings.supply.gain)
+    if not (math.isfinite(voltage) and 0.0 <= voltage <= limit):
+        raise InputError(f"voltage = {voltage:g} V is not allowed; the coil takes 0 V to {limit:.4g} V")
+    if not 0.0 < seconds <= MAX_SECONDS:
+        raise InputError(f"seconds = {seconds:g} s is not allowed; give more than 0 s and at most {MAX_SECONDS:g} s")
+
+
+def coil_drive(table: Table, voltage: float, seconds: float) -> Drive:
+    """The drive of a voltage [V] on the coil for ``seconds``, with the table at rest where it stands."""
+    n = max(2, math.ceil(seconds / PERIOD) + 1)
+    volts = np.full(n, voltage)
+    volts[-1] = 0.0
+    return Drive(PERIOD, np.full(n, table.position), volts, standing=True)
+
+
+def play(table: Table, drive: Drive) -> None:
+    """Go to where a drive begins, and play it."""
+    if not drive.standing:
+        table.go(float(drive.displacement[0]))
+    for _ in table.play(drive):
+        pass

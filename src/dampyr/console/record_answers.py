@@ -1,0 +1,105 @@
+"""Records as pages show them; read in a process with limits (:mod:`dampyr.console.workers`)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from dampyr import records
+from dampyr.console import curves, record_sources
+from dampyr.console.page_words import in_page_words
+from dampyr.console.record_formats import FIGURE, NEED_VELOCITY
+from dampyr.errors import DampyrError, FileError, InputError
+from dampyr.records import Record
+from dampyr.to_json import plain
+
+MAX_MEASURED = 100_000  # samples, 100 s at 1 kHz: measuring them takes some 3 s
+
+
+def describe_all(keys: list[str], data: Path) -> Iterator[dict[str, Any]]:
+    """``about`` of the record of each key, what `dampyr records --json` prints of it, or the ``problem`` why it cannot be read;
+    neither for a file that is not meant as a record.
+    """
+    for key in keys:
+        try:
+            if not record_sources.is_record(record_sources.place(data, key)):
+                yield {}
+                continue
+            yield {"about": description(record_sources.read(data, key))}
+        except DampyrError as problem:
+            yield {"problem": str(problem)[:2000]}
+
+
+def describe_one(data: Path, key: str) -> dict[str, Any]:
+    """As `describe_all`, of one record that can be read."""
+    return description(record_sources.read(data, key))
+
+
+def description(record: Record) -> dict[str, Any]:
+    """What `dampyr records --json` prints of a record; a very long one is measured on its first part, and says so."""
+    if record.n <= MAX_MEASURED:
+        described = dict(plain(records.describe(record)))
+        described["notes"] = [in_page_words(note) for note in described["notes"]]
+        return described
+    first = record.until(float(record.time[MAX_MEASURED - 1]))
+    described = dict(plain(records.describe(first)))
+    described["notes"] = [
+        f"measured on its first {first.duration:.4g} s of {record.duration:.4g} s: it has {record.n:,} samples",
+        *map(in_page_words, described["notes"]),
+    ]
+    described["history"] = list(record.history)
+    described["duration_s"], described["quality"]["samples"] = record.duration, record.n
+    return described
+
+
+def curves_of(data: Path, key: str) -> dict[str, Any]:
+    """The lines of one record, SI: over time, as loops, and by frequency."""
+    record = _with_velocity(record_sources.read(data, key))
+    assert record.velocity is not None
+    t, x, v, f = record.time, record.displacement, record.velocity, record.force
+    lines = {
+        "displacement": curves.line(t, x, curves.ZOOMED),
+        "velocity": curves.line(t, v, curves.ZOOMED),
+        "force": curves.line(t, f, curves.ZOOMED),
+        "force_displacement": curves.line(x, f, 2 * curves.POINTS),
+        "force_velocity": curves.line(v, f, 2 * curves.POINTS),
+        "spectrum": curves.line(*records.spectrum(record, "force")),
+    }
+    return {"name": record.name, **{name: each.model_dump() for name, each in lines.items()}}
+
+
+def cycles_of(data: Path, key: str) -> list[Any]:
+    """Every whole cycle of one record, SI."""
+    return [plain(one) for one in records.cycle_table(record_sources.read(data, key))]
+
+
+def export_record(data: Path, key: str, path: Path) -> str:
+    """Write one record to ``path``, by whose suffix it is a format or a figure; its name."""
+    record = record_sources.read(data, key)
+    if path.suffix == f".{FIGURE}":
+        from dampyr.figures.loops import loops
+        from dampyr.figures.style import save
+
+        shown = _with_velocity(record)
+        save(loops(shown.displacement, shown.velocity, shown.force, title=record.name), path)
+    else:
+        records.write(_with_velocity(record) if path.suffix in NEED_VELOCITY else record, path)
+    return record.name
+
+
+def take_upload(path: Path, to: Path, said: dict[str, Any]) -> dict[str, Any]:
+    """Read the file ``path`` and write the file ``to`` (.h5); ``said`` is what :func:`dampyr.records.read` takes besides."""
+    try:
+        record = records.read(path, **said)
+        described = description(record)
+        records.write(record, to)
+    except FileError as problem:
+        if problem.path == to:
+            raise InputError(f"{path.name}: the record comes to more than may be written; cut it into parts") from None
+        raise InputError(str(problem).replace(f"{path}", path.name)) from None
+    return {"name": record.name, "history": list(record.history), "notes": described["notes"]}
+
+
+def _with_velocity(record: Record) -> Record:
+    return record if record.velocity is not None else records.with_velocity(record)

@@ -1,0 +1,326 @@
+"""Records that come in through the Records page: their columns shown, read, stored, renamed, described anew, deleted."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+from typing import Annotated, Any
+
+from anyio import to_thread
+from fastapi import APIRouter, HTTPException, Query, Request
+from fastapi import Path as InPath
+from pydantic import BaseModel, Field
+
+from dampyr import records
+from dampyr.console import record_answers, record_notes, record_sources, safe_paths
+from dampyr.console.limits import READING
+from dampyr.console.record_formats import PLAIN_TEXT, SUFFIXES
+from dampyr.console.security import MAX_UPLOAD
+from dampyr.console.state import AppState, Here
+from dampyr.errors import FileError, InputError
+from dampyr.records.column_table import guess_channels
+from dampyr.records.record import CHANNELS
+from dampyr.records.text_columns import read_table
+
+UPLOADS = "uploads"
+ORIGINALS = f"{safe_paths.OWN}/originals"
+"""Uploads as they were before they were described anew; nothing lists them."""
+MAX_SHOWN = 6  # rows of a preview
+BODY = {
+    "requestBody": {
+        "required": True,
+        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+    }
+}
+Name = Annotated[str, InPath(max_length=255, description="The file's name; its suffix gives the format.")]
+Text = Annotated[str | None, Field(max_length=200)]
+
+router = APIRouter()
+
+
+class Taken(BaseModel):
+    """A record that came in, and what is to be said of how it was read."""
+
+    key: str
+    notices: list[str] = []
+
+
+class Place(BaseModel):
+    """``position`` is 0 for what is read now, None for what is not in the queue."""
+
+    position: int | None
+
+
+class Column(BaseModel):
+    """A column of a file: name and unit as the header states them, the first values, the channel that it seems to be."""
+
+    name: str
+    unit: str
+    values: list[float | None]
+    kind: str
+    channel: str
+
+
+class Preview(BaseModel):
+    """The columns of a text file; without any where it cannot be read, with the ``problem``."""
+
+    columns: list[Column] = []
+    channels: dict[str, str] = Field(default={}, description="Channel -> its SI unit.")
+    notices: list[str] = []
+    problem: str = ""
+
+
+class Edit(BaseModel):
+    """What is said of a record that was uploaded; what is left out, or None, stays as it is. SI."""
+
+    key: str = Field(min_length=3, max_length=640)
+    specimen: Text = None
+    operator: Text = None
+    measurement_session: Text = None
+    voltage: float | None = Field(None, ge=0, le=1e4, allow_inf_nan=False, description="V, constant, at the coil.")
+    current: float | None = Field(None, ge=-1e4, le=1e4, allow_inf_nan=False, description="A, constant.")
+    temperature: float | None = Field(None, ge=-273.15, le=1e3, allow_inf_nan=False, description="degC, constant.")
+
+
+class Rename(BaseModel):
+    """Another name, without a suffix, for a record that was uploaded."""
+
+    key: str = Field(min_length=3, max_length=640)
+    name: str = Field(min_length=1, max_length=100)
+
+
+@router.put("/uploads/{name}", status_code=201, openapi_extra=BODY)
+async def take(
+    here: Here,
+    request: Request,
+    name: Name,
+    unit: Annotated[list[str], Query(default_factory=list, max_length=8, description="Such as displacement=mm.")],
+    column: Annotated[list[str], Query(default_factory=list, max_length=8, description="Such as force=Load cell.")],
+    voltage: Annotated[float | None, Query(allow_inf_nan=False, description="V, constant, at the coil.")] = None,
+    current: Annotated[float | None, Query(allow_inf_nan=False, description="A, constant.")] = None,
+    dt: Annotated[str | None, Query(max_length=40, description="Sampling interval, such as 2 ms.")] = None,
+    variable: Annotated[str | None, Query(max_length=100, description="Matrix of a MATLAB file.")] = None,
+    header: Annotated[int | None, Query(ge=0, le=10**6, description="Line of the names, from 1; 0: none.")] = None,
+    force_sign: Annotated[int | None, Query(ge=-1, le=1, description="-1 turns the force.")] = None,
+    measurement_session: Annotated[
+        str | None, Query(max_length=100, description="A day's records on a mounting.")
+    ] = None,
+    specimen: Annotated[str | None, Query(max_length=100, description="Which damper it is.")] = None,
+    ticket: Annotated[str, Query(max_length=40, description="By which its place in the queue can be asked for.")] = "",
+) -> Taken:
+    """Upload a record: it is read in a process with limits and saved as an .h5 file in the folder ``uploads``."""
+    said: dict[str, Any] = {"voltage": voltage, "current": current, "units": _pairs(unit), "columns": _pairs(column)}
+    said |= {"dt": dt, "variable": variable, "header": header, "force_sign": force_sign}
+    said |= {"measurement_session": measurement_session, "specimen": specimen}
+    stored = _name_of_upload(name)
+    target = safe_paths.inside(here.data, f"{UPLOADS}/{Path(stored).stem}.h5")
+    if target.exists():
+        raise HTTPException(409, f"there is a record {target.stem!r} already; rename the file, and upload it again")
+    async with _incoming(here.data) as folder:
+        await _receive(request, folder / stored, here.data, here.quota)
+        made = folder / "read.h5"
+        taken = await here.uploads.run(
+            request, READING, record_answers.take_upload, folder / stored, made, said, ticket=ticket
+        )
+        target.parent.mkdir(exist_ok=True)
+        with safe_paths.ALONE:
+            if target.exists():
+                raise HTTPException(
+                    409, f"a record {target.stem!r} came in meanwhile; rename the file, and upload it again"
+                )
+            made.replace(target)
+    notices = [f"{name!r} is stored as {target.stem!r}, a name that every system allows"] if stored != name else []
+    notices += [each for each in taken["history"] if each.startswith("read as ")]
+    return Taken(key=_key(target), notices=notices)
+
+
+@router.put("/preview/{name}", openapi_extra=BODY)
+async def preview(
+    here: Here,
+    request: Request,
+    name: Name,
+    header: Annotated[int | None, Query(ge=0, le=10**6, description="Line of the names, from 1; 0: none.")] = None,
+    part: Annotated[bool, Query(description="Whether the file goes on after what is sent.")] = False,
+) -> Preview:
+    """The columns of a text file, of which the first 64 KiB are enough; nothing is saved."""
+    stored = _name_of_upload(name)
+    if Path(stored).suffix.lower() not in PLAIN_TEXT:
+        return Preview(problem="the file names its channels itself")
+    async with _incoming(here.data) as folder:
+        await _receive(request, folder / stored, here.data, here.quota)
+        shown = await here.workers.run(request, READING, columns_of, folder / stored, header, part)
+    return Preview(**shown)
+
+
+@router.get("/queue")
+def read_queue(here: Here, ticket: Annotated[str, Query(min_length=1, max_length=40)]) -> Place:
+    """How many uploads are read before that with this ticket."""
+    return Place(position=here.uploads.position(ticket))
+
+
+@router.post("/edit")
+async def edit(here: Here, request: Request, given: Edit) -> Taken:
+    """Write an upload anew with what is said of it; the file as it came stays in the console's own folder."""
+    path = _upload(here, given.key)
+    changes = given.model_dump(exclude={"key"}, exclude_none=True)
+    if not changes:
+        raise InputError("nothing is changed; enter what is known of the record")
+    safe_paths.check_quota(here.data, path.stat().st_size, here.quota)
+    async with _incoming(here.data) as folder:
+        made = folder / "read.h5"
+        await here.uploads.run(request, READING, edited, path, made, changes, time.strftime("%Y-%m-%d %H:%M"))
+        with safe_paths.ALONE:
+            _keep_original(here, path)
+            made.replace(path)
+    return Taken(key=given.key)
+
+
+@router.post("/rename")
+def rename(here: Here, given: Rename) -> Taken:
+    """Give an upload another name; its note goes with it."""
+    path = _upload(here, given.key)
+    if not safe_paths.is_new_name(given.name):
+        raise InputError(f"{given.name!r} is not a file name; use letters, digits, space and .()+@=-_")
+    target = path.with_name(f"{given.name}{path.suffix}")
+    with safe_paths.ALONE:
+        if target.exists():
+            raise HTTPException(409, f"there is a record {given.name!r} already; choose another name")
+        path.rename(target)
+        with suppress(FileNotFoundError):
+            _original(here, path).rename(_original(here, target))
+        record_notes.move_note(here.data, given.key, _key(target))
+    return Taken(key=_key(target))
+
+
+@router.delete("/uploads/{name}", status_code=204)
+def remove(here: Here, name: Annotated[str, InPath(max_length=260)]) -> None:
+    """Delete a record that was uploaded, with its note."""
+    path = safe_paths.existing(here.data, f"{UPLOADS}/{name}")
+    path.unlink()
+    _original(here, path).unlink(missing_ok=True)
+    record_notes.write_note(here.data, _key(path), "")
+
+
+def columns_of(path: Path, header: int | None, part: bool) -> dict[str, Any]:
+    """A `Preview` of a text file as plain values."""
+    if part:  # the last line may be cut
+        content = path.read_bytes()
+        path.write_bytes(content[: content.rfind(b"\n") + 1] or content)
+    try:
+        table = read_table(path, header, by_number=True)
+    except FileError as problem:
+        return {"problem": str(problem).replace(f"{path}", path.name)}
+    guessed = {column: channel for channel, column in guess_channels(path, table).items()}
+    kinds = table.kinds or ("number",) * table.values.shape[1]
+    columns = [
+        {
+            "name": table.names[k] if table.names else "",
+            "unit": table.units[k] if table.units else "",
+            "values": [float(value) for value in table.values[:MAX_SHOWN, k]],
+            "kind": kinds[k],
+            "channel": guessed.get(k, ""),
+        }
+        for k in range(table.values.shape[1])
+    ]
+    return {"columns": columns, "channels": dict(CHANNELS), "notices": list(table.notes)}
+
+
+def edited(path: Path, to: Path, changes: dict[str, Any], when: str) -> None:
+    """Write the record at ``path`` to ``to`` with ``changes``, which its history and its provenance name."""
+    record = records.read(path)
+    fields: dict[str, Any] = {
+        name: changes[name] for name in ("specimen", "measurement_session") if changes.get(name) is not None
+    }
+    if "voltage" in changes and "current" in changes:
+        raise InputError("voltage and current are both given; a record has one input, so leave one of them out")
+    if "voltage" in changes:
+        fields |= {"voltage": changes["voltage"], "current": None}
+    if "current" in changes:
+        fields |= {"current": changes["current"], "voltage": None}
+    if "temperature" in changes:
+        import numpy as np
+
+        fields["temperature"] = np.full(record.n, changes["temperature"])
+    provenance = dict(record.provenance) | {"edited": f"{when}: {', '.join(changes)}"}
+    if "operator" in changes:
+        provenance["operator"] = changes["operator"]
+    note = "edited in the console: " + ", ".join(f"{name} = {value}" for name, value in changes.items())
+    records.write(record.replace(note=note, provenance=provenance, **fields), to)
+
+
+def _name_of_upload(name: str) -> str:
+    """The name by which a file is stored, of which its suffix picks the reader."""
+    if Path(name).suffix.lower() not in SUFFIXES:
+        raise InputError(f"{name[:60]!r} has no suffix of a record; it must end in {', '.join(SUFFIXES)}")
+    stored = name if safe_paths.is_new_name(name) else safe_paths.new_name(name)
+    if not stored or name[0] in ".-~" or "/" in name or "\\" in name or not name.isprintable():
+        raise InputError(f"{name[:60]!r} is not a valid file name; rename it with letters, digits, space and .()+@=-_")
+    return stored
+
+
+def _upload(here: AppState, key: str) -> Path:
+    """The file of a record that was uploaded; the others are not changed here."""
+    prefix = f"{record_sources.OWN}/{UPLOADS}/"
+    if not key.startswith(prefix) or "/" in key.removeprefix(prefix):
+        raise InputError("only records that were uploaded can be changed; those of a run stay as they were recorded")
+    return safe_paths.existing(here.data, f"{UPLOADS}/{key.removeprefix(prefix)}")
+
+
+def _key(path: Path) -> str:
+    return f"{record_sources.OWN}/{UPLOADS}/{path.name}"
+
+
+def _original(here: AppState, path: Path) -> Path:
+    return here.data / ORIGINALS / path.name
+
+
+def _keep_original(here: AppState, path: Path) -> None:
+    """Link the file as it came under its name in the console's own folder, where it is the first."""
+    original = _original(here, path)
+    if original.exists():
+        return
+    original.parent.mkdir(exist_ok=True)
+    try:
+        os.link(path, original)
+    except OSError:  # a file system without hard links
+        shutil.copyfile(path, original)
+
+
+def _pairs(given: list[str]) -> dict[str, str]:
+    for pair in given:
+        if "=" not in pair or len(pair) > 120:
+            raise InputError(f"{pair[:60]!r} is not a pair; write it as in displacement=mm")
+    return dict(pair.split("=", 1) for pair in given)
+
+
+@asynccontextmanager
+async def _incoming(data: Path) -> AsyncIterator[Path]:
+    """A folder for one file that comes in; gone afterwards."""
+    folder = Path(tempfile.mkdtemp(prefix="incoming-", dir=data / safe_paths.OWN))
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+async def _receive(request: Request, path: Path, data: Path, quota: int) -> None:
+    """Write the body to ``path`` as it comes, within the limits."""
+    free_bytes = quota - await to_thread.run_sync(safe_paths.used, data)
+    size = 0
+    with path.open("wb") as file:
+        async for piece in request.stream():
+            size += len(piece)
+            if size > MAX_UPLOAD:
+                raise HTTPException(413, f"too large; at most {MAX_UPLOAD // 2**20} MiB are taken")
+            if 2 * size > free_bytes:
+                raise HTTPException(
+                    413, "the data folder is full; delete what is not needed, or start with a larger --quota"
+                )
+            file.write(piece)
+    if size == 0:
+        raise InputError("the file is empty; choose another")

@@ -1,0 +1,147 @@
+// Uploads: several files at once, their columns shown before, and what the files do not state themselves.
+import { get, query as asQuery, send, upload } from "./api.js";
+import { choice, field, h, number, short } from "./dom.js";
+import { oneNumber } from "./numbers.js";
+import { say } from "./notice.js";
+
+const ENOUGH = 65536; // bytes of a file that show its columns
+const LOOK = 1000; // ms between two looks at the place in the queue
+const UNITS = { time: "s", displacement: "mm", force: "N", velocity: "mm/s", voltage: "V", current: "A", temperature: "degC" };
+
+/** uploads(formats, taken): the form; `taken` is called with the keys of the records that came in. */
+export function uploads(formats, taken) {
+  const plainText = ["csv", "txt", "dat"];
+  const file = h("input", { type: "file", multiple: true, accept: formats.map((one) => `.${one.name}`).join() });
+  const text = (attributes = {}) => h("input", { type: "text", maxlength: "100", ...attributes });
+  const voltage = text({ inputmode: "decimal" });
+  const current = text({ inputmode: "decimal" });
+  const dt = text({ placeholder: "2 ms" });
+  const variable = text();
+  const header = text({ inputmode: "numeric" });
+  const sign = choice([["", "as it is"], ["-1", "turned"]]);
+  const session = text({ placeholder: "2026-03-01" });
+  const specimen = text();
+  const which = choice([], { "aria-label": "File whose columns are shown" });
+  const shown = h("div", { id: "columns", "aria-live": "polite" });
+  const states = h("ul", { class: "before", id: "uploads" });
+  const go = h("button", { type: "submit", class: "main" }, "Upload");
+  let columns = [];
+  let turn = 0;
+
+  async function preview() {
+    const chosen = file.files[Number(which.value)] ?? file.files[0];
+    const mine = ++turn;
+    columns = [];
+    shown.replaceChildren();
+    if (!chosen || !plainText.includes(chosen.name.split(".").at(-1).toLowerCase())) return;
+    const said = asQuery({ header: header.value.trim(), part: chosen.size > ENOUGH });
+    let result;
+    try {
+      result = await send("PUT", `records/preview/${encodeURIComponent(chosen.name)}?${said}`, chosen.slice(0, ENOUGH));
+    } catch (problem) {
+      result = { columns: [], problem: problem.message };
+    }
+    if (mine !== turn) return;
+    columns = result.columns.map((one, k) => column(one, k, result.channels));
+    shown.replaceChildren(...(result.problem ? [h("p", { class: "verdict bad" }, result.problem)] : [tableOf(result)]), ...(result.notices ?? []).map((one) => h("p", { class: "soft" }, `${one}.`)));
+  }
+
+  function column(one, k, channels) {
+    const name = one.name || `column ${k}`;
+    const unit = h("input", { type: "text", maxlength: "20", value: one.unit || (one.kind === "number" ? UNITS[one.channel] ?? "" : ""), disabled: Boolean(one.unit) || one.kind !== "number", "aria-label": `Unit of ${name}` });
+    const channel = choice([["", "not read"], ...Object.keys(channels)], { value: one.channel, "aria-label": `Channel of ${name}`, onchange: () => (unit.value ||= unit.disabled ? "" : UNITS[channel.value] ?? "") });
+    return { ...one, name, k, unit, channel, stated: one.unit, guessed: one.channel };
+  }
+
+  function tableOf(result) {
+    const row = (label, cells) => h("tr", {}, h("th", { scope: "row" }, label), cells.map((cell) => h("td", {}, cell)));
+    const rows = result.columns[0]?.values.length ?? 0;
+    return h("div", { class: "table", tabindex: "0", role: "region", "aria-label": "Columns of the file" }, h("table", {}, h("caption", {}, "Columns of the file; what is chosen here holds for all files"),
+      h("tbody", {}, row("Column", columns.map((one) => one.name)), row("Channel", columns.map((one) => one.channel)), row("Unit", columns.map((one) => one.unit)),
+        Array.from({ length: rows }, (_, i) => h("tr", {}, i ? null : h("th", { scope: "row", rowspan: String(rows) }, "First rows"), result.columns.map((one) => h("td", { class: "right" }, number(one.values[i], 6))))))));
+  }
+
+  /** What the columns say besides the files: only what differs from what the files say themselves. */
+  function mapping() {
+    const chosen = columns.filter((one) => one.channel.value);
+    const twice = chosen.find((one, k) => chosen.findIndex((other) => other.channel.value === one.channel.value) !== k);
+    if (twice) throw new Error(`two columns are the ${twice.channel.value}; choose one of them`);
+    const unit = chosen.filter((one) => !one.stated && one.unit.value.trim()).map((one) => `${one.channel.value}=${one.unit.value.trim()}`);
+    if (columns.every((one) => one.channel.value === one.guessed)) return { unit };
+    const dropped = columns.filter((one) => one.guessed && !chosen.some((other) => other.channel.value === one.guessed));
+    return { unit, column: [...chosen.map((one) => `${one.channel.value}=${one.k}`), ...dropped.map((one) => `${one.guessed}=-`)] };
+  }
+
+  function said() {
+    return {
+      ...mapping(), voltage: oneNumber(voltage.value, "Voltage"), current: oneNumber(current.value, "Current"), dt: dt.value.trim(), header: header.value.trim(), variable: variable.value.trim(),
+      force_sign: sign.value, measurement_session: session.value.trim(), specimen: specimen.value.trim(),
+    };
+  }
+
+  async function one(chosen, request) {
+    const state = h("span", { class: "badge" }, "sending");
+    const words = h("small");
+    states.append(h("li", {}, h("span", {}, chosen.name, " ", words), state));
+    const ticket = Math.random().toString(36).slice(2); // crypto.randomUUID needs https
+    const timer = setInterval(async () => {
+      const { position } = await get(`records/queue?${asQuery({ ticket })}`).catch(() => ({}));
+      if (position !== undefined && position !== null) state.textContent = position ? `waiting: ${position} before it` : "being read";
+    }, LOOK);
+    try {
+      const made = await upload(`records/uploads/${encodeURIComponent(chosen.name)}?${asQuery({ ...request, ticket })}`, chosen);
+      state.textContent = "uploaded";
+      state.classList.add("good");
+      words.textContent = made.notices.join("; ");
+      for (const notice of made.notices) say(`${short(made.key)}: ${notice}`);
+      return made.key;
+    } catch (problem) {
+      state.textContent = "refused";
+      state.classList.add("bad");
+      words.textContent = problem.message;
+      say(`${chosen.name}: ${problem.message}`, "bad");
+      return null;
+    } finally {
+      clearInterval(timer);
+    }
+  }
+
+  file.addEventListener("change", () => {
+    which.replaceChildren(...[...file.files].map((each, k) => h("option", { value: String(k) }, each.name)));
+    which.hidden = file.files.length < 2;
+    preview();
+  });
+  which.addEventListener("change", preview);
+  which.hidden = true;
+  header.addEventListener("change", preview);
+  const form = h("form", {}, field("File", file, `${formats.map((each) => each.title).join(", ")}; several at once, at most 64 MiB each`), which, shown,
+    h("div", { class: "fields" }, field("Voltage at the coil, V", voltage, "where the file does not state it"), field("Current, A", current, "instead of a voltage"),
+      field("Sampling interval", dt, "of a file without a time"), field("Line of the names", header, "from 1; 0 for none"), field("Variable", variable, "the matrix of a MATLAB file"),
+      field("Sign of the force", sign), field("Session", session, "one day's records on one mounting"), field("Specimen", specimen, "which damper it is")),
+    h("div", { class: "row" }, go), states);
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const chosen = [...file.files];
+    if (!chosen.length) return say("Choose a file first.", "bad");
+    let request;
+    try {
+      request = said();
+    } catch (problem) {
+      return say(problem.message, "bad");
+    }
+    go.disabled = true;
+    states.replaceChildren();
+    const keys = [];
+    for (const each of chosen) keys.push(await one(each, request)); // one after the other: the console reads them so
+    go.disabled = false;
+    const came = keys.filter(Boolean);
+    if (!came.length) return;
+    say(came.length === 1 ? `Uploaded ${short(came[0])}.` : `Uploaded ${came.length} records.`);
+    file.value = "";
+    columns = [];
+    shown.replaceChildren();
+    which.hidden = true;
+    taken(came);
+  });
+  return h("details", {}, h("summary", {}, "Upload records"), form);
+}

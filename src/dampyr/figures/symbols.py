@@ -1,0 +1,36 @@
+r"""Symbols of parameters: :math:`k_x` for kx, :math:`\rho` for rho, as formulas print them."""
+
+from __future__ import annotations
+
+import re
+
+GREEK = {
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ",
+    "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "rho": "ρ", "sigma": "σ", "tau": "τ", "phi": "φ",
+    "psi": "ψ", "omega": "ω",
+}  # fmt: skip
+# a Greek word or a letter, and an index of at most one sign; what is longer is a word
+_SYMBOL = re.compile(rf"({'|'.join(sorted(GREEK, key=len, reverse=True))}|[A-Za-z])_?(\w?)")
+
+
+def symbol(name: str) -> tuple[str, str] | None:
+    """The letter of a parameter and its index: ("k", "x") of kx, ("ρ", "") of rho; None for a name that is a word."""
+    match = _SYMBOL.fullmatch(name)
+    return (GREEK.get(match[1], match[1]), match[2]) if match else None
+
+
+def as_mathtext(name: str) -> str:
+    """A parameter's name for matplotlib, such as ``dahl $k_x$`` for dahl.kx; the name itself where it is no symbol."""
+    part, _, own = name.rpartition(".")
+    own_symbol = symbol(own)
+    if own_symbol is None:
+        return name
+    letter, index = own_symbol
+    shown = rf"${letter}_\mathit{{{index}}}$" if index else f"${letter}$"
+    return f"{part.replace('_', ' ')} {shown}" if part else shown
+
+
+def label_as_mathtext(label: str) -> str:
+    """A label of a fitted number for matplotlib, such as ``dahl $k_x$ at 1.98 V`` for ``dahl.kx @ 1.98 V``."""
+    name, at, rest = label.partition(" @ ")
+    return f"{as_mathtext(name)} at {rest}" if at else as_mathtext(name)

@@ -1,0 +1,97 @@
+"""The Records page in a browser: what comes in, what is left out, what is changed."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("fastapi")
+
+from dampyr import records
+
+ROWS = [(k / 100, 8 * np.sin(k / 12), 300 * np.cos(k / 12) + 20) for k in range(600)]
+BARE = "".join(f"{t},{x:.5f},{f:.4f}\n" for t, x, f in ROWS)
+
+
+def made(name, **more):
+    t, x, f = np.array(ROWS).T
+    return records.Record(t, 1e-3 * x, f, voltage=1.0, name=name, **more)
+
+
+def test_several_files_without_names_are_uploaded_with_the_columns_chosen_once(address, new_page, data, tmp_path):
+    for name in ("one.csv", "two, second.csv"):
+        (tmp_path / name).write_text(BARE)
+    page = new_page(f"{address}#/records?source=data")
+    page.get_by_text("Upload records").click()
+    page.get_by_label("File", exact=True).set_input_files([tmp_path / "one.csv", tmp_path / "two, second.csv"])
+    for k, channel in enumerate(("time", "displacement", "force")):
+        page.get_by_label(f"Channel of column {k}").select_option(channel)
+    assert page.get_by_label("Unit of column 1").input_value() == "mm"
+    page.get_by_label("Unit of column 2").fill("kN")
+    page.get_by_label("Voltage at the coil, V").fill("0,5")
+    page.get_by_role("button", name="Upload").click()
+    page.get_by_text("Uploaded 2 records.").wait_for()
+    page.get_by_label("Show two_ second").wait_for()
+    read = records.read(data / "uploads" / "one.h5")
+    assert (read.voltage, np.abs(read.force).max() > 3e5) == (0.5, True)
+
+
+def test_an_upload_is_described_anew_renamed_and_deleted_after_a_question(address, new_page, data):
+    (data / "uploads").mkdir()
+    records.write(made("a"), data / "uploads" / "a.h5")
+    page = new_page(f"{address}#/records?source=data&open=data/uploads/a.h5&tab=about")
+    page.get_by_text("Change what is said of it").click()
+    page.get_by_label("Operator").fill("Jo")
+    page.get_by_label("Voltage at the coil, V").last.fill("1,98")
+    page.get_by_role("button", name="Save the changes").click()
+    page.get_by_text("The record is written anew").wait_for()
+    assert records.read(data / "uploads" / "a.h5").voltage == 1.98
+    page.get_by_text("Change what is said of it").click()
+    page.get_by_role("button", name="Rename").click()
+    page.get_by_label("New name").fill("b")
+    page.get_by_role("dialog").get_by_role("button", name="Rename").click()
+    page.get_by_text("Renamed b.").wait_for()
+    page.get_by_text("Change what is said of it").click()
+    page.get_by_role("button", name="Delete the record").click()
+    page.get_by_role("dialog").get_by_role("button", name="Cancel").click()
+    assert (data / "uploads" / "b.h5").is_file()
+    page.get_by_role("button", name="Delete the record").click()
+    page.get_by_role("dialog").get_by_role("button", name="Delete").click()
+    page.get_by_text("The record is deleted.").wait_for()
+    assert list((data / "uploads").iterdir()) == []
+
+
+def test_interrupted_records_are_marked_and_left_out_until_they_are_wanted(address, new_page, data):
+    (data / "runs" / "day").mkdir(parents=True)
+    for name, attempt, more in (("a", "1", {"complete": "no"}), ("a-2", "2", {})):
+        records.write(made("a", provenance={"test": "a", "try": attempt, **more}), data / "runs" / "day" / f"{name}.h5")
+    page = new_page(f"{address}#/records?source=data")
+    page.get_by_text("1 of 2 records; up to 6 are overlaid; 1 interrupted or repeated not shown").wait_for()
+    page.get_by_label("Interrupted and repeated ones too").check()
+    page.get_by_text("2 of 2 records").wait_for()
+    assert page.locator("tr", has_text="interrupted").count() == 1
+    page.evaluate("location.assign('#/identify')")
+    page.get_by_label("Source").select_option("data")
+    page.get_by_label("Choose a-2").wait_for()
+    page.get_by_role("button", name="All shown").click()
+    page.get_by_text("1 chosen").wait_for()
+    page.get_by_label("interrupted and repeated ones").check()
+    page.get_by_role("button", name="All shown").click()
+    page.get_by_text("2 chosen").wait_for()
+
+
+def test_an_address_with_a_view_that_is_none_shows_the_first(address, new_page, data):
+    records.write(made("a"), data / "a.h5")
+    page = new_page(f"{address}#/records?source=data&open=data/a.h5&tab=constructor")
+    page.get_by_role("tab", name="Time", selected=True).wait_for()
+
+
+def test_ones_own_records_come_first_where_there_are_any(address, new_page, data):
+    page = new_page(f"{address}#/records")
+    page.get_by_label("Source", exact=True).wait_for()
+    assert page.get_by_label("Source", exact=True).input_value() != "data"
+    (data / "uploads").mkdir()
+    records.write(made("a"), data / "uploads" / "a.h5")
+    page.reload()
+    page.goto(f"{address}#/bench")
+    page.goto(f"{address}#/records")
+    page.get_by_label("Show a", exact=True).wait_for()
+    assert page.get_by_label("Source", exact=True).input_value() == "data"

@@ -1,0 +1,200 @@
+"""Work of requests in processes with limits: the server's memory stays, and nothing goes on that nobody waits for."""
+
+import asyncio
+import os
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("fastapi")
+from fastapi import HTTPException
+from tests.console.memory import resident
+
+from dampyr.console.limits import PLANNING, Limits
+from dampyr.console.step_texts import step_kinds
+from dampyr.console.workers import Workers
+from dampyr.errors import InputError, MissingData
+
+DOTTED = "a." * 30_000 + "a = 1"
+HUNDRED = [f"{0.1 * k:.1f}" for k in range(1, 101)]
+CUBE = (
+    f'[[step]]\nkind = "sine"\namplitude = {[f"{v} mm" for v in HUNDRED]}\nfrequency = {[f"{v} Hz" for v in HUNDRED]}\n'
+    f"voltage = {[f'{v} V' for v in HUNDRED]}\n"
+)
+MANY = (
+    f'[[step]]\nkind = "sine"\namplitude = {[f"{v} mm" for v in HUNDRED[:20]]}\n'
+    f"frequency = {[f'{v} Hz' for v in HUNDRED[:20]]}\ncycles = 3\n"
+)
+
+
+def finished(work):
+    """What a coroutine gives, in a thread of its own: a browser of an earlier test leaves a loop running in this one."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(asyncio.run, work).result()
+
+
+@pytest.fixture
+def workers():
+    made = Workers()
+    yield made
+    made.close()
+
+
+class Client:
+    """A client that leaves after ``seconds``."""
+
+    def __init__(self, seconds):
+        self.until = time.monotonic() + seconds
+
+    async def is_disconnected(self):
+        return time.monotonic() > self.until
+
+
+def plan(client, text, **more):
+    return client.post("/api/campaigns/plan", json={"text": text, "rig": "", **more})
+
+
+def test_work_is_done_in_another_process(workers):
+    assert finished(workers.run(None, PLANNING, os.getpid)) != os.getpid()
+
+
+def test_what_is_wrong_comes_back_as_it_was_raised(workers):
+    from dampyr.console import record_answers
+
+    with pytest.raises(MissingData, match="no such file"):
+        finished(workers.run(None, PLANNING, record_answers.describe_one, Path("/nowhere"), "data/none.csv"))
+    with pytest.raises(RuntimeError, match="traceback"):
+        finished(workers.run(None, PLANNING, os.listdir, "/nowhere"))
+
+
+def test_more_memory_than_allowed_is_refused(workers):
+    with pytest.raises(InputError, match=r"more memory than the 1024 MiB.*plan fewer"):
+        finished(workers.run(None, PLANNING, bytearray, 2**32))
+
+
+def test_more_time_than_allowed_is_refused(workers):
+    with pytest.raises(InputError, match=r"more than the 0.2 s.*request less"):
+        finished(workers.run(None, Limits(2**30, 0.2), time.sleep, 600.0))
+
+
+def test_a_process_ends_when_its_client_leaves(workers):
+    with pytest.raises(HTTPException, match="withdrawn"):
+        finished(workers.run(Client(0.3), Limits(2**30, 600.0), time.sleep, 600.0))
+
+
+def test_requests_wait_for_one_another_and_are_told_their_place():
+    one = Workers(at_once=1)
+
+    async def three():
+        order = [asyncio.create_task(one.run(None, PLANNING, time.sleep, 0.4, ticket=name)) for name in "abc"]
+        await asyncio.sleep(0.2)
+        places = [one.position(name) for name in "abcd"]
+        await asyncio.gather(*order)
+        return places
+
+    assert finished(three()) == [0, 1, 2, None]
+    assert one.position("a") is None
+    one.close()
+
+
+def test_no_more_wait_than_a_server_can_answer(workers, monkeypatch):
+    monkeypatch.setattr("dampyr.console.workers.MAX_WAITING", 1)
+
+    async def two():
+        first = asyncio.create_task(workers.run(None, PLANNING, time.sleep, 0.2))
+        await asyncio.sleep(0)
+        try:
+            await workers.run(None, PLANNING, os.getpid)
+        finally:
+            await first
+
+    with pytest.raises(HTTPException, match="waiting already"):
+        finished(two())
+
+
+def test_campaigns_that_unfold_are_refused_quickly_in_plain_words(client):
+    plan(client, '[[step]]\nkind = "rest"\n')
+    before = resident()
+    for text, words in (
+        (DOTTED, "line 1 has a key of more than 32 parts separated by dots"),
+        (
+            CUBE,
+            "1,000,000 tests (step 1: 100 values of amplitude x 100 values of frequency x 100 values of voltage = 1,000,000)",
+        ),
+        (f"seed = {'9' * 60_000}", "a number in it has thousands of digits"),
+        ("x = " + "[" * 30_000, "nest too deeply"),
+    ):
+        answer = plan(client, text)
+        assert answer.status_code == 400
+        assert words in answer.json()["detail"]
+    assert resident() - before < 30
+
+
+def test_a_plan_of_four_hundred_tests_leaves_the_servers_memory_as_it_was(client):
+    plan(client, '[[step]]\nkind = "rest"\n')
+    before = resident()
+    assert len(plan(client, MANY).json()["tests"]) == 400
+    assert resident() - before < 30
+
+
+def test_notes_on_tests_are_said_once_and_in_millimetres(client):
+    text = '[[step]]\nkind = "sine"\namplitude = ["16 mm", "20 mm"]\nfrequency = ["0.1 Hz", "0.2 Hz"]\n'
+    notes = plan(client, text).json()["notes"]
+    assert notes == ["every test: displacement reaches 20 mm; the damper was calibrated up to 12 mm"]
+
+
+def test_it_goes_on_after_the_console_was_closed_and_begun_again():
+    again = Workers()
+    for _ in range(2):
+        assert finished(again.run(None, PLANNING, os.getpid)) != os.getpid()
+        again.close()
+
+
+def test_a_rig_with_an_error_in_its_file_is_listed_with_it(client, data):
+    (data / "rigs" / "lab").mkdir(parents=True)
+    (data / "rigs" / "lab" / "rig.toml").write_text("[actuator]\nspeeed = 1\n")
+    problem = client.get("/api/bench/rigs").json()[1]
+    assert problem["name"] == "lab"
+    assert "is not known" in problem["problem"]
+
+
+def test_a_campaign_is_renamed_and_deleted(client, data):
+    text = '[[step]]\nkind = "rest"\nduration = "1 s"\n'
+    for name in ("a", "b"):
+        assert client.put(f"/api/campaigns/files/{name}", json={"text": text}).status_code == 200
+    assert client.post("/api/campaigns/rename", json={"name": "a", "to": "b"}).status_code == 409
+    assert client.post("/api/campaigns/rename", json={"name": "x", "to": "y"}).status_code == 404
+    assert client.post("/api/campaigns/rename", json={"name": "a", "to": "../c"}).status_code == 400
+    assert client.post("/api/campaigns/rename", json={"name": "a", "to": "c"}).status_code == 200
+    assert client.delete("/api/campaigns/files/b").status_code == 204
+    assert client.get("/api/campaigns/files").json() == ["c"]
+
+
+@pytest.mark.parametrize("kind", [kind for kind in step_kinds() if kind.name != "rest"], ids=lambda kind: kind.name)
+def test_every_kind_of_step_has_fields_to_build_it_from(kind):
+    required = {field.name for field in kind.fields if field.required}
+    assert {line.split(" = ")[0] for line in kind.text.splitlines()[2:]} == required
+    assert all(field.value or not field.required for field in kind.fields)
+    assert "m" not in {field.unit for field in kind.fields}
+
+
+def test_a_campaign_file_of_any_size_is_answered(client, data):
+    (data / "campaigns").mkdir()
+    (data / "campaigns" / "large.toml").write_text("#" * 70_000)
+    (data / "campaigns" / "wild.toml").write_text(f"seed = {'9' * 60_000}")
+    answer = client.get("/api/campaigns/files/large")
+    assert (answer.status_code, answer.json()["detail"][:36]) == (400, "large.toml has 68 KiB, a page edits ")
+    assert client.get("/api/campaigns/files/wild").json()["grid"] is None
+
+
+def test_the_path_of_a_campaign_and_of_one_of_its_tests(client):
+    text = 'rest_between = "5 s"\n[[step]]\nkind = "sine"\namplitude = ["2 mm", "3 mm"]\nfrequency = "1 Hz"\n'
+    whole = client.post("/api/campaigns/path", json={"text": text, "rig": ""}).json()
+    assert max(filter(None, whole["displacement"][1])) == pytest.approx(3.0, rel=1e-3)
+    assert whole["voltage"][1].count(None) == 2
+    assert [one["name"] for one in whole["tests"]] == ["01-sine-2mm-1Hz-0V", "02-sine-3mm-1Hz-0V"]
+    one = client.post("/api/campaigns/path", json={"text": text, "rig": "", "test": "01-sine-2mm-1Hz-0V"}).json()
+    assert max(filter(None, one["displacement"][1])) == pytest.approx(2.0, rel=1e-3)
+    assert whole["duration_s"] == pytest.approx(2 * one["duration_s"] + 5.0)
