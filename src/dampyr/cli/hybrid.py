@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option("--structure", default="heavy_two_storey", show_default=True, help="A structure's TOML file, or two_storey.")
+@click.option(
+    "--structure", default="heavy_two_storey", show_default=True, help="A structure's TOML file, or two_storey."
+)
 @click.option("--motion", default="el_centro", show_default=True, help="A ground motion file, or el_centro.")
 @click.option("--scale", type=float, default=1.0, show_default=True, help="Of the record, before it is lowered.")
 @click.option(
@@ -63,7 +65,7 @@ def command(
 
     The building is in an earthquake: each step's displacement goes to the table, the measured force comes back. The record is
     scaled to what the rig can do, or the building's time passes slower (--clock). What would be unstable is refused before
-    anything moves. The result stands beside the same building with the damper's model in its place. Exit codes as of dampyr run.
+    anything moves. The result stands beside the same building with the damper's model in its place. Exit codes: as dampyr run.
     """
     from dampyr.campaigns import hybrid
 

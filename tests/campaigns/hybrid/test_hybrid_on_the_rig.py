@@ -162,7 +162,8 @@ def test_a_slower_clock_is_refused_for_a_damper_that_depends_on_the_velocity(tmp
     assert "clock = 5 changes the damper's force by" in planned.refusals[0]
 
 
-def test_it_stops_where_the_error_of_energy_passes_its_limit(tmp_path):
+def test_it_stops_where_the_error_of_energy_passes_its_limit(tmp_path, monkeypatch):
+    monkeypatch.setattr("dampyr.campaigns.steps.hybrid.LAG_ERROR", 0.0)  # or the plan would refuse it
     with simulated(in_process=True) as rig:
         with pytest.raises(
             RigFault, match=r"stopped after \d\.\d\d s of the structure's time: the table's lag put 0 % of"
@@ -171,6 +172,20 @@ def test_it_stops_where_the_error_of_energy_passes_its_limit(tmp_path):
         assert rig.uno.heartbeat().speed == 0
         with pytest.raises(InputError):
             hybrid_result(next((tmp_path / "out").glob("*.h5")))
+
+
+def test_it_stops_where_the_damper_is_twice_as_strong_as_its_model(tmp_path):
+    """The plan lets it pass, as the model says; the building then wants to move faster than the table may."""
+    damper = raminelli_2020.damper()
+    laws = {
+        name: law if name.endswith(".rho") else replace(law, coefficients=tuple(0.5 * c for c in law.coefficients))
+        for name, law in damper.all_laws.items()
+    }
+    card = replace(damper, laws=laws, covariance=None).save(tmp_path / "weak.toml")
+    with simulated(in_process=True) as rig:
+        with pytest.raises(RigFault, match=r"the building wants to move at \d+ mm/s, the limit is 120 mm/s"):
+            run(tmp_path, rig, structure="heavy_two_storey", voltage=3.212, model=str(card), scale=1.0)
+        assert rig.uno.heartbeat().speed == 0
 
 
 def test_the_way_back_ends_at_rest_in_the_middle():
