@@ -243,7 +243,8 @@ class Hybrid:
 def heavy_two_storey() -> Building:
     """The building of chapter 5 with ten times its masses, dashpots and springs: without a damper it moves as that does."""
     light = two_storey()
-    return Building(*(HEAVIER * each for each in (light.M, light.C, light.K)), name="heavy two-storey building")
+    M, C, K = (HEAVIER * each for each in (light.M, light.C, light.K))
+    return Building(M, C, K, name="heavy two-storey building")
 
 
 BUILDINGS = {"heavy_two_storey": heavy_two_storey, "two_storey": two_storey}
