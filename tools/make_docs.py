@@ -293,7 +293,7 @@ def commands() -> Iterator[tuple[str, click.Command]]:
         assert command is not None
         subcommands = getattr(command, "commands", {})
         yield from ((f"{name} {each}", sub) for each, sub in subcommands.items())
-        if not subcommands:
+        if not isinstance(command, click.Group):
             yield name, command
 
 

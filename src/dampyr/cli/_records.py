@@ -49,7 +49,9 @@ OPTIONS = (
     ),
     click.option("--dt", metavar="TIME", help="Sampling interval of files without a time, such as 2ms; else in s."),
     click.option("--header", type=int, metavar="LINE", help="Line of the names in a text, from 1; 0: there is none."),
-    click.option("--variable", metavar="NAME", help="Matrix of a MATLAB file whose columns are given by number."),
+    click.option(
+        "--variable", metavar="NAME", help="Matrix of a MATLAB file, sheet of an Excel file or group of a TDMS file."
+    ),
     click.option("--force-sign", type=int, metavar="SIGN", help="-1 turns the force of all files."),
     click.option("--measurement-session", metavar="NAME", help="One day's records on one mounting, for all files."),
     click.option("--specimen", metavar="NAME", help="Which damper it is, for all files."),

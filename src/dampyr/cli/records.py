@@ -18,7 +18,45 @@ UNITS = ["", "", "", "s", "Hz", "mm", "mm/s", "N"]
 BY_INPUT = ["input", "records", "frequency", "peak to peak", "peak speed"]
 
 
+class RecordsCommand(click.Command):
+    """A command whose first word may be that of another one in `commands`; a folder of that name is ``./convert``."""
+
+    @property
+    def commands(self) -> dict[str, click.Command]:
+        """The other commands, by what is typed after this one's name."""
+        return {"convert": convert}
+
+    def make_context(self, info_name: Any, args: list[str], parent: Any = None, **extra: Any) -> click.Context:
+        """The context of the command that the first word chooses."""
+        chosen = self.commands.get(args[0]) if args else None
+        if chosen is None:
+            return super().make_context(info_name, args, parent, **extra)
+        return chosen.make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
+
+
 @click.command()
+@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--to", default="h5", show_default=True, metavar="FORMAT", help="Of the new files: h5, csv or mat.")
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="The folder to write into.")
+@role_option()
+@reading_options
+@as_json_option
+def convert(paths: tuple[Path, ...], to: str, out: Path, role: str | None, reading: Reading, as_json: bool) -> None:
+    """Write records in another format.
+
+    PATHS are files or folders of them. Each record becomes a file of its name in --out; a file that is there is never
+    overwritten. Channels come out in SI, with their units in the header of a .csv.
+    """
+    from dampyr import records
+
+    written = records.convert(gather(paths, role, reading, warn=False), out, to)
+    if as_json:
+        print_json({"written": written})
+    else:
+        click.echo(f"{len(written)} {'record' if len(written) == 1 else 'records'} in {out}")
+
+
+@click.command(cls=RecordsCommand)
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path))
 @role_option()
 @reading_options
@@ -34,6 +72,7 @@ def command(
     PATHS are files or folders of them; without any, the labcontrol campaign. One record alone is shown in
     full. Frequency and displacement are measured over whole cycles; where a label says something else, that
     is told. Of a motion that does not repeat itself, the overall stroke is told and its strongest frequency.
+    `dampyr records convert` writes records in another format.
     """
     from dampyr import records
     from dampyr.records.record import GROUPS

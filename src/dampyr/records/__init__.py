@@ -9,6 +9,7 @@ conditioning step returns a new record whose history says what was done; each re
 from dampyr.records.amplitude_spectrum import spectrum
 from dampyr.records.campaign_folder import CampaignRow, campaign_rows, read_campaign, read_row
 from dampyr.records.comparison import write_comparison
+from dampyr.records.conversion import convert
 from dampyr.records.cut_record import cut
 from dampyr.records.cycle_table import Cycle, cycle_table
 from dampyr.records.cycles import cycle_average, cycles, legs, turning_points
@@ -38,6 +39,7 @@ __all__ = [
     "read",
     "write",
     "write_comparison",
+    "convert",
     "cut",
     "CampaignRow",
     "campaign_rows",

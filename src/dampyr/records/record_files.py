@@ -146,8 +146,8 @@ def read(
     Parameters
     ----------
     path
-        such as ``.mat`` (MATLAB), ``.csv``, ``.txt`` and ``.dat`` (columns), ``.h5`` (dampyr's own); each file of
-        ``dampyr.records.formats`` is one format.
+        such as ``.mat`` (MATLAB), ``.csv``, ``.txt`` and ``.dat`` (columns), ``.xlsx``, ``.tdms``,
+        ``.h5`` (dampyr's own); each file of ``dampyr.records.formats`` is one format.
     voltage, current
         The damper's input at the coil, V or A, where the file does not hold it. A measured column of the file
         gives way to it where it agrees (to 5 %, or 0.05 V or A if that is more); else it is an error.
@@ -159,7 +159,8 @@ def read(
     dt
         The sampling interval of a file without a time, s or a text such as ``"2 ms"``.
     variable
-        The matrix of a MATLAB file whose columns ``columns`` gives by number.
+        The matrix of a MATLAB file whose columns ``columns`` gives by number; the sheet of an Excel file; the group of channels
+        of a TDMS file.
     header
         The line of a text on which the names stand, from 1; 0: there is none.
     force_sign

@@ -53,9 +53,13 @@ GROUP = re.compile(rf"[#%]\s*({'|'.join(GROUPS)})\s*:\s*(\S.*)")
 def read(path: Path, request: Request, kind: str) -> Record:
     """The record in a text file of columns, every channel in SI."""
     request.refuse(path, variable="a text has columns and no variables")
+    return record_of(path, read_table(path, request.header, is_by_number(request)), request, kind)
+
+
+def is_by_number(request: Request) -> bool:
+    """Whether every column is declared by its number, so that no name is needed."""
     said = [column for column in request.columns.values() if column not in (None, "-")]
-    by_number = bool(said) and all(isinstance(column, int) or column.isdigit() for column in said)
-    return record_of(path, read_table(path, request.header, by_number), request, kind)
+    return bool(said) and all(isinstance(column, int) or column.isdigit() for column in said)
 
 
 def has_numbers(path: Path) -> bool:
@@ -74,6 +78,13 @@ def read_table(path: Path, header: int | None = None, by_number: bool = False) -
     of units. ``by_number``: no name is needed, so that a header which does not fit the columns is left out.
     """
     text, note = _decoded(path)
+    return table_of_text(path, text, header, by_number, (note,) if note else ())
+
+
+def table_of_text(
+    path: Path, text: str, header: int | None = None, by_number: bool = False, notes: tuple[str, ...] = ()
+) -> Table:
+    """As `read_table`, of a text that came from ``path``; ``notes`` go to the record's history."""
     remaining = io.StringIO(text, newline=None)
     lines, first = _first_row(path, remaining, header)
     rows = _Rows(lines[first:], first, remaining)
@@ -90,7 +101,7 @@ def read_table(path: Path, header: int | None = None, by_number: bool = False) -
         stamps={k: texts[k] for k, kind in enumerate(kinds) if kind != "number"},
         groups={match[1]: match[2].strip() for line in lines[:first] if (match := GROUP.fullmatch(line.strip()))},
         lines=rows.numbers,
-        notes=(note,) if note else (),
+        notes=notes,
     )
 
 

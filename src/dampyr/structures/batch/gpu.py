@@ -35,7 +35,7 @@ def missing() -> str:
     try:
         from numba import cuda
     except ImportError as error:
-        return f"numba has no CUDA here ({error}); install dampyr[gpu]"
+        return f"numba has no CUDA here ({error}); install the extra: pip install 'dampyr[gpu]'"
     return "" if cuda.is_available() else "no graphics card with CUDA answers; run on the processor, device='cpu'"
 
 

@@ -116,7 +116,7 @@ export function uploads(formats, taken) {
   header.addEventListener("change", preview);
   const form = h("form", {}, field("File", file, `${formats.map((each) => each.title).join(", ")}; several at once, at most 64 MiB each`), which, shown,
     h("div", { class: "fields" }, field("Voltage at the coil, V", voltage, "where the file does not state it"), field("Current, A", current, "instead of a voltage"),
-      field("Sampling interval", dt, "of a file without a time"), field("Line of the names", header, "from 1; 0 for none"), field("Variable", variable, "the matrix of a MATLAB file"),
+      field("Sampling interval", dt, "of a file without a time"), field("Line of the names", header, "from 1; 0 for none"), field("Variable", variable, "a matrix, a sheet or a TDMS group"),
       field("Sign of the force", sign), field("Session", session, "one day's records on one mounting"), field("Specimen", specimen, "which damper it is")),
     h("div", { class: "row" }, go), states);
   form.addEventListener("submit", async (event) => {

@@ -1,0 +1,95 @@
+"""Excel workbooks: a sheet is read as columns of text are, ``variable`` names the sheet.
+
+What stands above the numbers is the header, as in `dampyr.records.text_columns`; ``header`` is its row. A cell with a
+formula gives the value that was saved with it. Read with openpyxl, the extra ``interop``.
+"""
+
+from __future__ import annotations
+
+from datetime import date, datetime, time
+from pathlib import Path
+from typing import Any
+
+from dampyr.errors import FileError, InputError
+from dampyr.records.column_table import record_of
+from dampyr.records.record import Record
+from dampyr.records.record_files import Request
+from dampyr.records.text_columns import is_by_number, table_of_text
+
+TITLE = "Excel"
+
+
+def read(path: Path, request: Request) -> Record:
+    """The record in one sheet of an ``.xlsx`` file."""
+    name, text, formula = _sheet(path, request.variable)
+    try:
+        table = table_of_text(path, text, request.header, is_by_number(request))
+    except FileError as problem:
+        if formula:
+            raise FileError(
+                path,
+                f"the formula in {formula} has no saved value and reads as an empty cell; open the file in Excel and save it",
+            ) from problem
+        raise
+    record = record_of(path, table, request, "Excel")
+    return record.replace(note=f"the sheet {name!r}")
+
+
+def _sheet(path: Path, wanted: str | None) -> tuple[str, str, str]:
+    """The name of the sheet, its rows as lines with tabs, and the first cell with a formula and no value, or nothing."""
+    try:
+        from openpyxl import load_workbook
+    except ImportError as problem:
+        raise InputError("Excel files need openpyxl; install it: pip install 'dampyr[interop]'") from problem
+    try:
+        book = load_workbook(path, read_only=True, data_only=True)
+        formulas = load_workbook(path, read_only=True)
+        try:
+            name = _name(path, book, wanted)
+            lines, formula = [], ""
+            for row, original in zip(book[name].iter_rows(), formulas[name].iter_rows(), strict=False):
+                lines.append("\t".join(_text(cell.value) for cell in row).rstrip("\t"))
+                if not formula:
+                    formula = next((_place(b) for a, b in zip(row, original) if a.value is None and _is_formula(b)), "")
+        finally:
+            book.close()
+            formulas.close()
+    except InputError:
+        raise
+    except Exception as problem:  # openpyxl raises whatever the broken archive leads it to
+        reason = " ".join(str(problem).split()) or type(problem).__name__
+        raise FileError(path, f"is no readable .xlsx file ({reason}); save it again as an Excel workbook") from problem
+    return name, "\n".join(lines) + "\n", formula
+
+
+def _name(path: Path, book: Any, wanted: str | None) -> str:
+    sheets = [sheet.title for sheet in book.worksheets if sheet.max_row is None or sheet.max_row > 1]
+    there = ", ".join(map(repr, sheets)) or "none"
+    if wanted is not None:
+        if wanted not in sheets:
+            raise FileError(path, f"there is no sheet {wanted!r} with rows; choose from {there}")
+        return wanted
+    if len(sheets) != 1:
+        raise FileError(
+            path, f"has {len(sheets)} sheets with rows ({there}); name one, --variable NAME or variable=NAME"
+        )
+    return str(sheets[0])
+
+
+def _text(value: Any) -> str:
+    """A cell as a text of columns has it."""
+    if value is None:
+        return ""
+    if isinstance(value, datetime):
+        return value.isoformat(sep="T")
+    if isinstance(value, date | time):
+        return value.isoformat()
+    return repr(value) if isinstance(value, float) else " ".join(str(value).split())
+
+
+def _is_formula(cell: Any) -> bool:
+    return isinstance(cell.value, str) and cell.value.startswith("=")
+
+
+def _place(cell: Any) -> str:
+    return str(cell.coordinate)
