@@ -71,3 +71,7 @@ def test_buildings() -> None:
     )
     shear = ResponseRequest(building={"kind": "shear", "masses": [1.0], "stiffnesses": [1.0]})
     assert "a shear building of 1 storeys" in response_command(shear)
+    given = parsed(response_command(ResponseRequest(building={"kind": "published", "name": "ohtori_2004"})))
+    assert given["structure"] == "ohtori_2004"
+    given = parsed(ensemble_command(EnsembleRequest(building={"kind": "file", "name": "mine.toml"})))
+    assert given["structure"] == "structures/mine.toml"

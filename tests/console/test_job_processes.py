@@ -3,11 +3,13 @@
 import os
 import time
 
+import numpy as np
 import pytest
 
 pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
 
+import dampyr as dp
 from dampyr.console import app
 from dampyr.console.job_processes import Jobs
 from dampyr.errors import InputError, MissingData
@@ -37,11 +39,39 @@ def test_a_wrong_question_is_refused_at_once(client):
         ({"damper": {"name": "cards/../x.toml", "inputs": [1]}}, "is not a valid file name"),
         ({"building": {"kind": "shear"}, **SMALL}, "masses"),
         ({"motion": {"kind": "file", "file": "none.at2"}, **SMALL}, "no such file"),
+        ({"building": {"kind": "published", "name": "ohtori"}, **SMALL}, "choose from ohtori_2004"),
+        ({"building": {"kind": "file", "name": "none.toml"}, **SMALL}, "no such file"),
+        ({"building": {"kind": "file", "name": "../x.toml"}, **SMALL}, "is not a valid file name"),
     ):
         answer = client.post("/api/building/responses", json=request_body)
         assert answer.status_code in (400, 404)
         assert words in answer.json()["detail"]
     assert client.get("/api/jobs").json() == []
+
+
+def test_a_structure_of_a_file_is_offered_and_simulated(client, finished, data):
+    (data / "structures").mkdir()
+    text = 'name = "tower"\nmasses = [1e3, 1e3]\nstiffnesses = [1e6, 1e6]\ndamping_ratio = 0.03\n'
+    (data / "structures" / "tower.toml").write_text(text)
+    offered = client.get("/api/building/choices").json()["structures"]
+    assert {"ohtori_2004", "structures/tower.toml"} <= set(offered)
+    job = client.post(
+        "/api/building/responses", json={"building": {"kind": "file", "name": "tower.toml"}, **SMALL}
+    ).json()
+    assert "tower.toml" in job["title"]
+    result = finished(job["id"])["result"]
+    assert result["title"].startswith("tower, ")
+    expected = dp.structures.respond(
+        dp.structures.load(data / "structures" / "tower.toml"), dp.ground_motions.el_centro()
+    )
+    np.testing.assert_allclose(result["cases"][0]["peak_displacement"], expected.peak_displacement, rtol=1e-12)
+
+
+def test_a_published_structure_tells_its_truncation(client, finished):
+    request = {"building": {"kind": "published", "name": "ohtori_2004"}, "damper": {"inputs": [0.0]}}
+    result = finished(client.post("/api/building/responses", json=request).json()["id"])["result"]
+    assert "18 of 291 modes" in result["note"]
+    assert len(result["floors"]) == 20
 
 
 def test_what_fails_in_the_job_is_a_sentence(client, finished, data):

@@ -121,3 +121,4 @@ def test_the_command_knows_it() -> None:
     assert "largest of 20 floors" in " ".join(done.stdout.split())
     case = json.loads(CliRunner().invoke(cli, [*words, "--json"], catch_exceptions=False).stdout)["no damper"]
     assert len(case["peak_drift_m"]) == 20
+    assert 0.0 < case["truncation_error_displacement"] < case["truncation_error_drift"] < 5e-3

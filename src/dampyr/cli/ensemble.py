@@ -123,7 +123,7 @@ def _run(
 ) -> EnsembleResult:
     from dampyr.structures import run_ensemble
     from dampyr.structures.ensemble_run import requested_cases
-    from dampyr.structures.modal_coordinates import truncation_in_words
+    from dampyr.structures.modal_coordinates import truncation
     from dampyr.structures.store import progress_of
 
     models, options = request.models(), request.options(limits, intensity)
@@ -132,7 +132,8 @@ def _run(
     if done:
         click.echo(f"{out}: {done} of {shards} shards are there; going on with the others", err=True)
         before = requested_cases(*models, options).size * done // shards
-    if note := truncation_in_words(models[0], models[1][0]):
+    note, _ = truncation(models[0], models[1][0])
+    if note:
         click.echo(f"{models[1][0].name}: {note}", err=True)
     with counting(before) as progress:
         return run_ensemble(*models, options, progress, out, workers)

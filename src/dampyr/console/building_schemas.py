@@ -10,13 +10,14 @@ from pydantic import BaseModel, ConfigDict, Field
 from dampyr import ground_motions, registry, structures
 from dampyr.console import safe_paths
 from dampyr.console.dampers import CARDS
+from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.ground_motions.motion_files import REGISTRY as FORMATS
 from dampyr.structures import EnsembleOptions, Limit, SimulateOptions
 from dampyr.structures.ensemble_run import SYNTHETIC_DURATION, SYNTHETIC_PGA, synthetic_motions
-from dampyr.studies import THESIS
+from dampyr.studies import THESIS, available_structures, load_structure
 
-MOTIONS = "motions"
+MOTIONS, STRUCTURES = "motions", "structures"
 MOTION_SUFFIXES = tuple(suffix for _, module in registry.members(FORMATS) for suffix in module.SUFFIXES)
 
 Positive = Annotated[float, Field(ge=1e-6, le=1e15, allow_inf_nan=False)]  # beyond, sums of squares overflow
@@ -32,18 +33,40 @@ class Strict(BaseModel):
 
 
 class BuildingRequest(Strict):
-    """The two-storey building of chapter 5, or a shear building from the ground up."""
+    """The two-storey building of chapter 5, a shear building from the ground up, a published structure, or a file of the folder
+    ``structures``."""
 
-    kind: Literal["two_storey", "shear"] = "two_storey"
+    kind: Literal["two_storey", "shear", "published", "file"] = "two_storey"
+    name: str = Field(default="", max_length=200, description="Of a published structure, or of a file.")
     masses: list[Positive] = Field(default=[], max_length=40, description="kg, one per floor.")
     stiffnesses: list[Positive] = Field(default=[], max_length=40, description="N/m, one per storey.")
     damping: float = Field(default=0.03, ge=0, lt=1, description="Ratio, of all modes.")
 
-    def building(self) -> structures.Building:
+    @property
+    def title(self) -> str:
+        """In words, for a list of jobs."""
+        return self.name or self.kind.replace("_", "-")
+
+    def file(self, data: Path) -> Path | None:
+        """The structure's file in the data folder, where it is one."""
+        return safe_paths.existing(data / STRUCTURES, self.name) if self.kind == "file" else None
+
+    def building(self, data: Path) -> structures.Building:
         """As a `dampyr.structures.Building`."""
         if self.kind == "two_storey":
             return structures.two_storey()
+        if self.kind == "published":
+            return published_structure(self.name)
+        if (path := self.file(data)) is not None:
+            return structures.load(path)
         return structures.shear_building(self.masses, self.stiffnesses, damping_ratio=self.damping, method="modal")
+
+
+def published_structure(name: str) -> structures.Building:
+    """The published structure of this name; never a file of the server's folder."""
+    if name not in (offered := available_structures()):
+        raise InputError(f"{name!r} is no published structure; choose from {', '.join(offered)}")
+    return load_structure(name)
 
 
 class MotionRequest(Strict):
@@ -131,9 +154,11 @@ class EnsembleRequest(Strict):
         )
 
 
-def files_read(data: Path, damper: str, motion: str) -> list[Path]:
-    """The card and the motion of a request, where they are files of the data folder."""
+def files_read(data: Path, request: ResponseRequest | EnsembleRequest) -> list[Path]:
+    """The structure, the card and the motion of a request, where they are files of the data folder."""
+    structure, damper, motion = request.building.file(data), request.damper.name, request.motion.file
     return [
+        *([structure] if structure else []),
         *([data / damper] if damper.startswith(f"{CARDS}/") else []),
         *([data / MOTIONS / motion] if motion else []),
     ]

@@ -79,7 +79,8 @@ def accept_command(request: Any) -> str:
 
 def response_command(request: ResponseRequest) -> str:
     """As ``dampyr simulate``."""
-    words = [*_damper(request.damper), *_motion(request.motion), *_options(request, after="--after")]
+    words = [*_damper(request.damper), *_structure(request.building), *_motion(request.motion)]
+    words += _options(request, after="--after")
     return _command("simulate", *words, note=_only_here(request))
 
 
@@ -87,8 +88,8 @@ def ensemble_command(request: EnsembleRequest) -> str:
     """As ``dampyr ensemble``."""
     scales = ["--scale", ",".join(f"{scale:g}" for scale in request.scales)]
     limit = f"{1e3 * request.limit:g}mm" if request.quantity == "drift" else f"{request.limit:g}m/s^2"
-    words = [*_damper(request.damper), *_motions(request.motion, request.motions), *scales, "--limit", limit]
-    words += ["--without-damper", *_options(request, after="--after", seed="--seed")]
+    words = [*_damper(request.damper), *_structure(request.building), *_motions(request.motion, request.motions)]
+    words += [*scales, "--limit", limit, "--without-damper", *_options(request, after="--after", seed="--seed")]
     return _command("ensemble", *words, note=_building(request.building))
 
 
@@ -98,6 +99,12 @@ def _damper(request: DamperRequest) -> list[str]:
     return [
         request.name, *inputs, *laws, *_options(request, storey="--storey", allow_extrapolation="--allow-extrapolation")
     ]  # fmt: skip
+
+
+def _structure(request: BuildingRequest) -> Sequence[str]:
+    if request.kind not in ("published", "file"):
+        return []
+    return ["--structure", request.name if request.kind == "published" else f"structures/{request.name}"]
 
 
 def _motion(request: MotionRequest) -> Sequence[str]:
@@ -121,6 +128,6 @@ def _only_here(request: ResponseRequest) -> str:
 
 
 def _building(request: BuildingRequest) -> str:
-    if request.kind == "two_storey":
+    if request.kind != "shear":
         return ""
-    return f"a shear building of {len(request.masses)} storeys, which only the console and Python take"
+    return f"a shear building of {len(request.masses)} storeys, which --structure takes from a file"

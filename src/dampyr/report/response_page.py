@@ -21,6 +21,7 @@ from dampyr.structures.simulate import BARE
 
 Array = NDArray[np.float64]
 STROKE = Axis("stroke", "mm", 1e3)
+WIDE = 8  # floors that a table has columns for, and a page figures of each
 FINE = 6  # points of a loop for each sample: some hundred in a turn of a stiff frame, which is smooth on paper
 
 
@@ -29,13 +30,14 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: Path) -
 
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
     """
+    note = cases.note if isinstance(cases, Simulated) else ""
     cases = cases.cases if isinstance(cases, Simulated) else cases
     first = next(iter(cases.values()))
     colours = case_colours(cases, BARE if BARE in cases else None)
     html = page(
         f"Response: {first.title}",
         [
-            Section("Peaks", [_peaks(cases), _energies(cases)]),
+            Section("Peaks", [_peaks(cases), *([Text(sentence(note))] if note else []), _energies(cases)]),
             Section(
                 "The ground motion",
                 [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],
@@ -53,16 +55,23 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: Path) -
 
 
 def _peaks(cases: Mapping[str, Response]) -> Table:
-    rows = [
-        [name, *(1e3 * r.peak_displacement), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
-         max(r.peak_force, default=None)]
-        for name, r in cases.items()
-    ]  # fmt: skip
     floors = next(iter(cases.values())).floors
+    many = len(floors) > WIDE
+    rows = []
+    for name, r in cases.items():
+        displacement = [max(r.peak_displacement)] if many else r.peak_displacement
+        largest = [
+            1e3 * max(r.peak_drift),
+            max(r.peak_acceleration),
+            r.peak_base_shear,
+            max(r.peak_force, default=None),
+        ]
+        rows.append([name, *(1e3 * peak for peak in displacement), *largest])
+    columns = [f"largest of {len(floors)} floors"] if many else [floor_name(floor) for floor in floors]
     return Table(
-        ("case", *map(floor_name, floors), "largest drift", "largest acceleration", "base shear", "damper force"),
+        ("case", *columns, "largest drift", "largest acceleration", "base shear", "damper force"),
         rows,
-        ("", *("mm" for _ in floors), "mm", "m/s²", "N", "N"),
+        ("", *("mm" for _ in columns), "mm", "m/s²", "N", "N"),
         caption="Peaks inside the step; displacements relative to the ground, accelerations absolute. "
         f"The response {end_in_words(next(iter(cases.values())).after)}.",
     )
@@ -89,12 +98,16 @@ def floor_name(label: str) -> str:
 
 def _displacements(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock]:
     first = next(iter(cases.values()))
+    n = len(first.floors)
+    drawn = range(n) if n <= WIDE else (0, n // 2 - 1, n - 1)
     return [
         FigureBlock(
             building_response(first.time, {name: r.displacement[k] for name, r in cases.items()}, colours=colours),
-            sentence(f"{floor_name(floor)}: displacement relative to the ground, and the largest sample of each case"),
+            sentence(
+                f"{floor_name(first.floors[k])}: displacement relative to the ground, and the largest sample of each case"
+            ),
         )
-        for k, floor in enumerate(first.floors)
+        for k in drawn
     ]
 
 

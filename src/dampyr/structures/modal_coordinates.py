@@ -71,16 +71,18 @@ class ModalBuilding(Condensed):
         return displacement, drifts
 
 
-def truncation_in_words(building: Building, motion: GroundMotion) -> str:
-    """The `ModalBuilding.truncation_errors` of a building in modal coordinates, as a sentence; empty for any other."""
+def truncation(building: Building, motion: GroundMotion) -> tuple[str, tuple[float, float] | None]:
+    """The `ModalBuilding.truncation_errors` of a building in modal coordinates, as a sentence and as numbers; "" and None for
+    any other."""
     if not isinstance(building, ModalBuilding):
-        return ""
-    displacement, drift = building.truncation_errors(motion)
-    return (
+        return "", None
+    displacement, drift = errors = building.truncation_errors(motion)
+    words = (
         "modal coordinates: "
         f"{len(building.retained_modes)} of {len(building.squares)} modes and what the others answer at rest; "
         f"without a damper, floor displacements are {100 * displacement:.2g} % and drifts {100 * drift:.2g} % off at most"
     )
+    return words, errors
 
 
 def modal_displacement(shapes: Array, squares: Array, ratios: Array, pushes: Array, motion: GroundMotion) -> Array:

@@ -13,7 +13,7 @@ from dampyr.models import Damper
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import control_law
-from dampyr.structures.modal_coordinates import truncation_in_words
+from dampyr.structures.modal_coordinates import truncation
 from dampyr.structures.respond import respond
 from dampyr.structures.response import Response
 from dampyr.structures.step_size import ACCURACIES
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from dampyr.figures.style import Axis
 
 BARE = "no damper"
+TRUNCATION = ("truncation_error_displacement", "truncation_error_drift")
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,8 @@ class Simulated(Representation):
     cases: Mapping[str, Response]
     note: str = ""
     """What modal coordinates leave out, in words; empty for a building without them."""
+    truncation: tuple[float, float] | None = None
+    """The relative errors of floor displacements and of drifts that they make without a damper; None without them."""
 
     @property
     def plot(self) -> SimulatedPlots:
@@ -159,7 +162,9 @@ class Simulated(Representation):
 
     def as_dict(self) -> dict[str, Any]:
         """The peaks of each case for JSON, SI units."""
-        return dict(plain({name: _response_as_dict(response) for name, response in self.cases.items()}))
+        left_out = {} if self.truncation is None else dict(zip(TRUNCATION, self.truncation, strict=True))
+        cases = {name: _response_as_dict(response) | left_out for name, response in self.cases.items()}
+        return dict(plain(cases))
 
 
 def simulate(
@@ -180,7 +185,7 @@ def simulate(
     if damper is None:
         tell("without damper", 0.0)
         cases = {BARE: respond(building, motion, accuracy=options.accuracy, after=options.after)}
-        return Simulated(building.name, motion.name, "", cases, truncation_in_words(building, motion))
+        return Simulated(building.name, motion.name, "", cases, *truncation(building, motion))
     fitted = installed(damper, options.without, options.brace)
     inputs = all_inputs(fitted, options.inputs, options.laws)
     kind = "voltage" if fitted.input == "V" else "current"
@@ -191,7 +196,7 @@ def simulate(
         given: dict[str, Any] = {kind: u, "allow_extrapolation": options.allow_extrapolation, "after": options.after}
         response = respond(building, motion, {options.place: fitted}, accuracy=options.accuracy, **given)
         cases[response.laws[0] or f"{u:g} {fitted.input}"] = response
-    return Simulated(building.name, motion.name, fitted.input, cases, truncation_in_words(building, motion))
+    return Simulated(building.name, motion.name, fitted.input, cases, *truncation(building, motion))
 
 
 def installed(damper: Damper, without: tuple[str, ...] = (), brace: float | None = None) -> Damper:

@@ -27,7 +27,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     """``request`` is an `EnsembleRequest`."""
     parsed, data = EnsembleRequest(**request), data_of(folder)
     result = run_ensemble(
-        parsed.building.building(),
+        parsed.building.building(data),
         parsed.motion.motions(data, parsed.motions),
         damper_of(data, parsed.damper.name),
         parsed.options(),
@@ -35,7 +35,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         workers=max(1, (os.cpu_count() or 2) - 1),  # one core is left to the console and the rig
     )
     progress("writing the page", 0.97)
-    with made_by(ensemble_command(parsed), files_read(data, parsed.damper.name, parsed.motion.file)):
+    with made_by(ensemble_command(parsed), files_read(data, parsed)):
         write_ensemble_page(result, folder / PAGE)
     return {DATA: result.as_dict(), **_summarise(result)}
 

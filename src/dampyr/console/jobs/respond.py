@@ -29,9 +29,9 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     """``request`` is a `ResponseRequest`."""
     parsed, data = ResponseRequest(**request), data_of(folder)
     damper = damper_of(data, parsed.damper.name)
-    result = simulate(parsed.building.building(), parsed.motion.motion(data), damper, parsed.options(), progress)
+    result = simulate(parsed.building.building(data), parsed.motion.motion(data), damper, parsed.options(), progress)
     progress("writing the page", 0.95)
-    with made_by(response_command(parsed), files_read(data, parsed.damper.name, parsed.motion.file)):
+    with made_by(response_command(parsed), files_read(data, parsed)):
         write_response_page(result, folder / PAGE)
     write_whole(folder / CURVES, json.dumps(_curves(result.cases)))
     return {
@@ -40,6 +40,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "floors": list(result.cases[BARE].floors),
         "unit": result.unit,
         "end": result.end,
+        "note": result.note,
         "cases": [_summarise(name, each) for name, each in result.cases.items()],
     }
 

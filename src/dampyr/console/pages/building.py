@@ -7,11 +7,11 @@ from typing import Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, Response
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from dampyr import structures
 from dampyr.console import safe_paths
-from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS, EnsembleRequest, ResponseRequest
+from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS, STRUCTURES, EnsembleRequest, ResponseRequest
 from dampyr.console.dampers import CARDS, DamperLink, damper_of, list_dampers
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
@@ -19,6 +19,7 @@ from dampyr.console.limits import READING
 from dampyr.console.state import Here
 from dampyr.errors import MissingData
 from dampyr.structures.simulate import all_inputs
+from dampyr.studies import THESIS, available_structures
 
 TITLE, ORDER = "Building", 50
 RESPONSE, ENSEMBLE = "respond", "ensemble"
@@ -32,6 +33,7 @@ class Choices(BaseModel):
     dampers: list[DamperLink]
     laws: list[str]
     motions: list[str]
+    structures: list[str] = Field(description="Published ones by name; files by their path, structures/NAME.toml.")
 
 
 @router.get("/choices")
@@ -39,14 +41,18 @@ async def list_choices(here: Here, request: Request) -> Choices:
     """Dampers, control laws and ground motions that can be chosen."""
     links = [DamperLink(**each) for each in await here.workers.run(request, READING, list_dampers, here.data)]
     motions = safe_paths.files(here.data / MOTIONS, MOTION_SUFFIXES)
-    return Choices(dampers=links, laws=structures.available_control_laws(), motions=motions)
+    files = [f"{STRUCTURES}/{name}" for name in safe_paths.files(here.data / STRUCTURES, (".toml",))]
+    offered = [name for name in available_structures() if name != THESIS]
+    return Choices(
+        dampers=links, laws=structures.available_control_laws(), motions=motions, structures=[*offered, *files]
+    )
 
 
 @router.post("/responses", status_code=202)
 def respond(here: Here, request: ResponseRequest) -> JobState:
     """Start to compute a response; bare, and with the damper at each input."""
     _check(here.data, request)
-    title = f"{request.building.kind.replace('_', '-')}, {request.motion.kind.replace('_', ' ')}, {_shown(request.damper.name)}"
+    title = f"{request.building.title}, {request.motion.kind.replace('_', ' ')}, {_shown(request.damper.name)}"
     title += f", {_inputs(request)}"
     return as_job_state(here.jobs.submit(RESPONSE, request.model_dump(), title))
 
@@ -80,7 +86,7 @@ def give_page(here: Here, id: Id) -> FileResponse:
 
 def _check(data: Any, request: ResponseRequest | EnsembleRequest) -> None:
     """Refuse at once what is wrong with a request, rather than in the job."""
-    request.building.building()
+    request.building.building(data)
     if request.motion.kind == "file":
         request.motion.motion(data)
     options, damper = request.options(), damper_of(data, request.damper.name)

@@ -108,7 +108,7 @@ export async function show(root, query) {
       series: Object.entries(curves.cases[chosen.value].energy).map(([name, line]) => ({ ...ENERGIES[name], ...line })) });
     sheet.replaceChildren(
       section(r.title, r.cases.flatMap((one) => [...one.outside, ...(one.converged ? [] : [one.reason])].map((words) => h("p", { class: "verdict bad" }, `${one.name}: ${words}.`))), moving.element),
-      section("Peaks", peaks(r), h("div", { class: "row" }, page(id))),
+      section("Peaks", peaks(r), r.note ? h("p", { class: "soft" }, `${r.note}.`) : "", h("div", { class: "row" }, page(id))),
       section("Histories", field("Floor", floor), lines),
       damped.length ? section("The damper", plot({ label: `Damper force over stroke, ${damped.join(", ")}`, x: { words: "stroke", unit: "mm", pad: 0.04 }, y: { words: "force", unit: "N" }, height: 340,
         series: damped.map((name) => ({ name, always: true, colour: colourOf(name), y: curves.cases[name].loops[0].y, x: curves.cases[name].loops[0].x.map((v) => 1e3 * v) })) })) : "",
@@ -141,11 +141,15 @@ export async function show(root, query) {
   };
 }
 
+const WIDE = 8; // floors that a table has columns for
+
 function peaks(r) {
-  const rows = r.cases.map((one) => [one.name, ...one.peak_displacement.map((v) => 1e3 * v), 1e3 * Math.max(...one.peak_drift), Math.max(...one.peak_acceleration), one.peak_base_shear,
+  const floors = r.floors.length > WIDE ? [`largest of ${r.floors.length} floors`] : r.floors.map((name) => `floor\u00a0${name}`);
+  const moved = (one) => (r.floors.length > WIDE ? [Math.max(...one.peak_displacement)] : one.peak_displacement);
+  const rows = r.cases.map((one) => [one.name, ...moved(one).map((v) => 1e3 * v), 1e3 * Math.max(...one.peak_drift), Math.max(...one.peak_acceleration), one.peak_base_shear,
     one.peak_force.length ? Math.max(...one.peak_force) : null, one.mean_input.length ? one.mean_input[0] : null, -100 * (1 - one.peak_displacement.at(-1) / r.cases[0].peak_displacement.at(-1)) || null]);
   return table({ caption: `Peaks inside the step; displacements relative to the ground, accelerations absolute; the response ${r.end ?? "ends with the record"}`, rows,
-    columns: [{ name: "case" }, ...r.floors.map((name) => ({ name: `floor\u00a0${name}`, unit: "mm" })), { name: "largest drift", unit: "mm" }, { name: "largest acceleration", unit: "m/s²" }, { name: "base shear", unit: "N" },
+    columns: [{ name: "case" }, ...floors.map((name) => ({ name, unit: "mm" })), { name: "largest drift", unit: "mm" }, { name: "largest acceleration", unit: "m/s²" }, { name: "base shear", unit: "N" },
       { name: "damper force", unit: "N" }, { name: "mean input", unit: r.unit }, { name: "top floor, change", unit: "%", digits: 3 }] });
 }
 
@@ -157,7 +161,7 @@ function energyTable(r) {
 /** The form, and the requests that it makes. */
 function asking(choices) {
   const text = (value, more = {}) => h("input", { type: "text", inputmode: "decimal", value, ...more });
-  const building = choice([["two_storey", "two storeys (chapter 5)"], ["shear", "a shear building"]], { onchange: () => (own.hidden = building.value !== "shear") });
+  const building = choice([["two_storey", "two storeys (chapter 5)"], ["shear", "a shear building"], ...choices.structures.map((name) => [`named:${name}`, name])], { onchange: () => (own.hidden = building.value !== "shear") });
   const masses = text("1000 1000 1000");
   const stiffnesses = text("1e6 1e6 1e6");
   const damping = text("3");
@@ -199,7 +203,7 @@ function asking(choices) {
     const chosen = { kind: file ? "file" : motion.value, file, unit: file ? unit.value : "", seed: one("Seed", seed) };
     if (pga.value.trim()) chosen.pga = G * one("Peak", pga);
     return {
-      building: building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: one("Damping", damping) / 100 } : {},
+      building: building.value.startsWith("named:") ? named(building.value.slice(6)) : building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: one("Damping", damping) / 100 } : {},
       motion: chosen,
       after: one("Rest after it", after),
       damper: { name: damper.value, storey: one("Storey", storey), inputs: several("Inputs", inputs), laws: laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name), allow_extrapolation: beyond.firstChild.checked },
@@ -212,6 +216,12 @@ function asking(choices) {
     return { ...request, motions: one("Synthetic motions", count), scales: several("Scales", scales), quantity: quantity.value, limit: factor * one("Limit", limit), seed: one("Seed", seed) };
   };
   return { element, many, response: common, ensemble };
+}
+
+/** A structure by its name: a file of the folder structures, or a published one. */
+function named(name) {
+  const file = name.startsWith("structures/");
+  return { kind: file ? "file" : "published", name: file ? name.slice("structures/".length) : name };
 }
 
 function several(words, control) {
