@@ -13,7 +13,7 @@ OUT ?= out/pictures
 # Generated tests draw the same examples each time, also where they go through sets.
 export PYTHONHASHSEED := 0
 
-.PHONY: help demo test prove endure check docs bench pictures lock clean compiler chromium axe blas firmware firmware-tools
+.PHONY: help demo test prove endure check docs bench pictures lock clean compiler octave chromium axe blas firmware firmware-tools
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
@@ -68,6 +68,13 @@ chromium:
 	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium fonts-dejavu-core >/dev/null 2>&1; } || \
 	  echo "no Chromium was found or installed; the tests of the console's pages will be skipped"
 
+# The MATLAB export is run in GNU Octave. Without it its tests are skipped, and say so.
+octave:
+	@command -v octave-cli >/dev/null 2>&1 || { \
+	  [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1 && apt-get update -qq >/dev/null 2>&1 && \
+	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends octave >/dev/null 2>&1; } || \
+	  echo "no GNU Octave was found or installed; the tests of the MATLAB export will be skipped"
+
 # axe-core checks labels and contrast of the console's pages.
 AXE := out/axe/node_modules/axe-core/axe.min.js
 axe:
@@ -78,13 +85,13 @@ axe:
 demo: $(READY)
 	$(BIN)/dampyr demo --out out/demo
 
-test: $(READY) compiler firmware-tools chromium axe
+test: $(READY) compiler firmware-tools octave chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not prove and not by_hand"
 
-prove: $(READY) compiler firmware-tools chromium axe
+prove: $(READY) compiler firmware-tools octave chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not by_hand"
 
-endure: $(READY) compiler firmware-tools chromium axe
+endure: $(READY) compiler firmware-tools octave chromium axe
 	$(BIN)/python -m pytest --endure -o faulthandler_timeout=0 -m "endure or by_hand"
 
 check: $(READY)

@@ -44,6 +44,7 @@ HOW_TO = [
         "python",
         "hybrid-benchmark",
         "hybrid-test",
+        "export",
     )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
@@ -379,7 +380,7 @@ def test_the_c_of_the_how_to_compiles_and_runs(tmp_path: Path) -> None:
 
     if shutil.which("gcc") is None:
         pytest.skip("gcc is missing: the C of the how-to cannot be compiled")
-    page = DOCS / "how-to" / "use-the-card-in-c.md"
+    page = DOCS / "how-to" / "export.md"
     numbers = {"dahl.kx": 800.0, "dahl.kw": 50.0, "dahl.rho": 20e3}
     damper = Damper("dahl", {each: Constant(value, 0.0, 3.0) for each, value in numbers.items()})
     export(damper, "c", tmp_path)

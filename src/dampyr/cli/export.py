@@ -12,11 +12,19 @@ from dampyr.cli._output import as_json_option, print_json
 
 @click.command()
 @click.argument("card", type=click.Path(path_type=Path))
-@click.option("--to", "kind", required=True, metavar="KIND", help="What to write, such as c: C99 without dependencies.")
+@click.option("--to", "kind", required=True, metavar="KIND", help="What to write: c, fmu or matlab.")
 @click.option("--out", default=".", type=click.Path(path_type=Path), help="The folder to write into.")
 @click.option("--name", default="damper", show_default=True, help="What the damper is called there.")
 @click.option(
     "--without", multiple=True, metavar="PART", help="Leave out a part, such as lag where C filters the command."
+)
+@click.option("--float", "single", is_flag=True, help="Single precision; of c.")
+@click.option("--history", type=int, metavar="N", help="Samples that a delay looks back over; of c.  [default: 4096]")
+@click.option("--fmi", type=click.Choice(["2", "3"]), help="Version of the standard; of fmu.  [default: 2]")
+@click.option(
+    "--drive",
+    type=click.Choice(["both", "displacement", "velocity"]),
+    help="What drives it; of fmu. The other one is derived.  [default: both]",
 )
 @temperature_option
 @click.option("--allow-extrapolation", is_flag=True, help="Let it run outside the calibrated range of its input.")
@@ -27,6 +35,10 @@ def command(
     out: Path,
     name: str,
     without: tuple[str, ...],
+    single: bool,
+    history: int | None,
+    fmi: str | None,
+    drive: str | None,
     temperature: float | None,
     allow_extrapolation: bool,
     as_json: bool,
@@ -35,11 +47,14 @@ def command(
 
     CARD is a damper's card, or the name of a published damper.
     What is written refuses inputs outside the calibrated range (in C: the force is NAN) unless allowed here.
+    An FMU is compiled on this machine, and needs a C compiler.
     """
     from dampyr.export import export
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
-    written = export(damper, kind, out, name, allow_extrapolation)
+    given = {"single": single or None, "history": history, "fmi": int(fmi) if fmi else None, "drive": drive}
+    options = {key: value for key, value in given.items() if value is not None}
+    written = export(damper, kind, out, name, allow_extrapolation, **options)
     if as_json:
         print_json({"written": written})
         return

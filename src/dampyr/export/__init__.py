@@ -6,8 +6,11 @@ them.
 
 from __future__ import annotations
 
+from inspect import signature
 from pathlib import Path
+from typing import Any
 
+from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.registry import member, names
 
@@ -22,15 +25,30 @@ def available_kinds() -> list[str]:
 
 
 def export(
-    damper: Damper, to: str, out: str | Path, name: str = "damper", allow_extrapolation: bool = False
+    damper: Damper,
+    to: str,
+    out: str | Path,
+    name: str = "damper",
+    allow_extrapolation: bool = False,
+    **options: Any,
 ) -> list[Path]:
     """Write ``damper`` as ``to`` (one of `available_kinds`) into the folder ``out``; the files written.
 
     ``name`` is its name there. Inputs outside the calibrated range are refused by what is written, unless
-    ``allow_extrapolation``. Raises :class:`~dampyr.errors.InputError` for an unknown kind or a name that the target
-    cannot use.
+    ``allow_extrapolation``. ``options`` are those of the kind, the keywords of its ``write``: ``single`` and ``history`` of
+    ``c``, ``fmi`` and ``drive`` of ``fmu``. Raises :class:`~dampyr.errors.InputError` for an unknown kind, an option that it
+    does not have, or a name that the target cannot use.
+
+    >>> import dampyr as dp
+    >>> files = dp.export.export(dp.studies.raminelli_2020.damper(), "c", "controller")
+    >>> [path.name for path in files[:2]]
+    ['damper.h', 'damper.c']
     """
     kind = member(REGISTRY, to)
-    folder = Path(out)
-    written: list[Path] = kind.write(damper, folder, name, allow_extrapolation)
+    allowed = [key for key, each in signature(kind.write).parameters.items() if each.kind is each.KEYWORD_ONLY]
+    for option in options:
+        if option not in allowed:
+            its = f"its options are {', '.join(allowed)}" if allowed else "it has no options"
+            raise InputError(f"{option} is no option of the export {to}; {its}")
+    written: list[Path] = kind.write(damper, Path(out), name, allow_extrapolation, **options)
     return written

@@ -5,8 +5,13 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Iterator
 from copy import deepcopy
+from dataclasses import dataclass
 
-FUNCTIONS = {"abs": "fabs", "min": "fmin", "max": "fmax"}
+LIBM = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "atan", "pow")
+"""The functions that need the mathematics library; fabs, copysign and isfinite are the compiler's own."""
+COMPOSED = ("expm1", "log1p")
+"""Those that avr-libc lacks: in single precision they are composed of exp and log."""
+COARSEST = 3e-7  # five times the spacing of single precision near 1: a finer tolerance would never be met
 OPERATORS: dict[type[ast.AST], str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.USub: "-", ast.UAdd: "+",
     ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=",
@@ -14,46 +19,61 @@ OPERATORS: dict[type[ast.AST], str] = {
 }  # fmt: skip
 
 
-def number(value: float) -> str:
-    """A C double with all its digits."""
-    text = repr(float(value))
-    return text if value >= 0 else f"({text})"
+@dataclass(frozen=True)
+class Precision:
+    """How C writes its numbers: ``real`` is their type, ``suffix`` that of literals and of the functions of math.h."""
+
+    real: str = "double"
+    suffix: str = ""
+
+    def number(self, value: float) -> str:
+        """A literal with all its digits."""
+        text = f"{float(value)!r}{self.suffix}"
+        return text if value >= 0 else f"({text})"
 
 
-def function(tree: ast.FunctionDef, prefix: str, own: set[str], arrays: Iterable[str] = ()) -> str:
+DOUBLE, SINGLE = Precision(), Precision("float", "f")
+
+
+def function(
+    tree: ast.FunctionDef, prefix: str, own: set[str], arrays: Iterable[str] = (), precision: Precision = DOUBLE
+) -> str:
     """One static C function; calls to the names in ``own`` are prefixed, arguments named in ``arrays`` are arrays.
 
-    A tuple is returned through a further argument, ``out``.
+    A tuple is returned through a further argument, ``out``. In single precision a tolerance of a comparison is at least
+    `COARSEST`. ``abs``, ``min`` and ``max`` of Python become fabs, ``{prefix}min`` and ``{prefix}max``.
     """
-    tree = _Flat().visit(deepcopy(tree))
-    writer = _Writer(prefix, own, _read(tree))
+    tree = Flat().visit(deepcopy(tree))
+    real = precision.real
+    writer = Writer(prefix, own, read_names(tree), precision)
     body = writer.block(tree.body, 1)
     values = [n.value for n in ast.walk(tree) if isinstance(n, ast.Return) and n.value is not None]
     several = any(isinstance(value, ast.Tuple) for value in values)
     names = [a.arg for a in tree.args.args]
-    written = {name for name in arrays if _stores(tree, name)}
-    kinds = {name: "double *" if name in written else "const double *" for name in arrays}
-    arguments = [f"{kinds.get(name, 'double ')}{name}" for name in names]
-    head = f"static {'double' if values and not several else 'void'} {prefix}{tree.name}"
-    lines = [f"{head}({', '.join([*arguments, *(['double *out'] if several else [])])})", "{"]
-    if local := sorted(_assigned(tree) & writer.read - set(names) - writer.counters):
-        lines.append(f"    double {', '.join(local)};")
+    written = {name for name in arrays if stores_to(tree, name)}
+    kinds = {name: f"{real} *" if name in written else f"const {real} *" for name in arrays}
+    arguments = [f"{kinds.get(name, f'{real} ')}{name}" for name in names]
+    head = f"static {real if values and not several else 'void'} {prefix}{tree.name}"
+    lines = [f"{head}({', '.join([*arguments, *([f'{real} *out'] if several else [])])})", "{"]
+    if local := sorted(assigned_names(tree) & writer.read - set(names) - writer.counters):
+        lines.append(f"    {real} {', '.join(local)};")
     if unused := [name for name in names if name not in writer.read | written]:
         lines.append("    " + " ".join(f"(void){name};" for name in unused))
     return "\n".join([*lines, *body, "}"])
 
 
-def _assigned(tree: ast.AST) -> set[str]:
+def assigned_names(tree: ast.AST) -> set[str]:
+    """The names that a function assigns to."""
     return {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
 
 
-def _stores(tree: ast.AST, array: str) -> bool:
+def stores_to(tree: ast.AST, array: str) -> bool:
     """Whether a function writes to the elements of an array."""
     nodes = (n.value for n in ast.walk(tree) if isinstance(n, ast.Subscript) and isinstance(n.ctx, ast.Store))
     return any(isinstance(n, ast.Name) and n.id == array for n in nodes)
 
 
-def _read(tree: ast.FunctionDef) -> set[str]:
+def read_names(tree: ast.FunctionDef) -> set[str]:
     """The names whose values a function uses; an assignment to any other name is left out of the C."""
     read: set[str] = set()
     while True:
@@ -78,7 +98,7 @@ def _uses(tree: ast.FunctionDef, read: set[str]) -> Iterator[ast.AST]:
             yield node.value
 
 
-class _Flat(ast.NodeTransformer):
+class Flat(ast.NodeTransformer):
     """Turns ``a, b = c, d`` into two assignments."""
 
     def visit_Assign(self, node: ast.Assign) -> ast.Assign | list[ast.Assign]:
@@ -93,12 +113,13 @@ class _Flat(ast.NodeTransformer):
         return [ast.Assign([each], expression) for each, expression in pairs]
 
 
-class _Writer:
+class Writer:
     """Writes statements and expressions."""
 
-    def __init__(self, prefix: str, own: set[str], read: set[str]) -> None:
-        self.prefix, self.own, self.read = prefix, own, read
+    def __init__(self, prefix: str, own: set[str], read: set[str], precision: Precision) -> None:
+        self.prefix, self.own, self.read, self.precision = prefix, own, read, precision
         self.counters: set[str] = set()
+        self.compared = False
 
     def block(self, statements: list[ast.stmt], depth: int) -> list[str]:
         """Indented lines."""
@@ -117,9 +138,9 @@ class _Writer:
                 lines += [f"{pad}}} else {{", *self.block(node.orelse, depth + 1)]
             return [*lines, f"{pad}}}"]
         if isinstance(node, ast.For) and isinstance(node.target, ast.Name) and isinstance(node.iter, ast.Call):
-            k, stop = node.target.id, self.of(node.iter.args[0])
+            k, (*start, stop) = node.target.id, (self.of(each) for each in node.iter.args)
             self.counters.add(k)
-            head = f"{pad}for (int {k} = 0; {k} < {stop}; {k}++) {{"
+            head = f"{pad}for (int {k} = {start[0] if start else 0}; {k} < {stop}; {k}++) {{"
             return [head, *self.block(node.body, depth + 1), f"{pad}}}"]
         if isinstance(node, ast.Break):
             return [f"{pad}break;"]
@@ -130,7 +151,7 @@ class _Writer:
         if isinstance(target, ast.Tuple):
             call = self.of(value).removesuffix(")")
             results = [f"{self.of(each)} = out[{k}];" for k, each in enumerate(target.elts)]
-            return [f"{{ double out[{len(results)}]; {call}, out); {' '.join(results)} }}"]
+            return [f"{{ {self.precision.real} out[{len(results)}]; {call}, out); {' '.join(results)} }}"]
         if isinstance(target, ast.Name) and target.id not in self.read:
             return []
         return [f"{self.of(target)} = {self.of(value)};"]
@@ -143,29 +164,53 @@ class _Writer:
             return [*(f"out[{k}] = {self.of(e)};" for k, e in enumerate(value.elts)), "return;"]
         return [f"return {self.of(value)};"]
 
+    def literal(self, value: object) -> str:
+        """A number; in single precision no tolerance of a comparison is below `COARSEST`."""
+        assert isinstance(value, int | float)
+        if isinstance(value, int):
+            return str(value)
+        tolerance = self.compared and self.precision == SINGLE and value > 0.0
+        return self.precision.number(max(value, COARSEST) if tolerance else value)
+
+    def variable(self, name: str) -> str:
+        """A variable; a counter as a real number."""
+        return f"({self.precision.real}){name}" if name in self.counters else name
+
+    def power(self, base: ast.expr, exponent: ast.expr) -> str:
+        """A power; a square or a cube of a name as a product."""
+        value = exponent.value if isinstance(exponent, ast.Constant) else None
+        if isinstance(value, int | float) and value in (2, 3) and isinstance(base, ast.Name):
+            return "(" + "*".join([self.of(base)] * int(value)) + ")"
+        return f"pow{self.precision.suffix}({self.of(base)}, {self.of(exponent)})"
+
     def of(self, node: ast.expr) -> str:
         """An expression."""
         if isinstance(node, ast.Constant):
-            assert isinstance(node.value, int | float)
-            return str(node.value) if isinstance(node.value, int) else number(node.value)
+            return self.literal(node.value)
         if isinstance(node, ast.Name):
-            return node.id
+            return self.variable(node.id)
         if isinstance(node, ast.Subscript):
-            return f"{self.of(node.value)}[{self.of(node.slice)}]"
+            index = node.slice.id if isinstance(node.slice, ast.Name) else self.of(node.slice)
+            return f"{self.of(node.value)}[{index}]"
         if isinstance(node, ast.IfExp):
             return f"({self.of(node.test)} ? {self.of(node.body)} : {self.of(node.orelse)})"
         if isinstance(node, ast.UnaryOp):
             return f"({OPERATORS[type(node.op)]}{self.of(node.operand)})"
         if isinstance(node, ast.BinOp):
             if isinstance(node.op, ast.Pow):
-                return f"pow({self.of(node.left)}, {self.of(node.right)})"
+                return self.power(node.left, node.right)
             return f"({self.of(node.left)} {OPERATORS[type(node.op)]} {self.of(node.right)})"
         if isinstance(node, ast.BoolOp):
             return "(" + f" {OPERATORS[type(node.op)]} ".join(map(self.of, node.values)) + ")"
         if isinstance(node, ast.Compare) and len(node.ops) == 1:
-            return f"({self.of(node.left)} {OPERATORS[type(node.ops[0])]} {self.of(node.comparators[0])})"
+            outer, self.compared = self.compared, True
+            sides = self.of(node.left), self.of(node.comparators[0])
+            self.compared = outer
+            return f"({sides[0]} {OPERATORS[type(node.ops[0])]} {sides[1]})"
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             name = node.func.id
-            name = self.prefix + name if name in self.own else FUNCTIONS.get(name, name)
-            return f"{name}({', '.join(map(self.of, node.args))})"
+            arguments = ", ".join(map(self.of, node.args))
+            if name in self.own or name in ("min", "max") or (name in COMPOSED and self.precision == SINGLE):
+                return f"{self.prefix}{name}({arguments})"
+            return f"{'fabs' if name == 'abs' else name}{self.precision.suffix}({arguments})"
         raise TypeError(f"no C form for: {ast.unparse(node)}")

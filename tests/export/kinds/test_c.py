@@ -5,13 +5,17 @@ import subprocess
 
 import numpy as np
 import pytest
-from tests.invariants.test_every_part import run_c
+from tests.invariants.test_every_part import MAIN, SERIES, run_c, typical
 
 from dampyr.errors import InputError
 from dampyr.export import export
-from dampyr.models import Damper, Interpolation, Polynomial
+from dampyr.models import Damper, Interpolation, Polynomial, available_parts, part
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is missing: the C export cannot be compiled")
+
+needs_make = pytest.mark.skipif(
+    shutil.which("make") is None, reason="make is missing: the exported vectors cannot be replayed"
+)
 
 
 def everything() -> Damper:
@@ -88,3 +92,106 @@ def test_two_dampers_fit_in_one_c_program(tmp_path) -> None:
         check=True,
     )
     assert subprocess.run([tmp_path / "both"], check=False).returncode == 0
+
+
+STRICT = "-std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic -Werror"
+LIBRARY = [name for name in available_parts() if part(name).force is not None and "inertia" not in name]
+
+
+@needs_gcc
+@needs_make
+@pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
+@pytest.mark.parametrize(
+    "name", [*LIBRARY, *(pytest.param(name, marks=pytest.mark.prove) for name in SERIES if "inertia" not in name)]
+)
+def test_the_exported_vectors_replay_without_a_warning(tmp_path, name: str, single: bool) -> None:
+    """In double precision to 1e-9 of the largest force, in single precision to 1e-4."""
+    export(Damper(name, typical(name)), "c", tmp_path, single=single)
+    done = subprocess.run(
+        ["make", "test", f"CFLAGS={STRICT}"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "largest difference" in done.stdout
+    source = (tmp_path / "damper.c").read_text()
+    assert "malloc" not in source
+    if single:
+        assert "double" not in source
+
+
+@needs_gcc
+@needs_make
+def test_a_planted_error_fails_the_replay(tmp_path) -> None:
+    export(everything(), "c", tmp_path)
+    source = tmp_path / "damper.c"
+    source.write_text(source.read_text().replace("-200.0", "-200.1"))
+    done = subprocess.run(["make", "test"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "largest difference" in done.stdout
+
+
+@needs_gcc
+@pytest.mark.parametrize(
+    "name", ["dahl", "bouc_wen", "hyperbolic_tangent + compliance + spring + delay", "modified_bouc_wen"]
+)
+def test_single_precision_is_within_1e_4_of_double(tmp_path, name: str) -> None:
+    """10,000 samples; the time between samples is given, so that it keeps its digits."""
+    t = np.linspace(0.0, 10.0, 10_000)
+    x = 0.01 * np.sin(6.0 * t + 0.5 * t**2)
+    v = 0.01 * (6.0 + t) * np.cos(6.0 * t + 0.5 * t**2)
+    damper = Damper(name, typical(name))
+    expected = damper.force(t, x, velocity=v, voltage=0.0)
+    export(damper, "c", tmp_path, single=True)
+    (tmp_path / "main.c").write_text(MAIN_SINGLE)
+    subprocess.run(["gcc", *STRICT.split(), "damper.c", "main.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
+    rows = np.column_stack((np.append(0.0, np.diff(t)), x, v))
+    text = "\n".join(" ".join(repr(float(c)) for c in row) for row in rows)
+    done = subprocess.run([str(tmp_path / "main")], input=text, capture_output=True, text=True, check=True)
+    force = np.array(done.stdout.split(), dtype=float)
+    off = np.abs(force - expected).max() / np.abs(expected).max()
+    print(f"{name}: {off:.2g} of the largest force")
+    assert off < 1e-4
+
+
+MAIN_SINGLE = r"""
+#include "damper.h"
+#include <stdio.h>
+int main(void)
+{
+    damper_state d; float dt, x, v; int n = 0;
+    while (scanf("%f %f %f", &dt, &x, &v) == 3)
+        printf("%.9g\n", (double)(n++ ? damper_step_by(&d, dt, x, v, 0.0f) : damper_start(&d, 0.0f, x, v, 0.0f)));
+    return 0;
+}
+"""
+
+
+@needs_gcc
+def test_bouc_wen_with_a_large_sigma_walks_the_same_path(tmp_path) -> None:
+    """sigma above 1.5 takes a series of its own, whose loop does not begin at 0."""
+    values = typical("bouc_wen") | {"bouc_wen.sigma": 4.0, "bouc_wen.n": 1.7}
+    damper = Damper("bouc_wen", values)
+    t = np.linspace(0.0, 3.0, 2001)
+    x, v = 0.01 * np.sin(6.0 * t * t), 0.12 * t * np.cos(6.0 * t * t)
+    force = damper.force(t, x, voltage=0.0, velocity=v)
+    np.testing.assert_allclose(run_c(damper, tmp_path, t, x, v), force, atol=1e-9 * np.abs(force).max())
+
+
+@needs_gcc
+def test_what_needs_no_library_is_linked_with_none(tmp_path) -> None:
+    damper = Damper("maxwell_slip + spring", typical("maxwell_slip + spring"))
+    export(damper, "c", tmp_path)
+    assert "It needs no mathematics library." in (tmp_path / "damper.h").read_text()
+    (tmp_path / "main.c").write_text(MAIN)
+    subprocess.run(["gcc", "-std=c99", "damper.c", "main.c", "-o", "main"], cwd=tmp_path, check=True)
+    export(Damper("dahl", typical("dahl")), "c", tmp_path, name="other")
+    assert "Link with -lm: it calls exp." in (tmp_path / "other.h").read_text()
+
+
+@needs_gcc
+def test_the_history_of_a_delay_is_chosen(tmp_path) -> None:
+    export(everything(), "c", tmp_path, history=50, name="small")
+    assert "late_f[50]" in (tmp_path / "small.h").read_text()
+    for wrong in (1, 2_000_000, True):
+        with pytest.raises(InputError, match="is no number of samples; choose 2 to 1000000"):
+            export(everything(), "c", tmp_path / "none", history=wrong)
+    assert not (tmp_path / "none").exists()

@@ -1,62 +1,138 @@
-"""C99: one header and one source without dependencies but libm, for controllers and other simulations."""
+"""C99: a header and a source for controllers and simulations, double or single precision, with test vectors and a Makefile."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from dampyr.errors import InputError
-from dampyr.export.c_text import function, number
+from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, function
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
 
+Array = NDArray[np.float64]
+
 HISTORY = 4096  # samples that a delay looks back over: 4 s at 1 kHz, in 64 kB of state
+HISTORIES = (2, 1_000_000)
 EXPORTED = ("phi", "solve", "advance", "force")
 ARRAYS = ("s", "p")
+VECTORS = 400  # samples of the path that the exported test replays
+TOLERANCE = {DOUBLE: 1e-9, SINGLE: 1e-4}  # of the largest force: what the exported test allows
 
 
-def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = False) -> list[Path]:
-    """Write ``name.h`` and ``name.c``; see the header for how to call it."""
+@dataclass(frozen=True)
+class CSource:
+    """A damper as C text: the header and the source, named ``name``; ``libm`` names the functions of math.h that are called."""
+
+    name: str
+    header: str
+    source: str
+    libm: tuple[str, ...]
+
+
+def write(
+    damper: Damper,
+    folder: Path,
+    name: str,
+    allow_extrapolation: bool = False,
+    *,
+    single: bool = False,
+    history: int = HISTORY,
+) -> list[Path]:
+    """Write ``name.h`` and ``name.c``, and what replays a path that dampyr computed: ``name_vectors.h``, ``name_test.c`` and a
+    ``Makefile`` whose target ``test`` compiles and runs it.
+
+    ``single`` writes ``float`` in the place of ``double``; ``history`` is the number of samples that a delay looks back over.
+    """
+    check_name(name)
+    precision = SINGLE if single else DOUBLE
+    made = c_source(damper, name, allow_extrapolation, precision, history)
+    texts = {
+        f"{name}.h": made.header,
+        f"{name}.c": made.source,
+        f"{name}_vectors.h": _vectors(damper, name),
+        f"{name}_test.c": _test_program(name, precision),
+        "Makefile": _makefile(made),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, text in texts.items():
+        (folder / file).write_text(text, encoding="utf-8")
+    return [folder / file for file in texts]
+
+
+def check_name(name: str) -> None:
+    """Raise :class:`InputError` for what cannot name a C function."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
         raise InputError(f"{name!r} cannot name a C function; use letters, digits and underscores, a letter first")
+
+
+def check_exportable(damper: Damper) -> None:
+    """Raise :class:`InputError` for a damper that needs more than its path and its input at the coil."""
     for p in damper.composition.parts:
         if p.needs_acceleration:
             raise InputError(
-                f"{p.name} needs the acceleration, which the C code is not given; export damper.without({p.name!r})"
+                f"{p.name} needs the acceleration, which the exported code is not given; export damper.without({p.name!r})"
             )
     k = damper.composition.lag
     if k is not None:
         tau = float(list(damper.all_laws.values())[k](damper.range[0]))
         raise InputError(
-            "the C code takes the input, not its command; export damper.without('lag'), or with --without lag, and filter the "
-            f"command u_c before: u' = (u_c - u)/{tau:.6g} s"
+            "the exported code takes the input, not its command; export damper.without('lag'), or with --without lag, and "
+            f"filter the command u_c before: u' = (u_c - u)/{tau:.6g} s"
         )
-    folder.mkdir(parents=True, exist_ok=True)
-    header, source = folder / f"{name}.h", folder / f"{name}.c"
-    header.write_text(_header(damper, name), encoding="utf-8")
-    source.write_text(_source(damper, name, allow_extrapolation), encoding="utf-8")
-    return [header, source]
 
 
-def _header(damper: Damper, name: str) -> str:
+def c_source(
+    damper: Damper, name: str, allow_extrapolation: bool = False, precision: Precision = DOUBLE, history: int = HISTORY
+) -> CSource:
+    """The C text of a damper; :class:`InputError` for one that has no C form, and for a ``history`` out of range."""
+    check_exportable(damper)
+    if isinstance(history, bool) or not HISTORIES[0] <= history <= HISTORIES[1]:
+        raise InputError(f"history = {history} is no number of samples; choose {HISTORIES[0]} to {HISTORIES[1]}")
+    source = _source(damper, name, allow_extrapolation, precision, history)
+    calls = re.findall(rf"\b({'|'.join(LIBM)}){precision.suffix}\(", source)
+    libm = tuple(each for each in LIBM if each in calls)
+    return CSource(name, _header(damper, name, precision, history, libm), source, libm)
+
+
+def _header(damper: Damper, name: str, precision: Precision, history: int, libm: tuple[str, ...]) -> str:
     low, high = damper.range
-    word = INPUTS[damper.input]
+    word, real = INPUTS[damper.input], precision.real
+    late = damper.composition.has_delay
     delay = (
-        f"\n    double late_t[{HISTORY}], late_f[{HISTORY}];\n    long late_n;" if damper.composition.has_delay else ""
+        f"\n    {real} late_dt[{history}], late_f[{history}];\n    long late_at, late_count;\n    int late_lost;"
+        if late
+        else ""
+    )
+    link = (
+        f"Link with -lm: it calls {', '.join(each + precision.suffix for each in libm)}."
+        if libm
+        else "It needs no mathematics library."
+    )
+    look_back = (
+        f" *\n * The delay looks back over {history} samples; where more lie inside it the force is NAN.\n"
+        if late
+        else ""
     )
     guard = f"{name.upper()}_H"
     return f"""\
 /* A damper written by dampyr: {damper.composition}.
  *
  * Units: s, m, m/s, {damper.input} ({word} at the coil), N. A positive force opposes a positive velocity.
- * Calibrated from {low:g} to {high:g} {damper.input}.
+ * Calibrated from {low:g} to {high:g} {damper.input}. {"Single" if precision == SINGLE else "Double"} precision. {link}
  *
  *     {name}_state d;
- *     double f0 = {name}_start(&d, t0, x0, v0, u0);
- *     double f1 = {name}_step(&d, t1, x1, v1, u1);    for each sample in turn, t rising
+ *     {real} f0 = {name}_start(&d, t0, x0, v0, u0);
+ *     {real} f1 = {name}_step(&d, t1, x1, v1, u1);         for each sample in turn, t rising
+ *     {real} f1 = {name}_step_by(&d, dt, x1, v1, u1);      the same with the time since the last sample, which stays
+ *                                                        exact however long it runs
  *
  * The motion between two samples counts as straight in x. Outside its range the force is NAN (see {name}_in_range).
- */
+{look_back} */
 #ifndef {guard}
 #define {guard}
 
@@ -65,13 +141,15 @@ extern "C" {{
 #endif
 
 typedef struct {{
-    double s[{max(damper.composition.n_states, 1)}];
-    double t, x, v;{delay}
+    {real} s[{max(damper.composition.n_states, 1)}];
+    {real} t, x, v;{delay}
 }} {name}_state;
 
-int {name}_in_range(double u);
-double {name}_start({name}_state *d, double t, double x, double v, double u);
-double {name}_step({name}_state *d, double t, double x, double v, double u);
+int {name}_in_range({real} u);
+{real} {name}_start({name}_state *d, {real} t, {real} x, {real} v, {real} u);
+{real} {name}_step({name}_state *d, {real} t, {real} x, {real} v, {real} u);
+{real} {name}_step_by({name}_state *d, {real} dt, {real} x, {real} v, {real} u);
+void {name}_parameters({real} u, {real} *p);
 
 #ifdef __cplusplus
 }}
@@ -80,52 +158,79 @@ double {name}_step({name}_state *d, double t, double x, double v, double u);
 """
 
 
-def _source(damper: Damper, name: str, allow_extrapolation: bool) -> str:
+def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Precision, history: int) -> str:
     prefix = f"{name}_"
     formulas = [f.tree for f in damper.composition.formulas()]
     whole = [f.tree() for f in damper.composition.functions() if f.name in EXPORTED]
     own = {tree.name for tree in (*formulas, *whole)}
-    laws = [_law(law, f"{prefix}law_{k}", key) for k, (key, law) in enumerate(damper.all_laws.items())]
-    functions = [function(tree, prefix, own) for tree in formulas]
-    functions += [function(tree, prefix, own, ARRAYS) for tree in whole]
+    laws = [_law(law, f"{prefix}law_{k}", key, precision) for k, (key, law) in enumerate(damper.all_laws.items())]
+    functions = [function(tree, prefix, own, precision=precision) for tree in formulas]
+    functions += [function(tree, prefix, own, ARRAYS, precision) for tree in whole]
+    text = "\n".join(functions)
+    extremes = [_extreme(prefix, each, precision) for each in ("min", "max") if f"{prefix}{each}(" in text]
+    extremes += [COMPOSITION[each].replace("PREFIX", prefix) for each in COMPOSED if f"{prefix}{each}(" in text]
     return (
         "\n\n".join(
             [
                 f'#include "{name}.h"\n#include <math.h>',
                 *laws,
-                _values(damper, prefix),
+                _values(damper, prefix, precision),
+                *extremes,
                 *functions,
-                _in_range(damper, prefix, allow_extrapolation),
-                *([_late(damper, prefix)] if damper.composition.has_delay else []),
-                _calls(damper, prefix),
+                _in_range(damper, prefix, allow_extrapolation, precision),
+                *([_late(prefix, precision, history)] if damper.composition.has_delay else []),
+                _calls(damper, prefix, precision),
             ]
         )
         + "\n"
     )
 
 
-def _law(law: Law, function_name: str, key: str) -> str:
+COMPOSITION = {
+    "expm1": """\
+static float PREFIXexpm1(float x)
+{
+    float y = expf(x);
+    if (y == 1.0f) return x;
+    return y - 1.0f == -1.0f ? -1.0f : (y - 1.0f)*x/logf(y);
+}""",
+    "log1p": """\
+static float PREFIXlog1p(float x)
+{
+    float y = 1.0f + x;
+    return y == 1.0f ? x : logf(y)*x/(y - 1.0f);
+}""",
+}  # W. Kahan's, to a few units of the last digit
+
+
+def _extreme(prefix: str, which: str, precision: Precision) -> str:
+    real, sign = precision.real, "<" if which == "min" else ">"
+    return f"static {real} {prefix}{which}({real} a, {real} b)\n{{\n    return a {sign} b ? a : b;\n}}"
+
+
+def _law(law: Law, function_name: str, key: str, precision: Precision) -> str:
+    number, real = precision.number, precision.real
     if isinstance(law, Constant):
         body = ["    (void)u;", f"    return {number(law.value)};"]
     elif isinstance(law, Polynomial):
         text = number(law.coefficients[-1])
         for c in reversed(law.coefficients[:-1]):
             text = f"({number(c)} + u*{text})"
-        body = [f"    return {text};"]
+        body = [*(["    (void)u;"] if "u" not in text else []), f"    return {text};"]
     elif isinstance(law, Interpolation):
-        body = _interpolation(law)
+        body = _interpolation(law, precision)
     else:
         raise InputError(f"the law of {key}, {law!r}, has no C form; choose constant, polynomial or interpolation")
-    return "\n".join([f"/* {key} */", f"static double {function_name}(double u)", "{", *body, "}"])
+    return "\n".join([f"/* {key} */", f"static {real} {function_name}({real} u)", "{", *body, "}"])
 
 
-def _interpolation(law: Interpolation) -> list[str]:
-    pieces = law.pieces.T
+def _interpolation(law: Interpolation, precision: Precision) -> list[str]:
+    pieces, number, real = law.pieces.T, precision.number, precision.real
     rows = ", ".join("{" + ", ".join(number(c) for c in row) + "}" for row in pieces)
     knots = ", ".join(number(k) for k in law.knots[:-1])
     return [
-        f"    static const double knot[] = {{{knots}}};",
-        f"    static const double c[][4] = {{{rows}}};",
+        f"    static const {real} knot[] = {{{knots}}};",
+        f"    static const {real} c[][4] = {{{rows}}};",
         f"    int k = {len(pieces) - 1};",
         "    while (k > 0 && u < knot[k]) k--;",
         "    u -= knot[k];",
@@ -133,62 +238,161 @@ def _interpolation(law: Interpolation) -> list[str]:
     ]
 
 
-def _values(damper: Damper, prefix: str) -> str:
-    count = len(damper.composition.parameters)
+def _values(damper: Damper, prefix: str, precision: Precision) -> str:
+    real, count = precision.real, len(damper.composition.parameters)
     lines = [f"    p[{k}] = {prefix}law_{k}(u);" for k in range(count)]
-    return "\n".join([f"static void {prefix}values(double u, double *p)", "{", *lines, "}"])
+    order = ", ".join(damper.all_laws)
+    return "\n".join([f"/* {order} */", f"void {prefix}parameters({real} u, {real} *p)", "{", *lines, "}"])
 
 
-def _in_range(damper: Damper, prefix: str, allow_extrapolation: bool) -> str:
+def _in_range(damper: Damper, prefix: str, allow_extrapolation: bool, precision: Precision) -> str:
     low, high = damper.range
-    slack = 1e-9 * max(abs(low), abs(high), 1.0)
-    test = "isfinite(u)" if allow_extrapolation else f"u >= {number(low - slack)} && u <= {number(high + slack)}"
-    return f"int {prefix}in_range(double u)\n{{\n    return {test};\n}}"
+    slack = (1e-9 if precision == DOUBLE else 1e-6) * max(abs(low), abs(high), 1.0)
+    limits = f"u >= {precision.number(low - slack)} && u <= {precision.number(high + slack)}"
+    test = "isfinite(u)" if allow_extrapolation else limits
+    return f"int {prefix}in_range({precision.real} u)\n{{\n    return {test};\n}}"
 
 
-def _late(damper: Damper, prefix: str) -> str:
-    """The delayed force, from the stored samples; NAN where the delay is longer than they reach back."""
+def _late(prefix: str, precision: Precision, history: int) -> str:
+    """The delayed force, from the stored samples; NAN where the delay is longer than they reach back.
+
+    It adds up the times between the samples, backwards from the newest, so that a long run loses no digits.
+    """
+    real, one, zero = precision.real, precision.number(1.0), precision.number(0.0)
     return f"""\
-static double {prefix}late({prefix}state *d, double f, double tau)
+static {real} {prefix}late({prefix}state *d, {real} f, {real} dt, {real} tau)
 {{
-    long n = d->late_n++, k = n, oldest = n < {HISTORY} ? 0 : n - {HISTORY} + 1;
-    double at = d->t - tau;
-    d->late_t[n % {HISTORY}] = d->t;
-    d->late_f[n % {HISTORY}] = f;
-    while (k > oldest && d->late_t[k % {HISTORY}] > at) k--;
-    if (d->late_t[k % {HISTORY}] > at) return oldest == 0 ? d->late_f[0] : NAN;
-    if (k == n) return f;
-    double t0 = d->late_t[k % {HISTORY}], t1 = d->late_t[(k + 1) % {HISTORY}];
-    double part = (at - t0)/(t1 - t0);
-    return d->late_f[k % {HISTORY}]*(1.0 - part) + d->late_f[(k + 1) % {HISTORY}]*part;
+    long at = d->late_count ? (d->late_at + 1) % {history} : 0, k = at;
+    {real} age = {zero};
+    d->late_at = at;
+    d->late_dt[at] = dt;
+    d->late_f[at] = f;
+    if (d->late_count < {history}) d->late_count++; else d->late_lost = 1;
+    if (!(tau > {zero})) return f;
+    for (long n = 1; n < d->late_count; n++) {{
+        long before = (k + {history} - 1) % {history};
+        age += d->late_dt[k];
+        if (age >= tau) {{
+            {real} part = (age - tau)/d->late_dt[k];
+            return d->late_f[before]*({one} - part) + d->late_f[k]*part;
+        }}
+        k = before;
+    }}
+    if (d->late_lost) return ({real})NAN;
+    return d->late_f[k];
 }}"""
 
 
-def _calls(damper: Damper, prefix: str) -> str:
-    composition = damper.composition
-    result = "f" if composition.delay is None else f"{prefix}late(d, f, p[{composition.delay}])"
-    empty = "" if composition.delay is None else "    d->late_n = 0;\n"
+def _calls(damper: Damper, prefix: str, precision: Precision) -> str:
+    composition, real, zero = damper.composition, precision.real, precision.number(0.0)
+    late = composition.delay is not None
+    first, later = (f"{prefix}late(d, f, {dt}, p[{composition.delay}])" if late else "f" for dt in (zero, "dt"))
+    empty = "    d->late_at = 0; d->late_count = 0; d->late_lost = 0;\n" if late else ""
     count = len(composition.parameters)
-    past = "".join(f"    d->s[{k}] = {number(value)};\n" for k, value in enumerate(composition.path0) if value)
+    past = "".join(f"    d->s[{k}] = {precision.number(v)};\n" for k, v in enumerate(composition.path0) if v)
     return f"""\
-double {prefix}start({prefix}state *d, double t, double x, double v, double u)
+{real} {prefix}start({prefix}state *d, {real} t, {real} x, {real} v, {real} u)
 {{
-    double p[{count}], f;
-    for (int k = 0; k < {max(composition.n_states, 1)}; k++) d->s[k] = 0.0;
+    {real} p[{count}], f;
+    for (int k = 0; k < {max(composition.n_states, 1)}; k++) d->s[k] = {zero};
 {past}    d->t = t; d->x = x; d->v = v;
-{empty}    if (!{prefix}in_range(u)) return NAN;
-    {prefix}values(u, p);
-    f = {prefix}force(d->s, x, v, 0.0, p);
-    return {result};
+{empty}    if (!{prefix}in_range(u)) return ({real})NAN;
+    {prefix}parameters(u, p);
+    f = {prefix}force(d->s, x, v, {zero}, p);
+    return {first};
 }}
 
-double {prefix}step({prefix}state *d, double t, double x, double v, double u)
+{real} {prefix}step_by({prefix}state *d, {real} dt, {real} x, {real} v, {real} u)
 {{
-    double p[{count}], f;
-    if (!{prefix}in_range(u) || !(t > d->t)) return NAN;
-    {prefix}values(u, p);
-    {prefix}advance(d->s, d->x, x, d->v, v, t - d->t, p);
-    d->t = t; d->x = x; d->v = v;
-    f = {prefix}force(d->s, x, v, 0.0, p);
-    return {result};
+    {real} p[{count}], f;
+    if (!{prefix}in_range(u) || !(dt > {zero})) return ({real})NAN;
+    {prefix}parameters(u, p);
+    {prefix}advance(d->s, d->x, x, d->v, v, dt, p);
+    d->t += dt; d->x = x; d->v = v;
+    f = {prefix}force(d->s, x, v, {zero}, p);
+    return {later};
+}}
+
+{real} {prefix}step({prefix}state *d, {real} t, {real} x, {real} v, {real} u)
+{{
+    {real} f = {prefix}step_by(d, t - d->t, x, v, u);
+    if (f == f) d->t = t;
+    return f;
 }}"""
+
+
+def replayed_path(damper: Damper, samples: int = VECTORS) -> tuple[Array, Array, Array, Array, Array]:
+    """A path ``(t, x, v, u, f)`` in s, m, m/s, V or A, and N, with an input that varies over the calibrated range.
+
+    Its displacement and its velocity stay within those that the damper was calibrated on.
+    """
+    t = np.linspace(0.0, 2.0, samples)
+    phase = 2.0 * np.pi * (0.5 * t + 0.6 * t**2)
+    amplitude = min(0.008, 0.9 * damper.ranges.get("displacement", (0.0, np.inf))[1])
+    v = amplitude * 2.0 * np.pi * (0.5 + 1.2 * t) * np.cos(phase)
+    slower = max(1.0, float(np.max(np.abs(v))) / (0.9 * damper.ranges.get("velocity", (0.0, np.inf))[1]))
+    t, x, v = slower * t, amplitude * np.sin(phase), v / slower
+    low, high = damper.range
+    u = 0.5 * (low + high) + 0.5 * (high - low) * np.sin(2.0 * np.pi * 0.7 * t / slower)
+    inputs = {"current": u} if damper.input == "A" else {"voltage": u}
+    return t, x, v, u, damper.force(t, x, velocity=v, **inputs)  # type: ignore[arg-type]
+
+
+def _vectors(damper: Damper, name: str) -> str:
+    columns = dict(zip(("t", "x", "v", "u", "f"), replayed_path(damper), strict=True))
+    units = {"t": "s", "x": "m", "v": "m/s", "u": damper.input, "f": "N, by dampyr"}
+    arrays = [
+        f"static const double {name}_{key}[{VECTORS}] = {{ /* {units[key]} */\n"
+        + ",\n".join("    " + ", ".join(repr(float(v)) for v in row) for row in values.reshape(-1, 8))
+        + "\n};"
+        for key, values in columns.items()
+    ]
+    return "\n\n".join(
+        [f"/* A path, and the force of the damper on it. */\n#define {name.upper()}_VECTORS {VECTORS}", *arrays, ""]
+    )
+
+
+def _test_program(name: str, precision: Precision) -> str:
+    real, tolerance = precision.real, TOLERANCE[precision]
+    arguments = ", ".join(f"({real}){name}_{key}[k]" for key in ("x", "v", "u"))
+    return f"""\
+/* Replays {name}_vectors.h: exit status 1 where the force is off by more than {tolerance:g} of its largest. */
+#include "{name}.h"
+#include "{name}_vectors.h"
+#include <stdio.h>
+
+int main(void)
+{{
+    {name}_state d;
+    double largest = 0.0, off = 0.0;
+    for (int k = 0; k < {name.upper()}_VECTORS; k++) {{
+        {real} dt = k ? ({real})({name}_t[k] - {name}_t[k - 1]) : ({real})0;
+        double f = (double)(k ? {name}_step_by(&d, dt, {arguments})
+                              : {name}_start(&d, ({real}){name}_t[0], {arguments}));
+        double expected = {name}_f[k], gap = f > expected ? f - expected : expected - f;
+        double size = expected > 0.0 ? expected : -expected;
+        if (!(gap <= off)) off = gap;
+        if (size > largest) largest = size;
+    }}
+    printf("{name}: largest difference %.3g of the largest force, allowed {tolerance:g}\\n", off/largest);
+    return !(off <= {tolerance:g}*largest);
+}}
+"""
+
+
+def _makefile(made: CSource) -> str:
+    name, link = made.name, " -lm" if made.libm else ""
+    return f"""\
+CC ?= cc
+CFLAGS ?= -std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic
+
+.PHONY: test clean
+test: {name}_test
+\t./{name}_test
+
+{name}_test: {name}_test.c {name}.c {name}.h {name}_vectors.h
+\t$(CC) $(CFLAGS) {name}_test.c {name}.c -o $@{link}
+
+clean:
+\trm -f {name}_test
+"""

@@ -1,0 +1,568 @@
+"""The texts of an FMU: its model description, and the C that puts the functions of the FMI standard around a damper.
+
+The declarations are those of the standards FMI 2.0.4 and FMI 3.0.1 (fmi-standard.org), of what co-simulation needs.
+
+A step from t to t + h begins at the inputs as they are set at t, and ends at what they are set to at t + h. Until these are
+set, the inputs of t hold, or go on with the derivatives that FMI 2 lets a master set. So a force that is read after the inputs
+of its time are set is that of `Damper.force`; one that is read before lags by a step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from xml.sax.saxutils import quoteattr
+
+from dampyr.models import Damper
+from dampyr.models.damper import INPUTS
+
+UNITS = {
+    "m": 'm="1"', "m/s": 'm="1" s="-1"', "N": 'kg="1" m="1" s="-2"', "V": 'kg="1" m="2" s="-3" A="-1"', "A": 'A="1"',
+    "s": 's="1"', "kg": 'kg="1"', "1/m": 'm="-1"', "1/s": 's="-1"', "N/m": 'kg="1" s="-2"', "N s/m": 'kg="1" s="-1"',
+    "m/N": 'kg="-1" s="2"', "N s/m^3": 'kg="1" m="-2" s="-1"',
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of the FMU: its value reference is its place in the list, from 0."""
+
+    name: str
+    unit: str
+    causality: str
+    description: str
+
+
+def variables(damper: Damper, drive: str) -> list[Variable]:
+    """The inputs (displacement, velocity, voltage or current), then the force, then the parameters at the present input."""
+    word = INPUTS[damper.input]
+    derived = {
+        "displacement": "integrated from the velocity, from 0",
+        "velocity": "slope of the displacement over the step",
+    }
+    motion = [
+        Variable(
+            name,
+            unit,
+            "input" if drive in ("both", name) else "local",
+            f"{what}{'' if drive in ('both', name) else ', ' + derived[name]}",
+        )
+        for name, unit, what in (
+            ("displacement", "m", "of the damper, extension positive"),
+            ("velocity", "m/s", "of the damper"),
+        )
+    ]
+    low, high = damper.range
+    units = {f"{p.name}.{key}": q.unit for p in damper.composition.parts for key, q in p.parameters.items()}
+    return [
+        *motion,
+        Variable(word, damper.input, "input", f"at the coil, calibrated from {low:g} to {high:g} {damper.input}"),
+        Variable("force", "N", "output", "positive against a positive velocity"),
+        *(Variable(key, units.get(key, ""), "local", f"parameter at the present {word}") for key in damper.all_laws),
+    ]
+
+
+def model_description(damper: Damper, name: str, fmi: int, drive: str, token: str, version: str) -> str:
+    """The text of modelDescription.xml."""
+    listed = variables(damper, drive)
+    used = sorted({each.unit for each in listed if each.unit})
+    units = "\n".join(
+        f"    <Unit name={quoteattr(unit)}>" + (f"<BaseUnit {UNITS[unit]}/>" if unit in UNITS else "") + "</Unit>"
+        for unit in used
+    )
+    about = quoteattr(f"Damper: {damper.composition}")
+    head = f'modelName={quoteattr(name)} description={about} generationTool="dampyr {version}"'
+    start = damper.range[0]
+    if fmi == 2:
+        return _description_2(name, head, token, units, listed, start)
+    return _description_3(name, head, token, units, listed, start)
+
+
+def _scalar(k: int, each: Variable, start: float) -> str:
+    value = "" if each.causality != "input" else f' start="{start if k == 2 else 0.0!r}"'
+    unit = f" unit={quoteattr(each.unit)}" if each.unit else ""
+    return unit + value
+
+
+def _description_2(name: str, head: str, token: str, units: str, listed: list[Variable], start: float) -> str:
+    rows = "\n".join(
+        f'    <ScalarVariable name={quoteattr(each.name)} valueReference="{k}" causality="{each.causality}" '
+        f'variability="continuous"{" initial=" + quoteattr("calculated") if each.causality != "input" else ""} '
+        f"description={quoteattr(each.description)}><Real{_scalar(k, each, start)}/></ScalarVariable>"
+        for k, each in enumerate(listed)
+    )
+    calculated = [k + 1 for k, each in enumerate(listed) if each.causality != "input"]
+    force = next(k + 1 for k, each in enumerate(listed) if each.causality == "output")
+    unknowns = "\n".join(f'      <Unknown index="{k}"/>' for k in calculated if k == force)
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" {head} guid="{token}" variableNamingConvention="flat">
+  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canInterpolateInputs="true"
+    canGetAndSetFMUstate="true" canSerializeFMUstate="true" canNotUseMemoryManagementFunctions="true">
+    <SourceFiles><File name="{name}.c"/><File name="{name}_fmi.c"/></SourceFiles>
+  </CoSimulation>
+  <UnitDefinitions>
+{units}
+  </UnitDefinitions>
+  <DefaultExperiment startTime="0.0" stopTime="1.0" stepSize="0.001"/>
+  <ModelVariables>
+{rows}
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs><Unknown index="{force}"/></Outputs>
+    <InitialUnknowns>
+{unknowns}
+    </InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def _description_3(name: str, head: str, token: str, units: str, listed: list[Variable], start: float) -> str:
+    rows = "\n".join(
+        f'    <Float64 name={quoteattr(each.name)} valueReference="{k}" causality="{each.causality}" '
+        f'variability="continuous"{" initial=" + quoteattr("calculated") if each.causality != "input" else ""} '
+        f"description={quoteattr(each.description)}{_scalar(k, each, start)}/>"
+        for k, each in enumerate(listed)
+    )
+    force = next(k for k, each in enumerate(listed) if each.causality == "output")
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" {head} instantiationToken="{token}">
+  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true"
+    canSerializeFMUState="true"/>
+  <UnitDefinitions>
+{units}
+  </UnitDefinitions>
+  <DefaultExperiment startTime="0.0" stopTime="1.0" stepSize="0.001"/>
+  <ModelVariables>
+    <Float64 name="time" valueReference="1000" causality="independent" variability="continuous" description="simulation time"/>
+{rows}
+  </ModelVariables>
+  <ModelStructure>
+    <Output valueReference="{force}"/>
+    <InitialUnknown valueReference="{force}"/>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def wrapper(damper: Damper, name: str, fmi: int, drive: str) -> str:
+    """The C of the interface, but for the line that defines INSTANTIATION_TOKEN."""
+    low, high = damper.range
+    count = len(damper.composition.parameters)
+    core = (
+        CORE.replace("DAMPER", name)
+        .replace("@COUNT", str(count))
+        .replace("@LOW", repr(low))
+        .replace("@DRIVE", str(("both", "displacement", "velocity").index(drive)))
+        .replace("@RANGE", f"{low:g} to {high:g} {damper.input}")
+        .replace("@WORD", INPUTS[damper.input])
+        .replace("@UNIT", damper.input)
+    )
+    return core + (FMI_2 if fmi == 2 else FMI_3).replace("DAMPER", name)
+
+
+CORE = r"""#include "DAMPER.h"
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(_WIN32)
+#define API __declspec(dllexport)
+#else
+#define API __attribute__((visibility("default")))
+#endif
+
+enum { X, V, U, FORCE, FIRST_PARAMETER, COUNT = @COUNT, BOTH = 0, DISPLACEMENT = 1, VELOCITY = 2, DRIVE = @DRIVE };
+
+/* Everything that a step changes; `past` is the damper at the last time whose inputs are final. */
+typedef struct {
+    DAMPER_state past;
+    double begun, now, at, v_at;      /* s: the last doStep's times; time and velocity of `past` */
+    double in[3], slope[3];           /* x, v, u as they were set last, and their derivatives */
+    int running;                      /* 0 before the first step */
+} Moment;
+
+typedef struct {
+    Moment m;
+    void *environment;
+    void *logger;
+    char name[128];
+} Unit;
+
+/* The inputs at the time m->now: as set, or with the derivatives where none was set since the step began. */
+static void inputs_now(const Moment *m, double dt, double *x, double *v, double *u)
+{
+    double h = m->now - m->begun;
+    *u = m->in[U] + m->slope[U]*h;
+    *v = m->in[V] + m->slope[V]*h;
+    *x = m->in[X] + m->slope[X]*h;
+    if (DRIVE == DISPLACEMENT) *v = dt > 0.0 ? (*x - m->past.x)/dt : m->v_at;
+    if (DRIVE == VELOCITY) *x = m->past.x + 0.5*dt*(m->v_at + *v);
+}
+
+/* The force at m->now; `past` goes on to there where `commit`. */
+static double force_now(Moment *m, int commit, double *x, double *v)
+{
+    DAMPER_state d = m->past;
+    double dt = m->now - m->at, u, f;
+    if (!m->running) {
+        u = m->in[U];
+        *x = DRIVE == VELOCITY ? 0.0 : m->in[X];
+        *v = DRIVE == DISPLACEMENT ? 0.0 : m->in[V];
+        f = DAMPER_start(&d, 0.0, *x, *v, u);
+    } else {
+        inputs_now(m, dt, x, v, &u);
+        if (dt > 0.0) {
+            f = DAMPER_step_by(&d, dt, *x, *v, u);
+        } else {
+            f = m->running == 1 ? DAMPER_start(&d, 0.0, *x, *v, u) : DAMPER_step_by(&d, 1e-12, *x, *v, u);
+        }
+    }
+    if (commit && f == f) {
+        m->past = d;
+        m->at = m->now;
+        m->v_at = *v;
+    }
+    return f;
+}
+
+static void say(const Unit *unit, int status, const char *text);
+
+static int read_values(Unit *unit, const unsigned *refs, size_t n, double *values)
+{
+    double p[COUNT ? COUNT : 1], x, v, f = force_now(&unit->m, 0, &x, &v), u = unit->m.in[U];
+    DAMPER_parameters(u, p);
+    for (size_t k = 0; k < n; k++) {
+        unsigned r = refs[k];
+        if (r == FORCE && !(f == f)) {
+            char text[200];
+            snprintf(text, sizeof text, "no force at @WORD = %g @UNIT: calibrated from @RANGE, or the delay is too long", u);
+            say(unit, 3, text);
+            return 3;
+        }
+        if (r < FIRST_PARAMETER) {
+            values[k] = r == X ? x : r == V ? v : r == U ? u : f;
+        } else if (r < FIRST_PARAMETER + COUNT) {
+            values[k] = p[r - FIRST_PARAMETER];
+        } else {
+            say(unit, 3, "there is no variable of that value reference");
+            return 3;
+        }
+    }
+    return 0;
+}
+
+static int write_values(Unit *unit, const unsigned *refs, size_t n, const double *values)
+{
+    for (size_t k = 0; k < n; k++) {
+        unsigned r = refs[k];
+        if (r > U || (DRIVE == DISPLACEMENT && r == V) || (DRIVE == VELOCITY && r == X)) {
+            say(unit, 3, "only inputs can be set");
+            return 3;
+        }
+        if (!isfinite(values[k])) {
+            say(unit, 3, "an input is not finite");
+            return 3;
+        }
+    }
+    for (size_t k = 0; k < n; k++) {
+        Moment *m = &unit->m;
+        m->in[refs[k]] = values[k] - m->slope[refs[k]]*(m->now - m->begun);
+    }
+    return 0;
+}
+
+static int step(Unit *unit, double t, double h)
+{
+    Moment *m = &unit->m;
+    double x, v, f;
+    if (!(h > 0.0) || !isfinite(t) || !isfinite(h)) {
+        say(unit, 3, "a step has to go forward in time");
+        return 3;
+    }
+    if (!m->running) {
+        m->begun = m->now = m->at = t;
+        m->running = 1;
+    }
+    f = force_now(m, 1, &x, &v);
+    if (!(f == f)) {
+        char text[200];
+        snprintf(text, sizeof text,
+            "@WORD = %g @UNIT at t = %g s: calibrated from @RANGE, or the delay is too long", m->in[U], t);
+        say(unit, 3, text);
+        return 3;
+    }
+    for (int k = 0; k < 3; k++) m->in[k] += m->slope[k]*(m->now - m->begun);
+    if (m->running == 1) m->running = 2;
+    m->begun = t;
+    m->now = t + h;
+    return 0;
+}
+
+static void begin(Unit *unit)
+{
+    memset(&unit->m, 0, sizeof unit->m);
+    unit->m.in[U] = @LOW;
+}
+
+static Unit *made(const char *name, const char *token, void *environment, void *logger)
+{
+    Unit *unit;
+    if (!token || strcmp(token, INSTANTIATION_TOKEN)) return NULL;
+    unit = calloc(1, sizeof *unit);
+    if (!unit) return NULL;
+    unit->environment = environment;
+    unit->logger = logger;
+    if (name) snprintf(unit->name, sizeof unit->name, "%s", name);
+    begin(unit);
+    return unit;
+}
+
+static Moment *copied(const Moment *from, void *into)
+{
+    Moment *copy = into ? into : malloc(sizeof *copy);
+    if (copy) memcpy(copy, from, sizeof *copy);
+    return copy;
+}
+"""
+
+FMI_2 = r"""
+typedef const char *Text;
+typedef void (*Logger)(void *, Text, int, Text, Text, ...);
+typedef struct { Logger logger; void *allocate, *release, *finished, *environment; } Callbacks;
+
+static void say(const Unit *unit, int status, const char *text)
+{
+    const Callbacks *callbacks = unit->logger;
+    if (callbacks && callbacks->logger)
+        callbacks->logger(callbacks->environment, unit->name, status, "logStatusError", "%s", text);
+}
+
+API const char *fmi2GetTypesPlatform(void) { return "default"; }
+API const char *fmi2GetVersion(void) { return "2.0"; }
+API int fmi2SetDebugLogging(void *c, int on, size_t n, const Text *s) { (void)c; (void)on; (void)n; (void)s; return 0; }
+API void *fmi2Instantiate(Text name, int kind, Text guid, Text place, const Callbacks *callbacks, int visible, int logging)
+{
+    (void)place; (void)visible; (void)logging;
+    return kind == 1 ? made(name, guid, NULL, (void *)(size_t)callbacks) : NULL; /* 1: co-simulation */
+}
+API void fmi2FreeInstance(void *c) { free(c); }
+API int fmi2SetupExperiment(void *c, int has_tolerance, double tolerance, double start, int has_end, double end)
+{
+    (void)has_tolerance; (void)tolerance; (void)has_end; (void)end;
+    ((Unit *)c)->m.begun = ((Unit *)c)->m.now = ((Unit *)c)->m.at = start;
+    return 0;
+}
+API int fmi2EnterInitializationMode(void *c) { (void)c; return 0; }
+API int fmi2ExitInitializationMode(void *c) { (void)c; return 0; }
+API int fmi2Terminate(void *c) { (void)c; return 0; }
+API int fmi2Reset(void *c) { begin(c); return 0; }
+API int fmi2GetReal(void *c, const unsigned *r, size_t n, double *v) { return read_values(c, r, n, v); }
+API int fmi2SetReal(void *c, const unsigned *r, size_t n, const double *v) { return write_values(c, r, n, v); }
+API int fmi2GetInteger(void *c, const unsigned *r, size_t n, int *v) { (void)c; (void)r; (void)v; return n ? 3 : 0; }
+API int fmi2SetInteger(void *c, const unsigned *r, size_t n, const int *v) { (void)c; (void)r; (void)v; return n ? 3 : 0; }
+API int fmi2GetBoolean(void *c, const unsigned *r, size_t n, int *v) { (void)c; (void)r; (void)v; return n ? 3 : 0; }
+API int fmi2SetBoolean(void *c, const unsigned *r, size_t n, const int *v) { (void)c; (void)r; (void)v; return n ? 3 : 0; }
+API int fmi2GetString(void *c, const unsigned *r, size_t n, Text *v) { (void)c; (void)r; (void)v; return n ? 3 : 0; }
+API int fmi2SetString(void *c, const unsigned *r, size_t n, const Text *v) { (void)c; (void)r; (void)v; return n ? 3 : 0; }
+API int fmi2GetFMUstate(void *c, void **state)
+{
+    *state = copied(&((Unit *)c)->m, *state);
+    return *state ? 0 : 3;
+}
+API int fmi2SetFMUstate(void *c, void *state) { copied(state, &((Unit *)c)->m); return 0; }
+API int fmi2FreeFMUstate(void *c, void **state) { (void)c; free(*state); *state = NULL; return 0; }
+API int fmi2SerializedFMUstateSize(void *c, void *state, size_t *size)
+{
+    (void)c; (void)state;
+    *size = sizeof(Moment);
+    return 0;
+}
+API int fmi2SerializeFMUstate(void *c, void *state, char *bytes, size_t size)
+{
+    (void)c;
+    if (size < sizeof(Moment)) return 3;
+    memcpy(bytes, state, sizeof(Moment));
+    return 0;
+}
+API int fmi2DeSerializeFMUstate(void *c, const char *bytes, size_t size, void **state)
+{
+    (void)c;
+    if (size < sizeof(Moment)) return 3;
+    *state = malloc(sizeof(Moment));
+    if (!*state) return 3;
+    memcpy(*state, bytes, sizeof(Moment));
+    return 0;
+}
+API int fmi2GetDirectionalDerivative(void *c, const unsigned *z, size_t nz, const unsigned *r, size_t nr,
+    const double *dv, double *dz)
+{
+    (void)z; (void)nz; (void)r; (void)nr; (void)dv; (void)dz;
+    say(c, 3, "directional derivatives are not given");
+    return 3;
+}
+API int fmi2SetRealInputDerivatives(void *c, const unsigned *r, size_t n, const int *order, const double *v)
+{
+    for (size_t k = 0; k < n; k++) {
+        if (r[k] > U || order[k] != 1) {
+            say(c, 3, "only the first derivatives of the inputs can be set");
+            return 3;
+        }
+    }
+    for (size_t k = 0; k < n; k++) {
+        Moment *m = &((Unit *)c)->m;
+        m->in[r[k]] += (m->slope[r[k]] - v[k])*(m->now - m->begun);
+        m->slope[r[k]] = v[k];
+    }
+    return 0;
+}
+API int fmi2GetRealOutputDerivatives(void *c, const unsigned *r, size_t n, const int *order, double *v)
+{
+    (void)r; (void)n; (void)order; (void)v;
+    say(c, 3, "derivatives of the force are not given");
+    return 3;
+}
+API int fmi2DoStep(void *c, double t, double h, int final) { (void)final; return step(c, t, h); }
+API int fmi2CancelStep(void *c) { (void)c; return 3; }
+API int fmi2GetStatus(void *c, int kind, int *v) { (void)c; (void)kind; (void)v; return 2; }
+API int fmi2GetRealStatus(void *c, int kind, double *v) { *v = ((Unit *)c)->m.now; return kind == 2 ? 0 : 2; }
+API int fmi2GetIntegerStatus(void *c, int kind, int *v) { (void)c; (void)kind; (void)v; return 2; }
+API int fmi2GetBooleanStatus(void *c, int kind, int *v) { (void)c; (void)kind; *v = 0; return 2; }
+API int fmi2GetStringStatus(void *c, int kind, Text *v) { (void)c; (void)kind; *v = ""; return 2; }
+"""
+
+_UNUSED_3 = "".join(
+    f"API int fmi3Get{kind}(void *c, const unsigned *r, size_t n, {type_} *v, size_t m)"
+    " { (void)c; (void)r; (void)v; (void)m; return n ? 3 : 0; }\n"
+    f"API int fmi3Set{kind}(void *c, const unsigned *r, size_t n, const {type_} *v, size_t m)"
+    " { (void)c; (void)r; (void)v; (void)m; return n ? 3 : 0; }\n"
+    for kind, type_ in (
+        ("Float32", "float"), ("Int8", "signed char"), ("UInt8", "unsigned char"), ("Int16", "short"),
+        ("UInt16", "unsigned short"), ("Int32", "int"), ("UInt32", "unsigned"), ("Int64", "long long"),
+        ("UInt64", "unsigned long long"), ("Boolean", "bool"), ("String", "Text"),
+    )
+)  # fmt: skip
+
+_REFUSED_3 = "".join(
+    f"API int fmi3{name}(void *c, ...) {{ (void)c; return 3; }}\n"
+    for name in (
+        "ActivateModelPartition", "CompletedIntegratorStep", "EnterConfigurationMode", "EnterContinuousTimeMode",
+        "EvaluateDiscreteStates", "ExitConfigurationMode", "GetAdjointDerivative", "GetClock", "GetContinuousStateDerivatives",
+        "GetContinuousStates", "GetDirectionalDerivative", "GetEventIndicators", "GetIntervalDecimal", "GetIntervalFraction",
+        "GetNominalsOfContinuousStates", "GetNumberOfContinuousStates", "GetNumberOfEventIndicators",
+        "GetNumberOfVariableDependencies", "GetShiftDecimal", "GetShiftFraction", "GetVariableDependencies", "SetClock",
+        "SetContinuousStates", "SetIntervalDecimal", "SetIntervalFraction", "SetShiftDecimal", "SetShiftFraction", "SetTime",
+        "UpdateDiscreteStates",
+    )
+)  # fmt: skip
+"""What the standard has a library export, and this description does not offer: each answers with an error."""
+
+FMI_3 = (
+    r"""
+#include <stdbool.h>
+typedef const char *Text;
+typedef void (*Logger)(void *, int, Text, Text);
+
+static void say(const Unit *unit, int status, const char *text)
+{
+    Logger logger;
+    memcpy(&logger, &unit->logger, sizeof logger);
+    if (logger) logger(unit->environment, status, "logStatusError", text);
+}
+
+API const char *fmi3GetVersion(void) { return "3.0"; }
+API int fmi3SetDebugLogging(void *c, bool on, size_t n, const Text *s) { (void)c; (void)on; (void)n; (void)s; return 0; }
+API void *fmi3InstantiateCoSimulation(Text name, Text token, Text place, bool visible, bool logging, bool events, bool early,
+    const unsigned *required, size_t n, void *environment, Logger logger, void *intermediate)
+{
+    void *stored;
+    (void)place; (void)visible; (void)logging; (void)events; (void)early; (void)required; (void)n; (void)intermediate;
+    memcpy(&stored, &logger, sizeof stored);
+    return made(name, token, environment, stored);
+}
+API void *fmi3InstantiateModelExchange(Text a, Text b, Text c, bool d, bool e, void *f, Logger g)
+{
+    (void)a; (void)b; (void)c; (void)d; (void)e; (void)f; (void)g;
+    return NULL;
+}
+API void fmi3FreeInstance(void *c) { free(c); }
+API int fmi3EnterInitializationMode(void *c, bool has_tolerance, double tolerance, double start, bool has_end, double end)
+{
+    (void)has_tolerance; (void)tolerance; (void)has_end; (void)end;
+    ((Unit *)c)->m.begun = ((Unit *)c)->m.now = ((Unit *)c)->m.at = start;
+    return 0;
+}
+API int fmi3ExitInitializationMode(void *c) { (void)c; return 0; }
+API int fmi3EnterEventMode(void *c) { (void)c; return 3; }
+API int fmi3Terminate(void *c) { (void)c; return 0; }
+API int fmi3Reset(void *c) { begin(c); return 0; }
+API int fmi3GetFloat64(void *c, const unsigned *r, size_t n, double *v, size_t m)
+{
+    return m == n ? read_values(c, r, n, v) : 3;
+}
+API int fmi3SetFloat64(void *c, const unsigned *r, size_t n, const double *v, size_t m)
+{
+    return m == n ? write_values(c, r, n, v) : 3;
+}
+"""
+    + _UNUSED_3
+    + _REFUSED_3
+    + "API void *fmi3InstantiateScheduledExecution(Text name, ...) { (void)name; return NULL; }\n"
+    + r"""
+API int fmi3GetBinary(void *c, const unsigned *r, size_t n, size_t *s, const unsigned char **v, size_t m)
+{
+    (void)c; (void)r; (void)s; (void)v; (void)m;
+    return n ? 3 : 0;
+}
+API int fmi3SetBinary(void *c, const unsigned *r, size_t n, const size_t *s, const unsigned char *const *v, size_t m)
+{
+    (void)c; (void)r; (void)s; (void)v; (void)m;
+    return n ? 3 : 0;
+}
+API int fmi3GetFMUState(void *c, void **state)
+{
+    *state = copied(&((Unit *)c)->m, *state);
+    return *state ? 0 : 3;
+}
+API int fmi3SetFMUState(void *c, void *state) { copied(state, &((Unit *)c)->m); return 0; }
+API int fmi3FreeFMUState(void *c, void **state) { (void)c; free(*state); *state = NULL; return 0; }
+API int fmi3SerializedFMUStateSize(void *c, void *state, size_t *size)
+{
+    (void)c; (void)state;
+    *size = sizeof(Moment);
+    return 0;
+}
+API int fmi3SerializeFMUState(void *c, void *state, unsigned char *bytes, size_t size)
+{
+    (void)c;
+    if (size < sizeof(Moment)) return 3;
+    memcpy(bytes, state, sizeof(Moment));
+    return 0;
+}
+API int fmi3DeserializeFMUState(void *c, const unsigned char *bytes, size_t size, void **state)
+{
+    (void)c;
+    if (size < sizeof(Moment)) return 3;
+    *state = malloc(sizeof(Moment));
+    if (!*state) return 3;
+    memcpy(*state, bytes, sizeof(Moment));
+    return 0;
+}
+API int fmi3EnterStepMode(void *c) { (void)c; return 0; }
+API int fmi3GetOutputDerivatives(void *c, const unsigned *r, size_t n, const int *order, double *v, size_t m)
+{
+    (void)r; (void)n; (void)order; (void)v; (void)m;
+    say(c, 3, "derivatives of the force are not given");
+    return 3;
+}
+API int fmi3DoStep(void *c, double t, double h, bool final, bool *event, bool *terminate, bool *early, double *last)
+{
+    int status = step(c, t, h);
+    (void)final;
+    *event = *terminate = *early = false;
+    *last = status ? t : t + h;
+    return status;
+}
+"""
+)
