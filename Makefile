@@ -85,13 +85,13 @@ axe:
 demo: $(READY)
 	$(BIN)/dampyr demo --out out/demo
 
-test: $(READY) compiler firmware-tools octave chromium axe
+test: $(READY) compiler firmware-tools octave blas chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not prove and not by_hand"
 
-prove: $(READY) compiler firmware-tools octave chromium axe
+prove: $(READY) compiler firmware-tools octave blas chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not by_hand"
 
-endure: $(READY) compiler firmware-tools octave chromium axe
+endure: $(READY) compiler firmware-tools octave blas chromium axe
 	$(BIN)/python -m pytest --endure -o faulthandler_timeout=0 -m "endure or by_hand"
 
 check: $(READY)

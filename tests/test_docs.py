@@ -45,6 +45,7 @@ HOW_TO = [
         "hybrid-benchmark",
         "hybrid-test",
         "export",
+        "opensees",
     )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]

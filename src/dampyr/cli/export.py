@@ -12,7 +12,7 @@ from dampyr.cli._output import as_json_option, print_json
 
 @click.command()
 @click.argument("card", type=click.Path(path_type=Path))
-@click.option("--to", "kind", required=True, metavar="KIND", help="What to write: c, fmu or matlab.")
+@click.option("--to", "kind", required=True, metavar="KIND", help="What to write: c, fmu, matlab or opensees.")
 @click.option("--out", default=".", type=click.Path(path_type=Path), help="The folder to write into.")
 @click.option("--name", default="damper", show_default=True, help="What the damper is called there.")
 @click.option(

@@ -1,0 +1,285 @@
+"""OpenSees: the exported materials, and the damper that OpenSees talks to, in chapter 5's building under El Centro."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.invariants.test_every_part import typical
+
+import dampyr as dp
+from dampyr.errors import InputError
+from dampyr.export import export, opensees_server
+from dampyr.models import Damper, Interpolation
+from dampyr.structures.simulate import law_of
+from dampyr.studies import raminelli_2020
+
+SCRIPT = Path(__file__).with_name("opensees_model.py")
+FIRST_FLOOR = 27.208  # mm, at 0 V
+
+
+@pytest.fixture(scope="module")
+def opensees() -> None:
+    """OpenSees, in processes of its own; a skip that says why it is not there."""
+    code = f"import sys; sys.path.insert(0, {str(SCRIPT.parent)!r}); import opensees_model; opensees_model.opensees()"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    if done.returncode:
+        pytest.skip(
+            f"OpenSees cannot be loaded ({done.stderr.splitlines()[-1]}); `make blas` installs Debian's libraries"
+        )
+
+
+def model(step: float, **request: Any) -> dict[str, Any]:
+    """What the model of `opensees_model` answers, in a process of its own."""
+    building, motion = dp.structures.two_storey(), dp.ground_motions.el_centro()
+    K, C = building.K, building.C
+    request |= {
+        "masses": np.diag(building.M).tolist(),
+        "pairs": [
+            [float(a), float(c)] for a, c in ((K[0].sum(), C[0].sum()), (-K[0, 1], -C[0, 1]), (K[1].sum(), C[1].sum()))
+        ],
+        "dt": motion.dt,
+        "acceleration": motion.acceleration.tolist(),
+        "step": step,
+    }
+    done = subprocess.run(
+        [sys.executable, str(SCRIPT)],
+        input=json.dumps(request),
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=240,
+    )
+    assert done.returncode == 0, done.stderr
+    answer: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    assert answer["failed"] == 0
+    print(request.get("port", "text"), step, {k: v for k, v in answer.items() if k != "failed"})
+    return answer
+
+
+@contextmanager
+def served(*options: str) -> Iterator[tuple[int, subprocess.Popen[str]]]:
+    """``dampyr serve raminelli_2020`` in a process of its own, and its port."""
+    words = [sys.executable, "-m", "dampyr", "serve", "raminelli_2020", "--opensees", "0", *options]
+    server = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        stream = server.stderr if "--json" in options else server.stdout
+        assert stream is not None
+        match = re.search(r"listening on 127\.0\.0\.1 port (\d+)", stream.readline())
+        assert match
+        yield int(match[1]), server
+    finally:
+        server.kill()
+        server.communicate()
+
+
+@pytest.mark.usefixtures("opensees")
+def test_the_text_gives_chapter_5_within_half_a_per_cent(tmp_path: Path) -> None:
+    """With steps of 5 ms, the motion's 20 ms in four."""
+    python, _ = export(raminelli_2020.damper(), "opensees", tmp_path, inputs=[0.0, 1.98])
+    answer = model(0.005, text=str(python), voltage=0.0)
+    assert 1e3 * answer["peaks"][0] == pytest.approx(FIRST_FLOOR, rel=5e-3)
+    expected = dp.structures.respond(
+        dp.structures.two_storey(), dp.ground_motions.el_centro(), {1: raminelli_2020.damper()}, voltage=1.98
+    )
+    fine = model(0.001, text=str(python), voltage=1.98)
+    np.testing.assert_allclose(fine["peaks"], expected.peak_displacement, rtol=5e-3)
+
+
+@pytest.mark.usefixtures("opensees")
+@pytest.mark.parametrize("nodes", [[1], [0, 1]], ids=["on the ground", "between two nodes"])
+def test_the_live_damper_gives_chapter_5(nodes: list[int]) -> None:
+    """Within 0.1 % with steps of 5 ms, in three iterations a step."""
+    with served("--voltage", "0") as (port, server):
+        answer = model(0.005, port=port, nodes=nodes)
+        said, _ = server.communicate(timeout=20)
+    assert 1e3 * answer["peaks"][0] == pytest.approx(FIRST_FLOOR, rel=1e-3)
+    assert answer["iterations"] < 3.0
+    assert "the client ended it: 6236 steps to 31.18 s" in said
+    assert "largest stroke 27.2" in said
+
+
+@pytest.mark.prove
+@pytest.mark.usefixtures("opensees")
+def test_smaller_steps_come_closer() -> None:
+    """1 ms: 27.2080 mm, within 0.01 %."""
+    with served("--voltage", "0") as (port, _):
+        answer = model(0.001, port=port, nodes=[1])
+    assert 1e3 * answer["peaks"][0] == pytest.approx(FIRST_FLOOR, rel=1e-4)
+
+
+@pytest.mark.prove
+@pytest.mark.usefixtures("opensees")
+@pytest.mark.parametrize("law", ["lyapunov", "clipped_optimal:lag=10ms"])
+def test_a_control_law_live_is_that_of_dampyr(law: str) -> None:
+    """Within 1 %, with the displacements and velocities of all floors; steps of 1 ms."""
+    damper = raminelli_2020.damper()
+    with served("--control", law) as (port, _):
+        answer = model(0.001, port=port, nodes=[1, 2])
+    expected = dp.structures.respond(
+        dp.structures.two_storey(), dp.ground_motions.el_centro(), {1: damper}, voltage=law_of(law, damper)
+    )
+    print(1e3 * expected.peak_displacement)
+    np.testing.assert_allclose(answer["peaks"], expected.peak_displacement, rtol=1e-2)
+
+
+def test_one_material_for_each_node_of_the_laws(tmp_path: Path) -> None:
+    laws = {"dahl.kx": Interpolation((0.0, 1.0, 3.0), (500.0, 600.0, 700.0)), "dahl.kw": 50.0, "dahl.rho": 900.0}
+    python, tcl = export(Damper("dahl", laws), "opensees", tmp_path, name="mine")
+    text = python.read_text()
+    assert [float(u) for u in re.findall(r"^    ([\d.]+): \{", text, re.MULTILINE)] == [0.0, 1.0, 3.0]
+    assert tcl.read_text().count("uniaxialMaterial BoucWen") == 3
+    assert "backward Euler" in text
+    assert "'beta': 900.0" in text
+    with pytest.raises(ValueError, match=r"voltage = 2 V has no material; choose from 0.0, 1.0, 3.0 V"):
+        exec(text + "\ndefine(None, 1, 2)", {})
+    if shutil.which("tclsh"):
+        script = "proc uniaxialMaterial {args} {puts $args}\n" + tcl.read_text()
+        shown = subprocess.run(["tclsh"], input=script, capture_output=True, text=True, check=True).stdout
+        assert shown.splitlines()[2].split() == ["Parallel", "1", "2", "3"]
+
+
+def test_bouc_wen_in_opensees_letters(tmp_path: Path) -> None:
+    """The rate of z of the exported letters is that of the normalised equation."""
+    values = {"c0": 600.0, "k0": 90.0, "kw": 120.0, "rho": 800.0, "sigma": 0.7, "n": 1.6}
+    damper = Damper("bouc_wen + spring", {**{f"bouc_wen.{k}": v for k, v in values.items()}, "spring.k0": 10.0})
+    python, _ = export(damper, "opensees", tmp_path)
+    names: dict[str, Any] = {}
+    exec(python.read_text(), names)
+    m = next(iter(names["MATERIALS"].values()))
+    assert (m["ko"], m["E"], m["eta"], m["n"]) == (120.0, 100.0, 600.0, 1.6)
+    for z in (-0.8, 0.3):
+        for v in (-0.05, 0.02):
+            theirs = (m["Ao"] - abs(z) ** m["n"] * (m["gamma"] + m["beta"] * np.sign(v * z))) * v
+            s, rho, n = values["sigma"], values["rho"], values["n"]
+            ours = rho * (v - s * abs(v) * abs(z) ** (n - 1) * z + (s - 1) * v * abs(z) ** n)
+            assert theirs == pytest.approx(ours, rel=1e-12)
+
+
+def test_a_model_without_a_material_is_refused(tmp_path: Path) -> None:
+    for name, words in (
+        ("lugre", "lugre has no material"),
+        ("dahl + compliance", "compliance has no material"),
+        ("spring", "no such part"),
+    ):
+        with pytest.raises(InputError, match=f"{words}.*dampyr serve CARD --opensees PORT"):
+            export(Damper(name, typical(name)), "opensees", tmp_path / "new")
+    with pytest.raises(InputError, match="calibrated"):
+        export(raminelli_2020.damper(), "opensees", tmp_path / "new", inputs=[9.0])
+    assert not (tmp_path / "new").exists()
+
+
+class Client:
+    """The element's end of the wire, for what OpenSees would not send."""
+
+    def __init__(self, port: int, degrees: int = 1, size: int = 256) -> None:
+        self.socket, self.size = socket.create_connection(("127.0.0.1", port), timeout=60), size
+        header = [degrees, degrees, degrees, 0, 1, 0, 0, 0, degrees, 0, size]
+        self.socket.sendall(np.array(header, dtype="<i4").tobytes())
+
+    def close(self) -> None:
+        self.socket.close()
+
+    def send(self, *numbers: float) -> None:
+        self.socket.sendall(np.pad(np.array(numbers, dtype="<f8"), (0, self.size - len(numbers))).tobytes())
+
+    def ask(self, what: int) -> np.ndarray:
+        self.send(what)
+        data = b""
+        while len(data) < 8 * self.size:
+            part = self.socket.recv(8 * self.size - len(data))
+            assert part, "the server has left"
+            data += part
+        return np.frombuffer(data, dtype="<f8")
+
+
+def test_the_wire_step_by_step() -> None:
+    """Forces of the committed path are those of `Damper.force`, whatever was tried between; the tangent is the step's."""
+    damper = raminelli_2020.damper()
+    t = 0.005 * np.arange(60)
+    x, v = 0.006 * np.sin(9.0 * t), 0.054 * np.cos(9.0 * t)
+    expected = damper.force(t, x, velocity=v, voltage=1.98)
+    _, kw, rho = damper.values(1.98)
+    initial = kw * rho
+    with served("--voltage", "1.98", "--json") as (port, server), closing(Client(port)) as client:
+        for k in range(t.size):
+            for wrong in (2.0, -1.0):
+                client.send(3, wrong * x[k] + 1e-3, -v[k], 0.0, t[k])
+            client.send(3, x[k], v[k], 0.0, t[k])
+            force, c, stiffness = (float(client.ask(what)[0]) for what in (10, 14, 13))
+            assert force + c * v[k] == pytest.approx(expected[k], rel=1e-9, abs=1e-6)
+            if k:
+                h = 1e-8
+                client.send(3, x[k] + h, v[k], 0.0, t[k])
+                moved = float(client.ask(10)[0])
+                assert (moved - force) / h == pytest.approx(stiffness, rel=2e-2, abs=5.0)
+                client.send(3, x[k], v[k], 0.0, t[k])
+            assert float(client.ask(15)[0]) == 0.0
+            assert float(client.ask(12)[0]) == pytest.approx(initial, rel=1e-3)
+            client.send(5)
+        client.send(99)
+        said = json.loads(server.communicate(timeout=20)[0])
+    assert (said["steps"], said["degrees_of_freedom"]) == (60, 1)
+    assert said["ended"] == "the client ended it"
+
+
+def test_what_is_wrong_on_the_wire_is_a_sentence() -> None:
+    def ended(server: subprocess.Popen[str]) -> str:
+        out, err = server.communicate(timeout=60)
+        return out + err
+
+    with served("--voltage", "0") as (port, server), closing(Client(port, degrees=3)):
+        assert "3 degrees of freedom; give it one" in ended(server)
+    with served("--voltage", "0") as (port, server), closing(Client(port, degrees=0)):
+        assert "is no genericClient of OpenSees" in ended(server)
+    with served("--voltage", "0") as (port, server):
+        client = Client(port)
+        client.send(3, 0.0, 0.0, 0.0, 0.0)
+        client.close()
+        assert "the client left without a word: 0 steps" in ended(server)
+    with served("--voltage", "0") as (port, server), closing(Client(port)) as client:
+        client.send(77)
+        assert "the client sent 77" in ended(server)
+    with served("--voltage", "0") as (port, server):
+        socket.create_connection(("127.0.0.1", port)).close()
+        assert "the client left before it said anything" in ended(server)
+    with served("--control", "lyapunov") as (port, server), closing(Client(port, degrees=1)):
+        assert "1 degrees of freedom and" in ended(server)
+
+
+def test_wrong_arguments_are_refused_before_anything_listens() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen(1)
+        for options, words in (
+            (["--opensees", str(taken.getsockname()[1]), "--voltage", "0"], "cannot be had"),
+            (["--opensees", "70000", "--voltage", "0"], "port = 70000 is not allowed"),
+            (["--opensees", "0", "--voltage", "9"], "calibrated"),
+            (["--opensees", "0"], "takes a voltage"),
+            (["--opensees", "0", "--voltage", "0", "--control", "lyapunov"], "give one of --control"),
+            (["--opensees", "0", "--control", "on_off"], "needs the velocity of the ground"),
+            (["--opensees", "0", "--voltage", "0", "--storey", "1"], "give --structure too"),
+            (["--opensees", "0", "--control", "lyapunov", "--storey", "5"], "5"),
+        ):
+            done = subprocess.run(
+                [sys.executable, "-m", "dampyr", "serve", "raminelli_2020", *options],
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+            assert (done.returncode, words in done.stderr) == (2, True), (options, done.stderr)
+
+
+def test_a_delay_is_refused() -> None:
+    with pytest.raises(InputError, match="the part delay is of the rig"):
+        opensees_server.check_live(Damper("dahl + delay", typical("dahl + delay")))
