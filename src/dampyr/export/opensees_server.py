@@ -3,7 +3,7 @@
 The element connects by TCP and sends 11 integers of 32 bits: the first is the number of its degrees of freedom, the last the
 size of the messages. Then every message is that many numbers of 64 bits, of which the first says what it is: 3 a trial
 (displacement, velocity, acceleration of each degree of freedom, then the time), 5 the trial is committed, 10 to 15 ask for a
-matrix or a vector (`Asked`), 99 the end. Trials and commitments have no answer.
+matrix or a vector (`Message`), 99 the end. Trials and commitments have no answer.
 
 With one degree of freedom the damper stands on the ground, with two between them; with a structure, the degrees of freedom are
 its floors' displacements relative to the ground, and the damper stands in it where ``place`` says.
@@ -41,7 +41,7 @@ NOT_WAITING = getattr(socket, "MSG_DONTWAIT", 0)
 LARGEST_MESSAGE = 1_000_000  # numbers; OpenSees' own size is 256
 
 
-class Asked(IntEnum):
+class Message(IntEnum):
     """What a message says, its first number."""
 
     TRIAL = 3
@@ -264,7 +264,7 @@ def _converse(connection: socket.socket, live: LiveDamper, summary: LiveSummary,
             return
         numbers = np.frombuffer(data, dtype="<f8")
         what = int(numbers[0])
-        if what == Asked.TRIAL:
+        if what == Message.TRIAL:
             begun = clock()
             live.try_state(
                 numbers[1 : 1 + n].copy(), numbers[1 + n : 1 + 2 * n].copy(), numbers[1 + 2 * n : 1 + 3 * n],
@@ -272,26 +272,26 @@ def _converse(connection: socket.socket, live: LiveDamper, summary: LiveSummary,
             )  # fmt: skip
             summary.computing += clock() - begun
             summary.trials += 1
-        elif what == Asked.COMMIT:
+        elif what == Message.COMMIT:
             live.commit()
             summary.steps += 1
             summary.force = max(summary.force, abs(float(live.out[0])))
             summary.stroke = max(summary.stroke, abs(float(live.at[1])))
             summary.speed = max(summary.speed, abs(float(live.at[2])))
-        elif what == Asked.END:
+        elif what == Message.END:
             return
         else:
             reply[: max(n * n, n)] = 0.0
-            if what == Asked.FORCE:
+            if what == Message.FORCE:
                 # OpenSees adds the damping matrix times the velocities to this, so that the sum is the force.
                 reply[:n] = live.row * (live.out[0] - live.out[2] * live.now[2])
-            elif what == Asked.TANGENT:
+            elif what == Message.TANGENT:
                 reply[: n * n] = (live.out[1] * outer).ravel()
-            elif what == Asked.INITIAL_STIFFNESS:
+            elif what == Message.INITIAL_STIFFNESS:
                 reply[: n * n] = (initial * outer).ravel()
-            elif what == Asked.DAMPING:
+            elif what == Message.DAMPING:
                 reply[: n * n] = (live.out[2] * outer).ravel()
-            elif what != Asked.MASS:
+            elif what != Message.MASS:
                 raise InputError(f"the client sent {numbers[0]:g}, which no genericClient of OpenSees sends")
             connection.sendall(reply.tobytes())
 
