@@ -61,8 +61,11 @@ def test_an_identified_damper_is_exported_as_every_kind(client, data, finished):
         assert answer.headers["content-disposition"] == f'attachment; filename="damper-{kind}.zip"'
         assert zipfile.ZipFile(io.BytesIO(answer.content)).namelist()
     assert sorted(zipfile.ZipFile(io.BytesIO(client.get(place, params={"to": "c"}).content)).namelist()) == [
+        "Makefile",
         "damper.c",
         "damper.h",
+        "damper_test.c",
+        "damper_vectors.h",
     ]
     refused = client.get(place, params={"to": "fortran"})
     assert refused.status_code == 400
