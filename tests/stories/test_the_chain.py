@@ -35,7 +35,7 @@ def test_from_measured_records_to_the_building(campaign_folder: Path, tmp_path: 
     assert peaks[0] > peaks[1] > peaks[2] > 0
 
     written = run_json("export", card, "--to", "c", "--out", tmp_path / "c")["written"]
-    assert [Path(p).name for p in written] == ["damper.h", "damper.c"]
+    assert [Path(p).name for p in written] == ["damper.h", "damper.c", "damper_vectors.h", "damper_test.c", "Makefile"]
 
 
 def test_the_demonstration_needs_nothing_but_the_installation_and_is_the_same_twice(tmp_path: Path) -> None:
