@@ -34,7 +34,7 @@ def test_the_table_says_where_there_is_no_interval(folder: Path) -> None:
     done = run(folder, "--model", "dahl")
     assert done.exit_code == 0, done.output
     rows = [line.split("  ") for line in done.stdout.splitlines() if line.strip().startswith("dahl.kw")]
-    values, errors = [[cell.strip() for cell in row if cell.strip()] for row in rows]
+    values, _, errors = [[cell.strip() for cell in row if cell.strip()] for row in rows]
     assert re.fullmatch(r"[\d.]+ ± [\d.]+", values[2])
     assert re.fullmatch(r"[\d.]+ \(no interval\)", values[3])
     assert re.fullmatch(r"[\d.e-]+ \([\d.e-]+\)", errors[2])
@@ -91,13 +91,15 @@ def test_a_bandwidth_that_a_record_does_not_carry_is_one_sentence(different_spee
 
 def test_the_goodness_of_fit_is_listed_by_rising_input(capsys: pytest.CaptureFixture[str]) -> None:
     from dampyr.cli.identify import _print_groups
+    from dampyr.identification import Score, Window
     from dampyr.records import Record
 
     t = np.linspace(0.0, 1.0, 50)
     inputs = (10.0, 1.0, None, 0.25, 1.0)
     records = [Record(t, t, t, current=u, name=f"{k}") for k, u in enumerate(inputs)]
-    _print_groups("by input", records, {r.name: 0.1 for r in records})
-    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.split()[-1:] == ["10"]]
+    score = Score(0.1, 0.1, 0.99, 0.1, 0.0, 0.0, 0.0, Window(0, 49, 0.0, 1.0), 1.1, 0.05)
+    _print_groups("by input", records, {r.name: score for r in records})
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.split()[-2:] == ["10", "5"]]
     assert [row[0] for row in rows] == ["0.25", "1", "10", "–"]
     assert [row[1] for row in rows] == ["1", "2", "1", "1"]
 

@@ -111,7 +111,7 @@ def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> N
 
 def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path: Path) -> None:
     fit_result = fit("dahl", [*records((0.0,), 3), *records((2.0,), 2)], laws={"dahl.rho": "constant"})
-    values, errors = parameter_tables(fit_result)
+    values, _, errors = parameter_tables(fit_result)
     assert values.columns == ("parameter", "unit", "all inputs", "0 V", "2 V")
     by_name = {row[0]: row for row in values.rows}
     assert "±" in by_name["dahl.kx"][3]
@@ -128,7 +128,7 @@ def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path
 
 def test_intervals_are_those_of_the_fit_in_the_units_of_people() -> None:
     fit_result = fit("dahl", records(each=3))
-    values, errors = parameter_tables(fit_result)
+    values, _, errors = parameter_tables(fit_result)
     row = next(row for row in values.rows if row[0] == "dahl.kx")
     label = "dahl.kx @ 1 V"
     low, high = fit_result.intervals()[label]
@@ -184,8 +184,8 @@ def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(jo
     section = prediction_section(joint, [Validation("record", folds)])
     table, parts = section.blocks[-2:]
     assert [list(row) for row in table.rows] == [
-        [names[0], 1, 25.0, 100 * one.l1, 100 * one.nrmse, "nothing"],
-        [names[1], 1, 35.0, 100 * joint.scores[names[1]].l1, 100 * one.nrmse, "too fast"],
+        [names[0], 1, 25.0, 100 * one.relevelled_l1, 100 * one.l1, 100 * one.nrmse, "nothing"],
+        [names[1], 1, 35.0, 100 * one.relevelled_l1, 100 * joint.scores[names[1]].l1, 100 * one.nrmse, "too fast"],
     ]
     assert [list(row) for row in parts.rows] == [
         [1, len(names) - 2, f"{names[0]}, {names[1]}"],

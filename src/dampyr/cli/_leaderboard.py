@@ -25,7 +25,8 @@ def print_leaderboard(board: Leaderboard) -> None:
     from dampyr.identification.leaderboard import choice_in_words
 
     rows = [
-        [k, e.model, *(100 * v for v in (e.error, e.standard_error, e.l1, e.unseen_input, e.nrmse, e.pointwise, e.energy)),
+        [k, e.model, *(100 * v for v in (e.error, e.standard_error, e.l1, e.relevelled, e.unseen_input, e.nrmse, e.pointwise,
+         e.energy)),
          e.parameters, e.seconds, "yes" if e.converged else "no", "no" if e.not_for_buildings else "yes"]
         for k, e in enumerate(board.entries, start=1)
     ]  # fmt: skip
@@ -35,6 +36,7 @@ def print_leaderboard(board: Leaderboard) -> None:
         "error",
         "±",
         "L1",
+        "relevelled",
         "unseen input",
         "NRMSE",
         "pointwise",
@@ -47,11 +49,12 @@ def print_leaderboard(board: Leaderboard) -> None:
     notes = [
         *choice_in_words(board),
         "error: 3/4 of L1 over records left out (five parts), 1/4 of L1 over inputs left out; every score is of a prediction",
+        "relevelled: L1 over records left out, with the level that each one's first cycles have",
         "±: one standard error; building: whether the model may stand in for a damper of a building",
         f"velocity {board.velocity}; {board.seconds:.0f} s in all",
         *board.left_out,
     ]
-    units = ["", "", "%", "%", "%", "%", "%", "%", "%", "", "s", "", ""]
+    units = ["", "", "%", "%", "%", "%", "%", "%", "%", "%", "", "s", "", ""]
     print_table("Which model predicts best", names, rows, units, digits=3, notes=notes)
     print()
     print_screened(board)

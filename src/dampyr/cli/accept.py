@@ -45,6 +45,13 @@ QUANTITIES = ("extension", "compression", "energy")
 @click.option("--slack", "slacks", multiple=True, metavar="Q", help="And this much more: 20N of force, 0.5J of energy.")
 @click.option("--judge", multiple=True, type=click.Choice(QUANTITIES), help="Only this; may be repeated.")
 @click.option("--offset", metavar="F", help="Taken from every measured force; without it, its mean over whole cycles.")
+@click.option(
+    "--relevel",
+    type=click.IntRange(0),
+    default=0,
+    metavar="N",
+    help="Judge again with the level of the first N cycles taken out.",
+)
 @role_option("Of a folder in PATHS.")
 @report_options()
 @reading_options
@@ -57,6 +64,7 @@ def command(
     slacks: tuple[str, ...],
     judge: tuple[Any, ...],
     offset: str | None,
+    relevel: int,
     role: str | None,
     report: Path | None,
     reading: Reading,
@@ -68,14 +76,15 @@ def command(
     REFERENCE is a card, the name of a published damper, or records of a reference damper (a file, or a folder of them). Every
     whole cycle of every record in PATHS is judged: the force at peak velocity in extension and in compression, and the energy.
     Exits with 0 when every record passed, with 1 when a point lies outside, with 3 when none does but a record could not be
-    judged.
+    judged. --relevel judges again with one factor on the force, that of each record's first cycles, taken out: it tells
+    a session that came out weaker from a damper of another shape. The exit code is that of the records as they are.
     """
     from dampyr import units
     from dampyr.identification import AcceptOptions, accept_records
     from dampyr.identification.accept_records import inputs_of
 
     zero = None if offset is None else units.parse(offset, "N")
-    options = AcceptOptions(_tolerance(tolerance, slacks), judge or QUANTITIES, zero, allow_extrapolation)
+    options = AcceptOptions(_tolerance(tolerance, slacks), judge or QUANTITIES, zero, allow_extrapolation, relevel)
     against = _reference(reference, reading)
     records = gather(paths, role, reading, reference_inputs=inputs_of(against))
     result = accept_records(records, against, options, reference)
@@ -133,6 +142,13 @@ def _print(result: Accepted) -> None:
     title = f"{len(results)} {'record' if len(results) == 1 else 'records'}: {in_short(results)}"
     notes = [f"by {result.reference}, {results[0].tolerance}"]
     print_table(title, COLUMNS, [_row(one) for one in results], UNITS, notes=[*notes, *_reasons(results)])
+    if result.relevelled:
+        again = result.relevelled
+        title = f"Relevelled by the first cycles: {in_short(again)}"
+        rows = [[one.record, one.input_value, one.level, *_row(one)[2:]] for one in again]
+        units = [*UNITS[:2], "", *UNITS[2:]]
+        notes = ["level: measured over expected in the first cycles, which is taken out of the later ones"]
+        print_table(title, [*COLUMNS[:2], "level", *COLUMNS[2:]], rows, units, notes=[*notes, *_reasons(again)])
 
 
 def _row(one: Acceptance) -> list[Any]:

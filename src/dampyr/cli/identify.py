@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from dampyr.cli._leaderboard import cores, print_leaderboard
+from dampyr.cli._motion import ratio
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
@@ -19,7 +20,7 @@ from dampyr.errors import InputError
 BUDGET = 240.0  # s: that of dampyr.identification.leaderboard, which is imported only when it runs
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, Identified, Validation
+    from dampyr.identification import Fit, Identified, Score, Validation
     from dampyr.records import Record
 
 
@@ -71,6 +72,13 @@ if TYPE_CHECKING:
 @click.option(
     "--nested", is_flag=True, help="Without --model: repeat the search without a fifth of the records, 5 times."
 )
+@click.option(
+    "--session-prior",
+    default="8%",
+    show_default=True,
+    metavar="SHARE",
+    help="How much the force differs from one measurement session to another, where the records do not tell.",
+)
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
@@ -92,6 +100,7 @@ def command(
     starts: int,
     budget: float,
     nested: bool,
+    session_prior: str,
     each: bool,
     save: Path | None,
     report: Path | None,
@@ -130,6 +139,7 @@ def command(
         settling=settling,
         budget=budget,
         nested=nested,
+        session_prior=ratio(session_prior, "session-prior"),
     )
     records = gather(paths, "fit", reading)
     with stages() as progress:
@@ -177,12 +187,17 @@ def _print(result: Identified, records: list[Record]) -> None:
         _print_prediction(check, records)
     if result.predicted:
         rows = [
-            [name, None, one] if isinstance(one, str) else [name, 100 * one.l1, ""]
+            [name, None, None, one] if isinstance(one, str) else [name, 100 * one.l1, 100 * one.relevelled_l1, ""]
             for name, one in result.predicted.items()
         ]
         notes = [f"{note}." for note in result.beyond.values()]
         print_table(
-            "Prediction of the validation records", ["record", "L1", ""], rows, ["", "%", ""], digits=3, notes=notes
+            "Prediction of the validation records",
+            ["record", "L1", "relevelled", ""],
+            rows,
+            ["", "%", "%", ""],
+            digits=3,
+            notes=notes,
         )
 
 
@@ -190,11 +205,17 @@ def _print_fit(fit: Fit) -> None:
     notes = [f"The search {fit.reason}.", *(f"{note}." for note in fit.notes)]
     values = "value ± half of the 95 % interval"
     print_table(f"{fit.problem.composition}, {len(fit.records)} records: {values}", *fit.by_input(), notes=notes)
+    if fit.levels is not None:
+        print_table(
+            "The same between measurement sessions: value ± half of the 95 % interval",
+            *fit.by_input(between="sessions"),
+            notes=[fit.levels.words],
+        )
     print_table(
         "Standard errors (naive ones in parentheses, as if samples were independent)", *fit.by_input(errors=True)
     )
     title = "Goodness of fit (not a prediction)"
-    _print_groups(title, list(fit.records), {name: s.l1 for name, s in fit.scores.items()})
+    _print_groups(title, list(fit.records), fit.scores)
 
 
 def _print_prediction(check: Validation, records: list[Record]) -> None:
@@ -207,18 +228,25 @@ def _print_prediction(check: Validation, records: list[Record]) -> None:
     ]
     notes += [f"a fit on {len(f.fitted_on)} records {f.reason}" for f in check.folds if f.scores and not f.converged]
     notes += [f"{name} is not scored: {why}" for name, why in check.not_scored.items()]
-    _print_groups(title, records, {name: s.l1 for name, s in check.scores.items()}, notes)
+    _print_groups(title, records, check.scores, notes)
 
 
-def _print_groups(title: str, records: list[Record], l1: dict[str, float], notes: Sequence[str] = ()) -> None:
-    """Mean and worst L1 over the records of each input that have a score."""
-    groups: dict[float | None, list[float]] = {}
+def _print_groups(title: str, records: list[Record], scores: Mapping[str, Score], notes: Sequence[str] = ()) -> None:
+    """Mean and worst L1 over the records of each input that have a score, and the mean with each one's own level."""
+    groups: dict[float | None, list[Score]] = {}
     for record in records:
-        if record.name in l1:
-            groups.setdefault(record.input_value, []).append(l1[record.name])
+        if record.name in scores:
+            groups.setdefault(record.input_value, []).append(scores[record.name])
     order = sorted(groups, key=lambda u: math.inf if u is None else u)
-    rows = [[u, len(groups[u]), 100 * sum(groups[u]) / len(groups[u]), 100 * max(groups[u])] for u in order]
-    names, units = ["input", "records", "mean L1", "worst L1"], [records[0].input or "", "", "%", "%"]
+    rows = []
+    for u in order:
+        l1 = [100 * one.l1 for one in groups[u]]
+        relevelled = [100 * one.relevelled_l1 for one in groups[u] if math.isfinite(one.relevelled_l1)]
+        mean = sum(relevelled) / len(relevelled) if relevelled else None
+        rows.append([u, len(l1), sum(l1) / len(l1), max(l1), mean])
+    names = ["input", "records", "mean L1", "worst L1", "relevelled"]
+    units = [records[0].input or "", "", "%", "%", "%"]
+    notes = [*notes, "relevelled: mean L1 with the level (a factor on the force) that each record's first cycles have"]
     print_table(title, names, rows, units, digits=3, notes=notes)
 
 

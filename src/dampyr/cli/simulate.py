@@ -23,7 +23,8 @@ from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.structures import Response
+    from dampyr.models import Damper
+    from dampyr.structures import Response, Simulated
 
 
 @click.command()
@@ -36,6 +37,14 @@ if TYPE_CHECKING:
 @click.option("--storey", type=int, help="Where the damper stands; i joins floors i-1 and i.  [default: 1]")
 @click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead; 0 is the ground.")
 @click.option("--brace", type=float, metavar="N/M", help="Stiffness of a brace in series with the damper.")
+@click.option(
+    "--draws",
+    type=int,
+    default=0,
+    metavar="N",
+    help="90 % intervals of the peaks, from N dampers of the card's covariance.",
+)
+@click.option("--seed", default=1, show_default=True, help="Of the drawn dampers.")
 @click.option("--motion", type=click.Path(path_type=Path), help="A ground motion file; without it El Centro 1940.")
 @motion_options
 @after_option
@@ -56,6 +65,8 @@ def command(
     storey: int | None,
     between: tuple[str, str] | None,
     brace: float | None,
+    draws: int,
+    seed: int,
     motion: Path | None,
     ground: Ground,
     after: float,
@@ -87,6 +98,8 @@ def command(
         allow_extrapolation=allow_extrapolation,
         after=after,
         bare=without_damper,
+        draws=draws,
+        seed=seed,
     )
     result = structures.simulate(building, ground.motion(motion), damper, options)
     if report:
@@ -97,10 +110,23 @@ def command(
         print_json(result.as_dict())
     else:
         _print(f"{result.title}: peaks", result.cases, result.end, result.note)
+        if result.intervals:
+            _print_intervals(result, damper)
 
 
 WIDE = 8  # floors that a table has columns for
-OF_A_DAMPER = ("card", "voltages", "currents", "controls", "storey", "between", "brace", "temperature", "without")
+OF_A_DAMPER = (
+    "card",
+    "voltages",
+    "currents",
+    "controls",
+    "storey",
+    "between",
+    "brace",
+    "temperature",
+    "without",
+    "draws",
+)
 
 
 def _refuse_damper(context: click.Context) -> None:
@@ -136,3 +162,33 @@ def _floors(response: Response, many: bool) -> list[float]:
     """The floors' peak displacements [mm]; the largest alone where they are many."""
     peaks = 1e3 * response.peak_displacement
     return [float(peaks.max())] if many else peaks.tolist()
+
+
+def _print_intervals(result: Simulated, damper: Damper | None) -> None:
+    """The 90 % intervals of the peaks of each case with a damper."""
+    names = list(result.cases["no damper"].floors)
+    rows = []
+    for name, each in result.intervals.items():
+        floors = each["peak_displacement_m"]
+        spans = [floors.max(axis=1)] if len(names) > WIDE else list(floors.T)
+        more = [
+            each["peak_drift_m"].max(axis=1),
+            each["peak_acceleration_m_s2"].max(axis=1),
+            each["peak_force_N"].max(axis=1),
+        ]
+        shown = [1e3 * span for span in (*spans, more[0])] + more[1:]
+        rows.append([name, *(f"{low:.4g} to {high:.4g}" for low, high in shown)])
+    heads = [f"largest of {len(names)} floors"] if len(names) > WIDE else [f"floor {name}" for name in names]
+    error = None if damper is None else damper.prediction_error
+    known = "" if error is None else f", with levels of records and sessions: {error.session_source}"
+    print_table(
+        f"90 % intervals of the peaks, {result.draws} drawn dampers",
+        ["case", *heads, "drift", "acceleration", "damper force"],
+        rows,
+        ["", *("mm" for _ in heads), "mm", "m/s²", "N"],
+        notes=[
+            f"from the covariance of the card{known}"
+            if known
+            else "from the covariance of the card, without levels of sessions"
+        ],
+    )

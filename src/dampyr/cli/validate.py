@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._motion import ratio
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._records import Reading, gather, reading_options, role_option
 from dampyr.cli._report import report_options
@@ -24,6 +25,13 @@ NAMES = ["record", "input", "fitted on", "L1", "NRMSE", "R²", "pointwise", "pea
 @role_option()
 @click.option("--settling", default=2.0, show_default=True, help="s after the motion starts that are not scored.")
 @click.option(
+    "--band",
+    default="90%",
+    show_default=True,
+    metavar="SHARE",
+    help="How much of each record its predictive band is to hold; none for no bands.",
+)
+@click.option(
     "--forces", type=click.Path(path_type=Path), metavar="DIR", help="Write measured and predicted forces as CSV."
 )
 @report_options()
@@ -35,6 +43,7 @@ def command(
     paths: tuple[Path, ...],
     role: str | None,
     settling: float,
+    band: str,
     forces: Path | None,
     report: Path | None,
     reading: Reading,
@@ -51,7 +60,7 @@ def command(
     from dampyr.identification import ValidateOptions, validate
     from dampyr.studies import load_damper
 
-    options = ValidateOptions(settling, allow_extrapolation)
+    options = ValidateOptions(settling, allow_extrapolation, None if band == "none" else ratio(band, "band"))
     damper = load_damper(card)
     records = gather(paths, role, reading, reference_inputs=damper.range)
     result = validate(damper, records, options, card=str(card))
@@ -89,7 +98,38 @@ def _print(result: Validated) -> None:
     unit = result.damper.input
     title = f"{result.card}: {result.damper.composition}"
     print_table(title, NAMES, rows, ["", unit, "", "%", "%", "", "%", "%", "%", "s"], digits=3, notes=notes)
+    click.echo()
+    _print_bands(result)
     groups = [[g["input"], g["records"], 100 * g["mean_l1"], 100 * g["worst_l1"]] for g in result.by_input]
     if len(groups) > 1:
         click.echo()
         print_table("By input", ["input", "records", "mean L1", "worst L1"], groups, [unit, "", "%", "%"], digits=3)
+
+
+def _print_bands(result: Validated) -> None:
+    """The level of each record, its L1 with that, and how much its band holds of the force, the peak and the energy."""
+    rows = []
+    for r in result.records:
+        s, band = result.scores[r.name], result.bands.get(r.name)
+        row: list[Any] = [r.name, s.level, 100 * s.l1, 100 * s.relevelled_l1]
+        if band is not None:
+            peak, energy = band.peak, band.energy
+            row += [100 * band.holds, 100 * band.width, peak.measured, f"{peak.low:.4g} to {peak.high:.4g}"]
+            row += [None, None] if energy is None else [energy.measured, f"{energy.low:.3g} to {energy.high:.3g}"]
+        rows.append(row)
+    names, units = ["record", "level", "L1", "relevelled"], ["", "", "%", "%"]
+    notes = [
+        "level: the factor that the first cycles put on the predicted force; relevelled: the L1 of the rest with it"
+    ]
+    if result.bands:
+        share = f"{100 * next(iter(result.bands.values())).level:g} % band"
+        names += [f"{share} holds", "width ±", "peak", "expected", "energy", "expected"]
+        units += ["%", "%", "N", "N", "J", "J"]
+        sessions = sorted({one.session for one in result.bands.values() if one.session is not None})
+        known = f"; those of {', '.join(sessions)} have the level of that session" if sessions else ""
+        notes.append(f"records count as of a new measurement session{known}; width: of the mean force")
+        if result.damper.prediction_error is not None:
+            notes.append(result.damper.prediction_error.session_source)
+    elif result.no_band:
+        notes.append(result.no_band)
+    print_table("Level of each record, and predictive bands", names, rows, units, digits=3, notes=notes)

@@ -13,8 +13,10 @@ from dampyr.identification.diagnostics import Trend, findings, trends, warnings_
 from dampyr.identification.fit import Fit, Nuisance, fit
 from dampyr.identification.identify import Identified, IdentifyOptions, identify
 from dampyr.identification.leaderboard import Entry, Leaderboard, leaderboard
+from dampyr.identification.levels import Levels
 from dampyr.identification.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.plastic_region import PlasticRegion, plastic_region
+from dampyr.identification.prediction_band import Band, Interval, prediction_band
 from dampyr.identification.residuals import Residuals, Trace, analyse
 from dampyr.identification.result import residuals
 from dampyr.identification.score import Score, Window, compare, prediction, score
@@ -25,6 +27,7 @@ from dampyr.identification.validation import Fold, Validation, cross_validate
 __all__ = [
     "AcceptOptions", "Acceptance", "Accepted", "IdentifyOptions", "Identified", "ValidateOptions", "Validated",
     "accept_records", "identify", "validate",
+    "Band", "Interval", "Levels", "prediction_band",
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
     "accept", "analyse", "compare", "contradictions", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle",

@@ -16,6 +16,7 @@ from dampyr.identification.acceptance import (
     Verdict,
     accept,
     in_short,
+    relevelled,
     used_of_band,
 )
 from dampyr.models import Damper
@@ -29,14 +30,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class AcceptOptions:
-    """Options of `accept_records`; see `dampyr.identification.accept`."""
+    """Options of `accept_records`; see `dampyr.identification.accept`. With ``relevel`` each record is judged a second
+    time, its forces over the level of that many first cycles (`dampyr.identification.acceptance.relevelled`)."""
 
     tolerance: Tolerance = field(default_factory=Tolerance)
     quantities: tuple[Quantity, ...] = QUANTITIES
     offset: float | None = None
     allow_extrapolation: bool = False
+    relevel: int = 0
 
     def __post_init__(self) -> None:
+        if self.relevel < 0:
+            raise InputError(f"relevel = {self.relevel} is not allowed; give the number of cycles, or 0")
         unknown = [each for each in self.quantities if each not in QUANTITIES]
         if unknown or not self.quantities:
             what = f"{unknown[0]!r} is not among the quantities" if unknown else "no quantity is given"
@@ -54,6 +59,7 @@ class Accepted(Representation):
     results: tuple[Acceptance, ...]
     records: tuple[Record, ...] = ()
     reference_records: tuple[Record, ...] = ()
+    relevelled: tuple[Acceptance, ...] = ()
 
     @property
     def plot(self) -> AcceptancePlots:
@@ -102,7 +108,8 @@ class Accepted(Representation):
     def as_dict(self) -> dict[str, Any]:
         """All results for JSON, SI units."""
         records = [one.as_dict() for one in self.results]
-        return dict(plain({"reference": self.reference, "verdict": self.verdict, "records": records}))
+        more = {"relevelled": [one.as_dict() for one in self.relevelled]} if self.relevelled else {}
+        return dict(plain({"reference": self.reference, "verdict": self.verdict, "records": records} | more))
 
 
 def accept_records(
@@ -128,7 +135,8 @@ def accept_records(
         results.append(
             accept(record, against, options.tolerance, options.quantities, options.offset, options.allow_extrapolation)
         )
-    return Accepted(name, tuple(results), tuple(records), () if isinstance(against, Damper) else tuple(against))
+    again = tuple(relevelled(one, options.relevel) for one in results) if options.relevel else ()
+    return Accepted(name, tuple(results), tuple(records), () if isinstance(against, Damper) else tuple(against), again)
 
 
 def inputs_of(reference: Damper | Sequence[Record]) -> Sequence[float]:

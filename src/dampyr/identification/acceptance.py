@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -130,7 +130,8 @@ class AcceptancePlots:
 class Acceptance(Representation):
     """The judgement of one record. ``reason`` says why it is not judged as a whole, "" where it is.
 
-    ``offset`` is what was taken from the measured forces, N; None: the mean over whole cycles of each record.
+    ``offset`` is what was taken from the measured forces, N; None: the mean over whole cycles of each record. ``level`` is the
+    factor that the measured forces were divided by, 1 unless `relevelled` took one from the first cycles.
     """
 
     record: str
@@ -141,6 +142,7 @@ class Acceptance(Representation):
     offset: float | None
     points: tuple[Point, ...]
     reason: str = ""
+    level: float = 1.0
 
     @property
     def plot(self) -> AcceptancePlots:
@@ -274,6 +276,27 @@ def accept(
     points = tuple(_point(k, q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
     reason = _reason(points, requested) if points else "no whole cycle"
     return Acceptance(record.name, record.input, record.input_value, band, requested, offset, points, reason)
+
+
+def relevelled(one: Acceptance, cycles: int) -> Acceptance:
+    """The judgement of the later cycles with the level of the first ``cycles`` taken out: the shape alone is judged.
+
+    The level is the mean of measured over expected, of all judged points of these cycles. One that cannot be told
+    (nothing of the first cycles was judged, or no later cycle is there) is a reason, and nothing is judged.
+    """
+    first = [p for p in one.judged if p.cycle <= cycles and p.expected]
+    later = tuple(p for p in one.points if p.cycle > cycles)
+    ratios = [p.measured / p.expected for p in first if p.expected]
+    level = float(np.mean(ratios)) if ratios else math.nan
+    if not (level > 0.0 and later):
+        reason = "no later cycle" if level > 0.0 else f"no level: nothing of the first {cycles} cycles was judged"
+        return replace(one, points=(), reason=one.reason or reason)
+    points = tuple(
+        p if p.low is None or p.high is None
+        else replace(p, measured=p.measured / level, inside=p.low <= p.measured / level <= p.high)
+        for p in later
+    )  # fmt: skip
+    return replace(one, points=points, reason=_reason(points, one.quantities), level=level)
 
 
 def in_short(acceptances: Sequence[Acceptance]) -> str:

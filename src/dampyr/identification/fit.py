@@ -11,6 +11,7 @@ from typing import Any
 from dampyr.errors import InputError
 from dampyr.identification.fit_data import piece, weighted
 from dampyr.identification.initial_guess import begin, best_of
+from dampyr.identification.levels import PRIOR_SESSION, check_prior
 from dampyr.identification.parametrisation import columns, held_twins
 from dampyr.identification.problem import Problem, checked_nuisances
 from dampyr.identification.result import Fit, Nuisance, build_fit
@@ -39,6 +40,7 @@ def fit(
     weighting: str = "records",
     settling: float = SETTLING,
     seconds: float | None = None,
+    session_prior: float = PRIOR_SESSION,
 ) -> Fit:
     """Identify a damper from records by least squares over their whole motion.
 
@@ -87,6 +89,10 @@ def fit(
     seconds
         after which the search takes no further step: ``converged`` is then False, and the numbers are those that it reached,
         which depend on the speed of the machine. None: as long as it takes.
+    session_prior
+        the standard deviation of the logarithm of the level from one measurement session to another, 0.08 being 8 %:
+        assumed for predictions where no input was measured in two sessions, else the prior of what is estimated
+        (`dampyr.identification.levels`). It changes no fitted number and no interval.
 
     Returns
     -------
@@ -104,6 +110,7 @@ def fit(
     if starts < 1:
         raise InputError(f"starts = {starts} is not allowed; give 1 or more")
     check_settling(settling)
+    check_prior(session_prior)
     if seconds is not None and not seconds > 0:
         raise InputError(f"seconds = {seconds:g} is not allowed; give a time above 0, or None")
     deadline = math.inf if seconds is None else time.perf_counter() + seconds
@@ -116,7 +123,9 @@ def fit(
         if loss != "squares":
             problem, outcome = iteratively_reweighted(problem, outcome, loss, progress, deadline)
         search_notes = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
-        return build_fit(problem, outcome, tuple(listed), bandwidth, search_notes, (starts, agreed), settling)
+        return build_fit(
+            problem, outcome, tuple(listed), bandwidth, search_notes, (starts, agreed), settling, session_prior
+        )
 
 
 def prepared(

@@ -17,6 +17,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.fit_data import WEIGHTINGS
 from dampyr.identification.leaderboard import BUDGET, Leaderboard, leaderboard
+from dampyr.identification.levels import PRIOR_SESSION, check_prior
 from dampyr.identification.motion_coverage import beyond_the_fitted
 from dampyr.identification.robust import LOSSES, check_loss
 from dampyr.identification.score import SETTLING, Score, check_settling, scorable, score
@@ -78,10 +79,12 @@ class IdentifyOptions:
     settling: float = SETTLING
     budget: float | None = BUDGET
     nested: bool = False
+    session_prior: float = PRIOR_SESSION
 
     def __post_init__(self) -> None:
         check_loss(self.loss)
         check_settling(self.settling)
+        check_prior(self.session_prior)
         if self.weighting not in WEIGHTINGS:
             raise InputError(f"{self.weighting!r} is an unknown weighting; choose {' or '.join(WEIGHTINGS)}")
         for split in self.predict:
@@ -106,7 +109,9 @@ class IdentifyOptions:
     @property
     def of_fit(self) -> dict[str, Any]:
         """The options of every `fit`."""
-        shared = ("laws", "fixed", "bandwidth", "loss", "nuisances", "tied", "starts", "weighting", "settling")
+        shared = (
+            "laws", "fixed", "bandwidth", "loss", "nuisances", "tied", "starts", "weighting", "settling", "session_prior",
+        )  # fmt: skip
         return {name: getattr(self, name) for name in shared}
 
 

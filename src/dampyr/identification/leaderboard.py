@@ -70,7 +70,7 @@ LEAST_TIME = 5.0  # s that a fit to all records has however late it is
 
 #: what `Leaderboard.as_dict` says of an entry
 ENTRY_KEYS = (
-    "model", "error", "standard_error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "parameters",
+    "model", "error", "standard_error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "relevelled", "parameters",
     "seconds", "converged", "reason", "not_for_buildings",
 )  # fmt: skip
 
@@ -98,6 +98,11 @@ class Entry(Representation):
     validations: tuple[Validation, ...] = field(repr=False)
     fit: Fit | None = field(repr=False)
     not_for_buildings: str = ""
+
+    @property
+    def relevelled(self) -> float:
+        """The mean L1 ratio of records that were left out, with the level of each one's first cycles."""
+        return next((one.relevelled for one in self.validations if one.split == "record"), float("nan"))
 
     def _summary(self) -> Summary:
         return f"Entry {self.model!r}", [
@@ -522,6 +527,9 @@ def choice_in_words(board: Leaderboard) -> list[str]:
             f"choosing the lowest by four parts and scoring it on the fifth gives an L1 {percent(board.optimism)} higher than "
             "the lowest: what the choice among the finalists flatters"
         )
+    levels = winner.fit.levels if winner.fit is not None else None
+    if levels is not None and not levels.repeated:
+        words.append(f"{levels.words}: no error here knows how another session would differ; {levels.settles}")
     if np.isfinite(board.nested):
         words.append(
             f"the whole search, repeated without a fifth of the records each time, predicts it to {percent(board.nested)}"

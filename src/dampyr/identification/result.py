@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from dampyr.identification.data_sheet import SHEETS, contradictions
 from dampyr.identification.diagnostics import no_interval, notes, trouble_of
 from dampyr.identification.fit_data import Piece
 from dampyr.identification.law_panels import law_panels
+from dampyr.identification.levels import PRIOR_SESSION, Levels, levels_and_error
 from dampyr.identification.normal_equations import modelled_force
 from dampyr.identification.problem import Problem
 from dampyr.identification.residuals import Residuals, Trace, analyse, motion
@@ -117,7 +118,8 @@ class Fit(Representation):
     determine it. ``within_records`` holds the labels that only one or two records determine, and how many: their errors are by
     cycle, hold within these records only and give no interval.
     ``starts`` is the number of starts, and how many of them ended in the same optimum;
-    ``settling`` what ``scores`` leave out, s.
+    ``settling`` what ``scores`` leave out, s. ``levels`` says how records and measurement sessions differ
+    (`dampyr.identification.levels`), None where the numbers make no damper.
     """
 
     damper: Damper | None
@@ -139,6 +141,7 @@ class Fit(Representation):
     records: tuple[Record, ...] = field(repr=False)
     starts: tuple[int, int] = (1, 1)
     settling: float = SETTLING
+    levels: Levels | None = None
 
     @property
     def plot(self) -> FitPlots:
@@ -194,18 +197,18 @@ class Fit(Representation):
     def _table(self) -> Table:
         return self.by_input()
 
-    def by_input(self, errors: bool = False) -> Table:
+    def by_input(self, errors: bool = False, between: str = "records") -> Table:
         """One row a parameter, one column an input, in units that people read.
 
-        A cell is the value ± half of its 95 % interval, or says why there is none; with ``errors`` the standard error, and
-        in parentheses the naive one, which takes the samples for independent.
+        A cell is the value ± half of its 95 % interval (see `intervals` for ``between``), or says why there is none; with
+        ``errors`` the standard error, and in parentheses the naive one, which takes the samples for independent.
         """
         unit = self.problem.pieces[0].unit
         free = [c for c in self.problem.columns if c.size]
         knots = sorted({u for c in free if len(c.knots) > 1 for u in c.knots})
         everywhere = not knots or any(len(c.knots) == 1 for c in free)
         heads = ["parameter", "unit", *["all inputs"] * everywhere, *(f"{u:g} {unit}" for u in knots)]
-        cell, spans = (self._error_in_words if errors else self._value_in_words), self.intervals()
+        cell, spans = (self._error_in_words if errors else self._value_in_words), self.intervals(between=between)
         rows: list[list[Any]] = []
         for column in free:
             shown, factor = for_people(column.quantity.unit)
@@ -243,8 +246,12 @@ class Fit(Representation):
         table |= {name: [one.states[name] for one in each] for name in (each[0].states if each else {})}
         return {name: float(np.std(values, ddof=1)) if len(values) > 1 else np.nan for name, values in table.items()}
 
-    def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
+    def intervals(self, level: float = 0.95, between: str = "records") -> dict[str, tuple[float, float]]:
         """Confidence intervals at ``level``, by label, in SI units.
+
+        ``between="sessions"`` adds what the levels of the fitted measurement sessions may have moved (`levels`): that
+        of another session's damper. It widens the numbers that a factor on the force changes, such as kx and kw of
+        Dahl, and not rho.
 
         Estimate and standard error with Student's t of ``freedom``. They hold the truth where the model does; where it misses
         the damper's behaviour they describe the fit. Infinite where the records do not determine the number, NaN where it
@@ -255,9 +262,14 @@ class Fit(Representation):
             raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
         from scipy.stats import t
 
+        if between not in ("records", "sessions"):
+            raise InputError(f"between = {between!r} is not allowed; choose 'records' or 'sessions'")
         intervals = {}
-        for label, value in self.parameters.items():
-            reach = float(t.ppf(0.5 + 0.5 * level, self.freedom[label])) * self.stderr[label]
+        for k, (label, value) in enumerate(self.parameters.items()):
+            error, freedom = self.stderr[label], self.freedom[label]
+            if between == "sessions" and self.levels is not None and np.isfinite(error):
+                error, freedom = self.levels.with_sessions(k, error, freedom)
+            reach = float(t.ppf(0.5 + 0.5 * level, freedom)) * error
             reach = np.nan if label in self.within_records else reach
             intervals[label] = (value - reach, value + reach)
         return intervals
@@ -287,10 +299,15 @@ class Fit(Representation):
             "intervals_95": {
                 name: None if name in self.within_records else span for name, span in self.intervals().items()
             },
+            "intervals_95_between_sessions": {
+                name: None if name in self.within_records else span
+                for name, span in self.intervals(between="sessions").items()
+            },
             "within_records_only": {name: self.why_no_interval(name) for name in self.within_records},
             "units": self.units,
             "correlation": self.correlation,
             "nuisances": self.nuisances,
+            "levels": None if self.levels is None else self.levels.as_dict(),
             "scores": self.scores,
         }
 
@@ -343,6 +360,7 @@ def build_fit(
     search_notes: tuple[str, ...] = (),
     starts: tuple[int, int] = (1, 1),
     settling: float = SETTLING,
+    session_prior: float = PRIOR_SESSION,
 ) -> Fit:
     """The fit at the end of a search; ``search_notes`` are of what came before, ``starts`` how many there were and agreed."""
     uncertainties = uncertainty(problem, outcome.point, outcome.at_limit)
@@ -352,6 +370,13 @@ def build_fit(
     few = zip(labels, uncertainties.within, uncertainties.records, strict=True)
     within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
     damper, trouble = _damper(problem, outcome, uncertainties, records, bandwidth, tuple(within))
+    levels = None
+    forces = [modelled_force(problem, outcome.point, r) for r in range(len(records))]
+    if damper is not None and all(np.all(np.isfinite(force)) for force in forces):
+        levels, error = levels_and_error(
+            problem, outcome.point, forces, uncertainties, records, _to_laws(problem), session_prior
+        )
+        damper = replace(damper, prediction_error=error)
     trouble = trouble or trouble_of(problem, outcome)
     states = list(problem.composition.states)
     return Fit(
@@ -366,6 +391,7 @@ def build_fit(
         notes=(
             *notes(problem, outcome, uncertainties, labels, within),
             *search_notes,
+            *_level_notes(levels),
             *_short_notes(records, settling),
             *_data_sheet_notes(damper, records),
             *_sampling_notes(damper, problem),
@@ -388,7 +414,15 @@ def build_fit(
         records=records,
         starts=starts,
         settling=settling,
+        levels=levels,
     )
+
+
+def _level_notes(levels: Levels | None) -> list[str]:
+    """What a lab must hear of the level between sessions."""
+    if levels is None:
+        return []
+    return [f"{levels.words}; to settle it, {levels.settles}" if levels.settles else levels.words]
 
 
 def _short_notes(records: tuple[Record, ...], settling: float) -> list[str]:
@@ -472,8 +506,8 @@ def _damper(
     return damper, ""
 
 
-def _law_covariance(problem: Problem, covariance: Array) -> Array:
-    """The covariance of the laws' own coefficients; fixed parameters are known."""
+def _to_laws(problem: Problem) -> Array:
+    """The matrix (m, G) from the fitted values to the coefficients of the laws; fixed parameters have rows of zeros."""
     owners = [problem.columns[k] for k in problem.owners]
     T = np.zeros((sum(max(c.size, 1) for c in owners), problem.size))
     row = 0
@@ -481,6 +515,12 @@ def _law_covariance(problem: Problem, covariance: Array) -> Array:
         if column.size:
             T[row : row + column.size, problem.slices[k]] = column.to_coefficients()
         row += max(column.size, 1)
+    return T
+
+
+def _law_covariance(problem: Problem, covariance: Array) -> Array:
+    """The covariance of the laws' own coefficients; fixed parameters are known."""
+    T = _to_laws(problem)
     finite = np.where(np.isfinite(covariance), covariance, 0.0)
     out = T @ finite @ T.T
     for place in np.flatnonzero(~np.isfinite(np.diag(covariance))):

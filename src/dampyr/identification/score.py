@@ -12,6 +12,15 @@ The quantiles do not follow it; with ``centre="midrange"`` the ratio is (3.1) to
 samples with :math:`|F_c|` below 1 % of half that range, where it is a division by nothing. The measured force is never
 smoothed here; where a laboratory did (``record.smoothed``), the model's force goes through the same moving average, and samples
 at the ends without a whole window are left out.
+
+The *level* of a record is a factor on its whole force, which is no property of the damper where it changes from one measurement
+session to the next. With :math:`F'` and :math:`\hat F'` less their means over the first two whole cycles of the window
+(of a motion that does not repeat, over its first fifth),
+
+.. math:: g = \sum F' \hat F' / \sum \hat F'^2
+
+is ``level``, and ``relevelled_l1`` is the L1 ratio of :math:`g \hat F` on the rest of the window: what is left once the
+level is known.
 """
 
 from __future__ import annotations
@@ -36,6 +45,8 @@ SETTLING = 2.0  # s after the motion starts: the unknown past is forgotten by th
 MIN_SCORED = 8  # samples: fewer make no loop
 SCORED_SHARE = 0.25  # of the motion: where settling leaves less, what is scored does not stand for the record
 SMALL = 0.01  # of half the range of the force: below it the pointwise error divides by nothing
+RELEVEL_CYCLES = 2  # whole cycles that give the level: one could hold a false sample
+RELEVEL_SHARE = 0.2  # of the window, where the motion does not repeat
 TAIL = 0.01  # of the samples at either end of the range: more false ones than a record has that is worth a score
 Centre = Literal["quantiles", "midrange"]
 
@@ -60,7 +71,8 @@ class Score(Representation):
     """Ratios without unit (0.05 is 5 %); ``peak_force`` and ``energy`` are signed errors, model over measured less one.
 
     ``energy`` is per cycle (of the whole cycles in the window), NaN where there is none. ``offset`` in N is what was
-    taken from the record. ``window`` says which samples.
+    taken from the record. ``window`` says which samples. ``level`` is the factor that the first cycles put on the
+    model's force, ``relevelled_l1`` the L1 ratio of the rest with it; both are NaN where too little is left.
     """
 
     l1: float
@@ -71,6 +83,8 @@ class Score(Representation):
     energy: float
     offset: float
     window: Window
+    level: float = math.nan
+    relevelled_l1: float = math.nan
 
     def _summary(self) -> Summary:
         return f"Score, L1 {percent(self.l1)}", [
@@ -78,6 +92,7 @@ class Score(Representation):
             ("pointwise", percent(self.pointwise)),
             ("peak force", f"{100 * self.peak_force:+.3g} % against the measured one"),
             ("energy", f"{100 * self.energy:+.3g} % against the measured one, per cycle"),
+            ("level", f"{self.level:.4g} by the first cycles; with it L1 {percent(self.relevelled_l1)}"),
             ("offset", f"{self.offset:.4g} N"),
             ("window", f"{self.window.start:.4g} … {self.window.end:.4g} s"),
         ]
@@ -226,6 +241,7 @@ def compare(
             f"{record.name}: the force is constant at {measured[0]:g} N in the window; nothing to compare with"
         )
     nrmse = float(np.sqrt(np.mean(error**2))) / spread
+    level, relevelled = _relevelled(record, np.asarray(force, dtype=float), where, centre)
     return Score(
         l1=float(np.sum(np.abs(error)) / np.sum(np.abs(centred))),
         nrmse=nrmse,
@@ -235,14 +251,48 @@ def compare(
         energy=_energy_error(record, np.asarray(force, dtype=float), where),
         offset=offset,
         window=where,
+        level=level,
+        relevelled_l1=relevelled,
     )
 
 
-def _energy_error(record: Record, force: Array, where: Window) -> float:
+def relevelling_part(record: Record, where: Window) -> slice:
+    """The samples of a window that its level is taken from: two whole cycles, or the first fifth where nothing repeats."""
     spans = [(a, b) for a, b in cycles(record) if a >= where.first and b <= where.last]
-    if not spans:
+    if len(spans) > RELEVEL_CYCLES:
+        return slice(spans[0][0], spans[RELEVEL_CYCLES - 1][1] + 1)
+    count = where.last + 1 - where.first
+    return slice(where.first, where.first + max(int(RELEVEL_SHARE * count), 1))
+
+
+def _relevelled(record: Record, force: Array, where: Window, centre: Centre) -> tuple[float, float]:
+    """The level by the first cycles and the L1 ratio of the rest with it, NaN where one of the two holds next to nothing."""
+    part = relevelling_part(record, where)
+    rest = slice(part.stop, where.last + 1)
+    if part.stop - part.start < MIN_SCORED or rest.stop - rest.start < MIN_SCORED:
+        return math.nan, math.nan
+    measured, model = (one[part] - np.mean(one[part]) for one in (record.force, force))
+    square = float(model @ model)
+    level = float(measured @ model) / square if square > 0.0 else math.nan
+    if not level > 0.0:
+        return math.nan, math.nan
+    later = record.force[rest]
+    error = level * force[rest] - later
+    centred = later - 0.5 * sum(span(later) if centre == "quantiles" else (later.min(), later.max()))
+    return level, float(np.sum(np.abs(error - np.mean(error))) / max(np.sum(np.abs(centred)), 1e-300))
+
+
+def whole_cycles(record: Record, where: Window) -> tuple[slice, int] | None:
+    """The samples of the whole cycles in a window, and how many cycles these are; None where there is none."""
+    spans = [(a, b) for a, b in cycles(record) if a >= where.first and b <= where.last]
+    return (slice(spans[0][0], spans[-1][1] + 1), len(spans)) if spans else None
+
+
+def _energy_error(record: Record, force: Array, where: Window) -> float:
+    whole = whole_cycles(record, where)
+    if whole is None:
         return float("nan")
-    span = slice(spans[0][0], spans[-1][1] + 1)
+    span, _ = whole
     x = record.displacement[span]
     middle = float(np.mean(x))
     measured = np.trapezoid(record.force[span] - np.mean(record.force[span]), x - middle)

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from dampyr.identification.normal_equations import modelled_force, products, with_priors
 from dampyr.identification.problem import Point, Problem
+from dampyr.models.prediction_error import force_power
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -44,6 +45,10 @@ class Uncertainty:
     clusters hold most of the information, and where records differ by their gains). The records do not determine the
     ``unidentifiable`` ones, and too ``few`` cycles determine others. ``records`` is how many records determine each,
     ``within`` where these are too few to be the clusters, so that cycles are.
+
+    ``by_level`` (R, m) is the change of the coefficients with the logarithm of the level of each record (of the pieces of one
+    that was cut, together), a factor on its dynamic force; ``absorbed`` (R, R) how much of the level of a record (column) the
+    fit takes up in the level that it has at another (row): the rest shows in that one's residual.
     """
 
     covariance: Array
@@ -54,6 +59,8 @@ class Uncertainty:
     few: tuple[int, ...]
     records: Array
     within: Bools
+    by_level: Array
+    absorbed: Array
 
 
 def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> Uncertainty:
@@ -92,7 +99,52 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
         few,
         records.counts,
         within,
+        *_of_levels(problem, point, whole, bread),
     )
+
+
+def record_groups(problem: Problem) -> dict[str, list[int]]:
+    """The pieces of each record, by its name: those of one that was cut belong together."""
+    groups: dict[str, list[int]] = {}
+    for k, piece in enumerate(problem.pieces):
+        groups.setdefault(piece.cut_from or piece.name, []).append(k)
+    return groups
+
+
+def _of_levels(problem: Problem, point: Point, parts: list[Reduced], bread: Array) -> tuple[Array, Array]:
+    """``by_level`` and ``absorbed`` of `Uncertainty`."""
+    static = problem.composition.static
+    powers = [
+        0 if k in static else force_power(column.quantity.unit)
+        for k, column in enumerate(problem.columns)
+        for _ in range(column.size)
+    ]
+    b = np.array(powers, dtype=float) * point.theta
+    if (
+        "gain" in problem.common
+    ):  # the records' own gains have taken their part: the mean level at an input is the fit's
+        return _of_mean_levels(problem, b)
+    own = np.stack([one.information.sum(axis=0) @ b for one in parts])
+    by_level = own @ bread
+    weight = np.maximum(own @ b, TINY)
+    return by_level, own @ by_level.T / weight[:, None]
+
+
+def _of_mean_levels(problem: Problem, b: Array) -> tuple[Array, Array]:
+    """As `_of_levels` where every record has a gain of its own, so that the fit is at the mean level of each input's
+    records."""
+    groups = list(record_groups(problem).values())
+    levels = np.array([round(float(np.mean([np.mean(problem.pieces[k].u) for k in some])), 6) for some in groups])
+    if problem.varying:
+        return np.tile(b / len(groups), (len(groups), 1)), np.full((len(groups),) * 2, 1.0 / len(groups))
+    first = [some[0] for some in groups]
+    by_level = np.zeros((len(groups), problem.size))
+    for k, owned in enumerate(problem.slices):
+        basis = problem.matrix[first, k, owned]
+        if basis.size:
+            by_level[:, owned] = (np.linalg.pinv(basis) @ np.diag(basis @ b[owned])).T
+    same = levels[:, None] == levels[None, :]
+    return by_level, same / same.sum(axis=1, keepdims=True)
 
 
 @dataclass(frozen=True)
@@ -108,9 +160,7 @@ class Reduced:
 
 def _by_record(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
     """The pieces of a record that was cut as one: they share its gain and its temperature, as its cycles do."""
-    groups: dict[str, list[Reduced]] = {}
-    for one, piece in zip(reduced, problem.pieces, strict=True):
-        groups.setdefault(piece.cut_from or piece.name, []).append(one)
+    groups = [[reduced[k] for k in pieces] for pieces in record_groups(problem).values()]
     return [
         Reduced(
             np.concatenate([one.scores for one in some]),
@@ -118,7 +168,7 @@ def _by_record(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
             sum(one.squares for one in some),
             sum((one.raw for one in some), np.zeros(problem.size)),
         )
-        for some in groups.values()
+        for some in groups
     ]
 
 

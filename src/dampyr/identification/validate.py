@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
+from dampyr.identification.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
 from dampyr.identification.score import SETTLING, Array, Score, check_settling, compare, group_by_input, prediction
-from dampyr.identification.validation import score_columns, score_table
+from dampyr.identification.validation import mean_relevelled, score_columns, score_table
 from dampyr.models import Damper
 from dampyr.records import Record, nominal_inputs, write_comparison
 from dampyr.records.comparison import check_free, file_name
@@ -24,13 +25,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ValidateOptions:
-    """Options of `validate`: ``settling`` s after the motion starts are not scored."""
+    """Options of `validate`: ``settling`` s after the motion starts are not scored; ``band`` is the share of each
+    record's force that its predictive band is to hold, None for no bands."""
 
     settling: float = SETTLING
     allow_extrapolation: bool = False
+    band: float | None = LEVEL
 
     def __post_init__(self) -> None:
         check_settling(self.settling)
+        if self.band is not None:
+            check_level(self.band)
 
 
 @dataclass(frozen=True)
@@ -66,13 +71,16 @@ class ValidatedPlots:
 
 @dataclass(frozen=True, repr=False)
 class Validated(Representation):
-    """Result of `validate`: the scores by record, and the predicted forces in N, without the records' offsets."""
+    """Result of `validate`: the scores by record, the predicted forces in N without the records' offsets, and the predictive
+    ``bands`` by record, none where ``no_band`` says why."""
 
     card: str
     damper: Damper
     records: tuple[Record, ...]
     scores: Mapping[str, Score]
     forces: Mapping[str, Array]
+    bands: Mapping[str, Band] = field(default_factory=dict)
+    no_band: str = ""
 
     @property
     def plot(self) -> ValidatedPlots:
@@ -108,10 +116,20 @@ class Validated(Representation):
             ("model", str(self.damper.composition)),
             ("records", f"{counted(len(self.records), 'record')}, of which the damper was fitted on {seen}"),
             ("L1", f"{percent(sum(l1.values()) / len(l1))} on average, {percent(l1[worst])} in {worst}"),
+            (
+                "relevelled",
+                f"L1 {percent(self.relevelled_l1)} on average, with the level of each record's first cycles",
+            ),
+            *([("bands", bands_in_words(self.bands))] if self.bands else []),
         ]
 
     def _table(self) -> Table:
         return score_table(self.scores)
+
+    @property
+    def relevelled_l1(self) -> float:
+        """The mean L1 ratio with the level that each record's first cycles have; NaN where no record has one."""
+        return mean_relevelled(self.scores)
 
     @property
     def fitted_on(self) -> set[str]:
@@ -138,7 +156,9 @@ class Validated(Representation):
     def as_dict(self) -> dict[str, Any]:
         """All results for JSON, SI units."""
         scores = {name: one.as_dict() | {"fitted_on": name in self.fitted_on} for name, one in self.scores.items()}
-        return dict(plain({"card": self.card, "scores": scores, "by_input": self.by_input}))
+        bands = {name: one.as_dict() for name, one in self.bands.items()}
+        more = {"no_band": self.no_band} if self.no_band else {}
+        return dict(plain({"card": self.card, "scores": scores, "by_input": self.by_input, "bands": bands} | more))
 
     def write_forces(self, folder: Path) -> list[Path]:
         """Write NAME.csv with the measured and the predicted force of each record; other people's files are not replaced."""
@@ -179,4 +199,24 @@ def validate(
             progress("predicting", k / len(nominal))
         forces[record.name] = prediction(damper, record, options.allow_extrapolation)
     scores = {r.name: compare(r, forces[r.name], options.settling) for r in nominal}
-    return Validated(card, damper, nominal, scores, forces)
+    bands: dict[str, Band] = {}
+    no_band = why_no_band(damper) if options.band is not None else ""
+    if options.band is not None and not no_band:
+        for k, record in enumerate(nominal):
+            if progress:
+                progress("drawing bands", k / len(nominal))
+            bands[record.name] = prediction_band(
+                damper, record, options.band, options.settling, allow_extrapolation=options.allow_extrapolation
+            )
+    return Validated(card, damper, nominal, scores, forces, bands, no_band)
+
+
+def bands_in_words(bands: Mapping[str, Band]) -> str:
+    """How much the bands hold of the records, and of how many the peak."""
+    each = list(bands.values())
+    holds = sum(one.holds for one in each) / len(each)
+    peaks = sum(one.peak.holds for one in each)
+    return (
+        f"the {percent(each[0].level)} bands hold {percent(holds)} of the samples and the peaks of {peaks} of "
+        f"{counted(len(each), 'record')}"
+    )

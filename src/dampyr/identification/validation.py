@@ -97,6 +97,7 @@ class Validation(Representation):
         rows = [
             ("error", f"{percent(self.error)}, the mean L1 ratio of predicted records, every input counting the same"),
             ("records", f"{len(self.scores)} predicted in {counted(len(self.folds), 'part')}"),
+            ("relevelled", f"{percent(self.relevelled)} with the level of each record's first cycles"),
             ("by input", listing([f"{percent(e)} at {u:.4g} {self.unit}".rstrip() for u, e in self.by_input.items()])),
         ]
         if self.not_scored:
@@ -127,6 +128,15 @@ class Validation(Representation):
         return {u: float(np.mean(groups[u])) for u in sorted(groups)}
 
     @property
+    def relevelled(self) -> float:
+        """The mean L1 ratio with the level of each record's first cycles, every input counting the same; NaN without any."""
+        groups: dict[float, list[float]] = {}
+        for name, one in self.scores.items():
+            if np.isfinite(one.relevelled_l1):
+                groups.setdefault(self.inputs.get(name, 0.0), []).append(one.relevelled_l1)
+        return float(np.mean([np.mean(each) for each in groups.values()])) if groups else float("nan")
+
+    @property
     def error(self) -> float:
         """The mean of `by_input`: every input counts the same. Infinite where a fold gave no damper."""
         return float("inf") if self.failed or not self.by_input else float(np.mean(list(self.by_input.values())))
@@ -135,6 +145,8 @@ class Validation(Representation):
         """Split, folds and inputs with their unit, for `dampyr.to_json`."""
         return {
             "split": self.split,
+            "error": self.error,
+            "relevelled": self.relevelled,
             "folds": self.folds,
             "inputs": self.inputs,
             "unit": self.unit,
@@ -144,17 +156,44 @@ class Validation(Representation):
 
 def score_table(scores: Mapping[str, Score]) -> Table:
     """One row a record, ratios in percent."""
-    heads = ("record", "L1 [%]", "NRMSE [%]", "R²", "pointwise [%]", "peak force [%]", "energy [%]", "offset [N]")
+    heads = (
+        "record",
+        "L1 [%]",
+        "relevelled [%]",
+        "NRMSE [%]",
+        "R²",
+        "pointwise [%]",
+        "peak force [%]",
+        "energy [%]",
+        "offset [N]",
+    )
     rows = [
-        [name, 100 * s.l1, 100 * s.nrmse, s.r2, 100 * s.pointwise, 100 * s.peak_force, 100 * s.energy, s.offset]
+        [
+            name,
+            100 * s.l1,
+            100 * s.relevelled_l1,
+            100 * s.nrmse,
+            s.r2,
+            100 * s.pointwise,
+            100 * s.peak_force,
+            100 * s.energy,
+            s.offset,
+        ]
         for name, s in scores.items()
     ]
     return heads, rows
 
 
+def mean_relevelled(scores: Mapping[str, Score]) -> float:
+    """The mean L1 ratio with the level of each record's first cycles; NaN where no record has one."""
+    values = [one.relevelled_l1 for one in scores.values() if np.isfinite(one.relevelled_l1)]
+    return float(np.mean(values)) if values else float("nan")
+
+
 def score_columns(scores: Mapping[str, Score]) -> dict[str, list[float]]:
     """The columns of a data frame of scores: ratios, and the offset in N."""
-    names = {name: name for name in ("l1", "nrmse", "r2", "pointwise", "peak_force", "energy")} | {"offset": "offset_N"}
+    ratios = ("l1", "relevelled_l1", "level", "nrmse", "r2", "pointwise", "peak_force", "energy")
+    names = {name: name for name in ratios} | {"offset": "offset_N"}
     return {head: [getattr(one, name) for one in scores.values()] for name, head in names.items()}
 
 

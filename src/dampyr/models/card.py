@@ -11,6 +11,7 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.config import parse_toml
 from dampyr.errors import FileError, InputError, MissingData
+from dampyr.models import prediction_error
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
 
@@ -23,6 +24,9 @@ def write(damper: Any, path: Path) -> Path:
     import tomli_w
 
     head = "# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n"
+    error = damper.prediction_error
+    if error is not None and not error.session_known:
+        head += f"# The level between measurement sessions is not known: {error.session_source}.\n"
     if damper.composition.not_for_buildings:
         head += f"# {damper.composition.not_for_buildings}.\n"
     write_whole(path, head + tomli_w.dumps(_tables(damper)))
@@ -45,6 +49,8 @@ def _tables(damper: Any) -> dict[str, Any]:
         tables["covariance"] = {"matrix": damper.covariance.tolist()}
         if damper.within_records:
             tables["covariance"]["within_records_only"] = list(damper.within_records)
+    if damper.prediction_error is not None:
+        tables["prediction_error"] = damper.prediction_error.card()
     if damper.provenance:
         tables["provenance"] = dict(damper.provenance)
     return tables
@@ -91,7 +97,10 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
         unit = tables["laws"].get(name, {}).get("unit", quantity.unit or "1")
         if unit != (quantity.unit or "1"):
             raise InputError(f"law {name} is in {unit!r}; a card holds {quantity.unit or '1'!r}")
+    error = tables.get("prediction_error")
+    coefficients = sum(len(law.coefficients) for law in laws.values())
     return {
+        "prediction_error": None if error is None else prediction_error.from_card(error, coefficients),
         "parts": composition.names,
         "laws": laws,
         "input": head["input"],

@@ -17,6 +17,7 @@ from dampyr.models import card
 from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.laws import Constant, Law, WithTemperature
 from dampyr.models.part import part_name
+from dampyr.models.prediction_error import PredictionError, at_level, draws_of, session_words
 from dampyr.representation import Representation, Summary, Table, column_name, data_frame, extent, listing
 from dampyr.units import for_people
 
@@ -119,6 +120,9 @@ class Damper(Representation):
         of the derivative that gives the velocity where none is passed, in Hz; None: plain central differences.
     ``provenance``
         where the numbers come from, for people.
+    ``prediction_error``
+        how far a measured force may be from the predicted one (`dampyr.models.prediction_error`): the levels of sessions and
+        records and the residual; None where that was not estimated.
 
     Raises :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
     """
@@ -131,6 +135,7 @@ class Damper(Representation):
     bandwidth: float | None = None
     provenance: Mapping[str, str] = field(default_factory=dict)
     within_records: tuple[str, ...] = ()
+    prediction_error: PredictionError | None = None
 
     def __post_init__(self) -> None:
         names, constants = _names_and_constants(self.parts)
@@ -156,6 +161,7 @@ class Damper(Representation):
                 f"{composition.parameters[k]} must be a constant: it is the time constant of the input itself"
             )
         self._check_covariance()
+        self._check_prediction_error()
 
     composition: Composition = field(init=False, repr=False)
 
@@ -181,6 +187,18 @@ class Damper(Representation):
             )
         matrix.setflags(write=False)
         object.__setattr__(self, "covariance", matrix)
+
+    def _check_prediction_error(self) -> None:
+        error = self.prediction_error
+        if error is None:
+            return
+        if self.covariance is None:
+            raise InputError("a prediction error needs the covariance of the coefficients; give both, or neither")
+        if error.directions.shape[1] != self.coefficients.size:
+            raise InputError(
+                f"the prediction error's directions have {error.directions.shape[1]} columns; the laws have "
+                f"{self.coefficients.size} coefficients"
+            )
 
     def _law(self, law: Law | float) -> Law:
         if isinstance(law, int | float):
@@ -233,6 +251,8 @@ class Damper(Representation):
                 "not known" if self.covariance is None else f"covariance of {len(self.coefficients)} coefficients",
             )
         )
+        if self.prediction_error is not None:
+            rows.append(("sessions", session_words(self.prediction_error)))
         if self.composition.not_for_buildings:
             rows.append(("buildings", self.composition.not_for_buildings))
         if "records" in self.provenance:
@@ -308,11 +328,13 @@ class Damper(Representation):
             else:
                 laws[name] = law
             mixed.append(one)
-        covariance = None
+        covariance, error = None, self.prediction_error
         if self.covariance is not None:
             covariance = _mixed(self.covariance, mixed)
+        if error is not None:
+            error = error.with_directions(error.directions @ block_diagonal(mixed).T)
         provenance = dict(self.provenance) | {"temperature": f"{given:g} °C"}
-        return replace(self, laws=laws, covariance=covariance, provenance=provenance)
+        return replace(self, laws=laws, covariance=covariance, provenance=provenance, prediction_error=error)
 
     @property
     def at_mean_temperature(self) -> Damper:
@@ -333,7 +355,19 @@ class Damper(Representation):
             laws=laws,
             covariance=None if self.covariance is None else self.covariance[np.ix_(retained, retained)],
             within_records=tuple(one for one in self.within_records if one.partition(".")[0] not in names),
+            prediction_error=self._with_columns(np.flatnonzero(retained)),
         )
+
+    def _with_columns(self, columns: NDArray[np.int64]) -> PredictionError | None:
+        """The prediction error of some of the coefficients; -1 stands for one that the sessions' levels do not move."""
+        if self.prediction_error is None:
+            return None
+        padded = np.pad(self.prediction_error.directions, ((0, 0), (0, 1)))
+        return self.prediction_error.with_directions(padded[:, columns])
+
+    def at_level(self, level: float) -> Damper:
+        """The damper with ``level`` times the dynamic force, such as 0.9 where a session came out 10 % weaker."""
+        return at_level(self, level)
 
     def on_brace(self, stiffness: float) -> Damper:
         r"""The damper in series with a brace of ``stiffness`` k [N/m]: the damper feels the motion less F/k.
@@ -356,7 +390,13 @@ class Damper(Representation):
             return replace(self, laws=laws | {"compliance.s": laws["compliance.s"].shifted(1.0 / stiffness)})
         covariance = None if self.covariance is None else np.pad(self.covariance, (0, 1))  # the brace is known exactly
         parts = (*self.composition.names, "compliance")
-        return replace(self, parts=parts, laws=laws | {"compliance.s": 1.0 / stiffness}, covariance=covariance)
+        return replace(
+            self,
+            parts=parts,
+            laws=laws | {"compliance.s": 1.0 / stiffness},
+            covariance=covariance,
+            prediction_error=self._with_columns(np.append(np.arange(self.coefficients.size), -1)),
+        )
 
     def check_input(self, u: ArrayLike, allow_extrapolation: bool = False) -> Array:
         """``u`` as an array; :class:`~dampyr.errors.RangeError` outside the calibrated range unless allowed by name."""
@@ -503,19 +543,17 @@ class Damper(Representation):
                     stacklevel=3,
                 )
 
-    def draws(self, n: int, seed: int) -> list[Self]:
+    def draws(self, n: int, seed: int, levels: bool = True) -> list[Damper]:
         """``n`` dampers from the distribution of the fit (normal in the coefficients, inadmissible ones drawn again).
 
-        Warns where the covariance holds within the fitted records only: where only one or two records determine a coefficient,
-        the difference to another record is not in it. Raises InputError without a covariance, where a coefficient
-        was unidentifiable in the fit, or where fewer than 1 % of the draws are admissible.
+        With a `prediction_error` each draw is the damper as a test of another session would find it: with the levels of the
+        fitted sessions and that of the session to come, and Student's t in the place of the normal distribution.
+        ``levels=False`` leaves the levels out. Warns where the covariance holds within the fitted records only: where
+        only one or two records determine a coefficient, the difference to another record is not in it. Raises
+        InputError without a covariance, where a coefficient was unidentifiable in the fit, or where fewer than 1 % of
+        the draws are admissible.
         """
-        if self.covariance is None:
-            raise InputError("this damper has no covariance to draw from; identify it from records first")
-        if not np.all(np.isfinite(self.covariance)):
-            raise InputError(
-                "the variance of a coefficient is infinite: the records do not determine it; see its fit's notes"
-            )
+        covariance = self.known_covariance()
         if self.within_records:
             warnings.warn(
                 f"the draws of {_shortened(self.within_records)} hold within the fitted records only: between-record variance "
@@ -524,9 +562,11 @@ class Damper(Representation):
                 stacklevel=2,
             )
         rng = np.random.default_rng(seed)
-        dampers: list[Self] = []
+        if levels and self.prediction_error is not None:
+            return [each.damper.at_level(each.level) for each in draws_of(self, self.prediction_error, n, rng)]
+        dampers: list[Damper] = []
         for _ in range(100 * n):
-            coefficients = rng.multivariate_normal(self.coefficients, self.covariance, method="eigh")
+            coefficients = rng.multivariate_normal(self.coefficients, covariance, method="eigh")
             try:
                 dampers.append(self.with_coefficients(coefficients))
             except InputError:
@@ -536,6 +576,16 @@ class Damper(Representation):
         raise InputError(
             f"only {len(dampers)} of {100 * n} draws were admissible; the fit is too uncertain to draw from"
         )
+
+    def known_covariance(self) -> Array:
+        """The covariance of the coefficients; :class:`~dampyr.errors.InputError` unless dampers can be drawn from it."""
+        if self.covariance is None:
+            raise InputError("this damper has no covariance to draw from; identify it from records first")
+        if not np.all(np.isfinite(self.covariance)):
+            raise InputError(
+                "the variance of a coefficient is infinite: the records do not determine it; see its fit's notes"
+            )
+        return self.covariance
 
     def save(self, path: str | Path) -> Path:
         """Write the card, a TOML file (docs/reference/card.md), whole or not at all."""
@@ -560,11 +610,16 @@ def _names_and_constants(parts: Any) -> tuple[str | list[str], dict[str, float]]
     return names, constants
 
 
-def _mixed(covariance: Array, mixed: list[Array]) -> Array:
-    """The covariance of coefficients that are mixed block by block; infinite where one of them was."""
+def block_diagonal(blocks: list[Array]) -> Array:
+    """The matrix with these blocks on its diagonal."""
     from scipy.linalg import block_diag
 
-    T = block_diag(*mixed)
+    return np.asarray(block_diag(*blocks))
+
+
+def _mixed(covariance: Array, mixed: list[Array]) -> Array:
+    """The covariance of coefficients that are mixed block by block; infinite where one of them was."""
+    T = block_diagonal(mixed)
     finite = np.where(np.isfinite(covariance), covariance, 0.0)
     out = T @ finite @ T.T
     for k in np.flatnonzero(~np.isfinite(np.diag(covariance))):

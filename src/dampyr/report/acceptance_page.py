@@ -35,6 +35,8 @@ def write_acceptance_page(result: Accepted, path: Path) -> Path:
         Section("How much of the band is used", _used(results)),
         Section("The points outside", _outside(results)),
     ]
+    if result.relevelled:
+        sections.append(Section("With the level of the first cycles taken out", _relevelled(result.relevelled)))
     if any(one.unjudged for one in results):
         sections.append(Section("What was not judged", _open(results)))
     html = page(
@@ -48,6 +50,17 @@ def write_acceptance_page(result: Accepted, path: Path) -> Path:
     )
     write_page(path, html)
     return path
+
+
+def _relevelled(results: Sequence[Acceptance]) -> list[Block]:
+    rows: list[list[Cell]] = [
+        [one.record, one.level, _verdict(one), len(one.judged), len(one.outside), one.reason or ""] for one in results
+    ]
+    text = (
+        f"{in_short(results).capitalize()}. The level of a record, measured over expected in its first cycles, is taken out of "
+        "its later ones: what fails here fails by its shape and not by one factor on the force."
+    )
+    return [Text(text), Table(("record", "level", "verdict", "judged", "outside", ""), rows, digits=3)]
 
 
 def _count(number: int, noun: str) -> str:

@@ -14,6 +14,7 @@ from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, sen
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks
 from dampyr.report.html_page import page, write_page
 from dampyr.report.leaderboard_section import leaderboard_section
+from dampyr.report.level_sections import levels_section
 from dampyr.report.origin import files_of, people_and_parts
 from dampyr.report.prediction_section import mean_l1, prediction_section
 from dampyr.report.range_section import range_section
@@ -54,6 +55,7 @@ def write_fit_page(
             *sections,
             Section("Parameters", fit_blocks(fit)),
             Section("Correlation of the parameters", correlation_blocks(fit)),
+            *([levels] if (levels := levels_section(fit)) is not None else []),
             range_section(fit),
             *([measured] if (measured := uncertainty_section(fit.records)) is not None else []),
             Section("Goodness of fit", score_blocks(fit)),

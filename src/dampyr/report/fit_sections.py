@@ -33,8 +33,15 @@ def parameter_tables(fit: Fit) -> list[Table]:
     Errors that hold within the fitted records only say so: these numbers have no interval.
     """
     tables = []
-    for errors, caption in ((False, "Value ± half of its 95 % interval."), (True, _caption(fit))):
-        heads, rows = fit.by_input(errors)
+    wanted = [(False, "records", "Value ± half of its 95 % interval."), (True, "records", _caption(fit))]
+    if fit.levels is not None:
+        known = "is estimated" if fit.levels.repeated else "is assumed, not measured"
+        wanted.insert(
+            1,
+            (False, "sessions", f"The same between measurement sessions, whose level {known}: {fit.levels.words}."),
+        )
+    for errors, between, caption in wanted:
+        heads, rows = fit.by_input(errors, between)
         align = ("left", "left", *("right",) * (len(heads) - 2))
         tables.append(Table(columns=tuple(heads), rows=rows, align=align, caption=caption))
     return tables
@@ -112,6 +119,7 @@ def score_table(
             name,
             *(cells[name] for _, cells in more.values()),
             100 * s.l1,
+            100 * s.relevelled_l1,
             100 * s.nrmse,
             s.r2,
             100 * s.pointwise,
@@ -122,8 +130,8 @@ def score_table(
         for name, s in scores.items()
     ]
     return Table(
-        columns=("record", *more, "L1", "NRMSE", "R²", "pointwise", "peak force", "energy", "offset"),
-        units=("", *(unit for unit, _ in more.values()), "%", "%", "", "%", "%", "%", "N"),
+        columns=("record", *more, "L1", "relevelled", "NRMSE", "R²", "pointwise", "peak force", "energy", "offset"),
+        units=("", *(unit for unit, _ in more.values()), "%", "%", "%", "", "%", "%", "%", "N"),
         rows=rows,
         caption=caption,
         digits=3,

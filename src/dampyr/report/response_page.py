@@ -14,7 +14,7 @@ from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import CURRENT, VOLTAGE, Axis, case_colours
 from dampyr.ground_motions import end_in_words
-from dampyr.report.blocks import FigureBlock, Section, Table, Text, sentence
+from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, sentence
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import Response, Simulated
 from dampyr.structures.simulate import BARE
@@ -31,13 +31,14 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: Path) -
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
     """
     note = cases.note if isinstance(cases, Simulated) else ""
+    intervals = [_intervals(cases)] if isinstance(cases, Simulated) and cases.intervals else []
     cases = cases.cases if isinstance(cases, Simulated) else cases
     first = next(iter(cases.values()))
     colours = case_colours(cases, BARE if BARE in cases else None)
     html = page(
         f"Response: {first.title}",
         [
-            Section("Peaks", [_peaks(cases), *([Text(sentence(note))] if note else []), _energies(cases)]),
+            Section("Peaks", [_peaks(cases), *intervals, *([Text(sentence(note))] if note else []), _energies(cases)]),
             Section(
                 "The ground motion",
                 [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],
@@ -74,6 +75,27 @@ def _peaks(cases: Mapping[str, Response]) -> Table:
         ("", *("mm" for _ in columns), "mm", "m/s²", "N", "N"),
         caption="Peaks inside the step; displacements relative to the ground, accelerations absolute. "
         f"The response {end_in_words(next(iter(cases.values())).after)}.",
+    )
+
+
+def _intervals(result: Simulated) -> Table:
+    """The 90 % intervals of the peaks of the cases with a damper."""
+    floors = next(iter(result.cases.values())).floors
+    many = len(floors) > WIDE
+    rows: list[list[Cell]] = []
+    for name, each in result.intervals.items():
+        peaks = each["peak_displacement_m"]
+        spans = [(1e3, peaks.max(axis=1))] if many else [(1e3, peaks[:, k]) for k in range(len(floors))]
+        spans += [(1e3, each["peak_drift_m"].max(axis=1)), (1.0, each["peak_acceleration_m_s2"].max(axis=1))]
+        spans.append((1.0, each["peak_force_N"].max(axis=1)))
+        rows.append([name, *(f"{factor * low:.4g} to {factor * high:.4g}" for factor, (low, high) in spans)])
+    columns = [f"largest of {len(floors)} floors"] if many else [floor_name(floor) for floor in floors]
+    return Table(
+        ("case", *columns, "largest drift", "largest acceleration", "damper force"),
+        rows,
+        ("", *("mm" for _ in columns), "mm", "m/s²", "N"),
+        caption=f"90 % intervals of the peaks, from {result.draws} dampers drawn from the covariance of the card, with the "
+        "levels of records and sessions where the card has them.",
     )
 
 

@@ -21,6 +21,7 @@ from dampyr.report.best_and_worst import extremes, record_section
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.report.fit_sections import score_table
 from dampyr.report.html_page import page, write_page
+from dampyr.report.level_sections import bands_section
 from dampyr.report.origin import files_of, of_card, people_and_parts
 from dampyr.report.range_section import SHOWN, range_table
 
@@ -49,6 +50,7 @@ def write_validate_page(result: Validated, path: Path) -> Path:
         [
             Section("In short", _short(records, record_scores, seen)),
             Section("Scores", _scores(records, record_scores, seen)),
+            bands_section(result),
             Section("Outside the calibrated range", _outside(damper, records)),
             *(_record(damper, records, record_scores, words, name) for words, name in extremes(record_scores)),
         ],

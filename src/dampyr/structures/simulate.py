@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from dampyr import units
 from dampyr.errors import InputError
@@ -13,6 +15,7 @@ from dampyr.models import Damper
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import control_law
+from dampyr.structures.ensemble import ensemble
 from dampyr.structures.modal_coordinates import truncation
 from dampyr.structures.respond import respond
 from dampyr.structures.response import Response
@@ -25,6 +28,12 @@ if TYPE_CHECKING:
     from dampyr.figures.style import Axis
 
 BARE = "no damper"
+MIN_DRAWS = 20  # the 5 % and 95 % quantiles of fewer are their extremes
+INTERVAL = (0.05, 0.95)
+INTERVAL_OF = {  # a quantity of `ensemble` -> its name in JSON
+    "displacement": "peak_displacement_m", "drift": "peak_drift_m", "acceleration": "peak_acceleration_m_s2",
+    "force": "peak_force_N", "energy": "energy_J",
+}  # fmt: skip
 TRUNCATION = ("truncation_error_displacement", "truncation_error_drift")
 
 
@@ -35,7 +44,8 @@ class SimulateOptions:
     ``inputs`` are V or A, as the damper takes them; a law is written as in ``on_off`` or ``on_off:period=0.01,lag=5ms``
     (see `law_of`). The damper stands in storey ``place``, or between two floors (i, j), without the parts in ``without``,
     on a brace of stiffness ``brace`` in N/m where one is given. ``bare``: the building alone. After the record come ``after`` s
-    of rest. Raises
+    of rest. With ``draws`` dampers of the card's covariance, levels of sessions and records included where the card has them,
+    drawn by ``seed``, every case has 90 % intervals of its peaks. Raises
     :class:`~dampyr.errors.InputError` for a value that is not allowed.
     """
 
@@ -48,12 +58,20 @@ class SimulateOptions:
     allow_extrapolation: bool = False
     after: float = 0.0
     bare: bool = False
+    draws: int = 0
+    seed: int = 1
 
     def __post_init__(self) -> None:
         if not self.bare:
             check_inputs(self.inputs, self.laws)
         elif self.inputs or self.laws:
             raise InputError("bare is the building alone, and takes no input and no control law; leave one of them out")
+        if self.draws and not self.draws >= MIN_DRAWS:
+            raise InputError(
+                f"draws = {self.draws} is not allowed; give {MIN_DRAWS} or more for an interval, or 0 for none"
+            )
+        if self.draws and self.bare:
+            raise InputError("draws are of a damper, and bare is the building alone; leave one of them out")
         if self.accuracy not in ACCURACIES:
             raise InputError(f"accuracy = {self.accuracy!r} is not allowed; choose {', '.join(ACCURACIES)}")
 
@@ -105,6 +123,9 @@ class Simulated(Representation):
     """What modal coordinates leave out, in words; empty for a building without them."""
     truncation: tuple[float, float] | None = None
     """The relative errors of floor displacements and of drifts that they make without a damper; None without them."""
+    intervals: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """90 % intervals (2, floors) or (2, sites) of the peaks of each case with a damper, by the names of `as_dict`, SI units."""
+    draws: int = 0
 
     @property
     def plot(self) -> SimulatedPlots:
@@ -164,6 +185,8 @@ class Simulated(Representation):
         """The peaks of each case for JSON, SI units."""
         left_out = {} if self.truncation is None else dict(zip(TRUNCATION, self.truncation, strict=True))
         cases = {name: _response_as_dict(response) | left_out for name, response in self.cases.items()}
+        for name, each in self.intervals.items():
+            cases[name] |= {"intervals_90": dict(each), "draws": self.draws}
         return dict(plain(cases))
 
 
@@ -196,7 +219,38 @@ def simulate(
         given: dict[str, Any] = {kind: u, "allow_extrapolation": options.allow_extrapolation, "after": options.after}
         response = respond(building, motion, {options.place: fitted}, accuracy=options.accuracy, **given)
         cases[response.laws[0] or f"{u:g} {fitted.input}"] = response
-    return Simulated(building.name, motion.name, fitted.input, cases, *truncation(building, motion))
+    intervals = {}
+    if options.draws:
+        tell(f"{options.draws} drawn dampers", len(inputs) / (len(inputs) + 1))
+        names = [name for name in cases if name != BARE]
+        intervals = dict(zip(names, peak_intervals(building, motion, damper, options, inputs), strict=True))
+    return Simulated(
+        building.name, motion.name, fitted.input, cases, *truncation(building, motion), intervals, options.draws
+    )
+
+
+def peak_intervals(
+    building: Building, motion: GroundMotion, damper: Damper, options: SimulateOptions, inputs: list[Any]
+) -> list[dict[str, Any]]:
+    """The 90 % intervals of the peaks at each input, of drawn dampers: a dictionary of (2, ...) arrays for each."""
+    drawn = damper.draws(options.draws, options.seed)
+    placements = [{options.place: installed(one, options.without, options.brace)} for one in drawn]
+    peaks = ensemble(
+        building,
+        motion,
+        placements,
+        inputs if damper.input == "V" else None,
+        currents=inputs if damper.input == "A" else None,
+        accuracy="strict" if options.accuracy == "strict" else "fast",
+        quantities=tuple(INTERVAL_OF),
+        allow_extrapolation=options.allow_extrapolation,
+        after=options.after,
+    )
+    made = []
+    for k in range(len(inputs)):
+        each = peaks.isel(building=0, input=k, motion=0, scale=0)
+        made.append({name: np.quantile(each[key].values, INTERVAL, axis=0) for key, name in INTERVAL_OF.items()})
+    return made
 
 
 def installed(damper: Damper, without: tuple[str, ...] = (), brace: float | None = None) -> Damper:

@@ -1,0 +1,373 @@
+r"""Levels of records and of measurement sessions: how much stronger or weaker a whole record is than the fit, and why.
+
+The level of a record is the factor on the fitted dynamic force that its measured force is nearest to,
+:math:`e^{y_r} = \sum (F - \bar F)(\hat F - \bar{\hat F}) / \sum (\hat F - \bar{\hat F})^2`. With the logarithms
+:math:`\gamma_r = a_{s(r)} + b_r` of the true levels, :math:`a_s \sim N(0, \sigma_S^2)` of the session and :math:`b_r
+\sim N(0, \sigma_R^2)` of the record, a fit takes up a part of them in its own coefficients, :math:`y = (I - H)\gamma`
+with H known from the information of the records. Its independent contrasts :math:`z = V^T\gamma` have the variance
+:math:`\sigma_R^2 I + \sigma_S^2 V^T Z Z^T V`, Z saying which record belongs to which session: restricted maximum
+likelihood (Patterson and Thompson 1971). The two variances have a posterior on a grid, with a prior on the sessions'
+that is worth two of them (`PRIOR_FREEDOM`), of which the mean precision and its spread are kept as a scaled inverse
+chi-square distribution.
+
+Where no input was measured in two sessions, the level of a session is that of the damper at its input, and nothing in
+the records tells the two apart: :math:`\sigma_S` is then *stated* (`PRIOR_SESSION` unless the fit is told another one),
+and every fit says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.identification.problem import Point, Problem
+from dampyr.identification.uncertainty import Uncertainty, record_groups
+from dampyr.models.prediction_error import HARMONICS, PredictionError, ShapeError, phase_basis
+from dampyr.records import Record
+from dampyr.representation import Representation, Summary, Table, counted, listing, percent
+
+Array = NDArray[np.float64]
+PRIOR_SESSION = 0.08  # further records of the published campaign's rig, of another session, came out 9 to 11 % weaker
+PRIOR_FREEDOM = 2.0  # what the prior of the sessions' spread is worth where sessions repeat: two sessions
+PRIOR_RECORD = 0.05  # of single records at each input, which cannot tell: as the fit's prior of gains
+SEEN = 0.05  # singular value of I - H below which a contrast of levels is rounding
+GRID = 80  # values of each standard deviation
+SPAN = (1e-3, 1.0)  # of the standard deviation between sessions on the grid
+MIN_GROUP = 3  # records at an input, for a shape error of its own
+
+
+@dataclass(frozen=True, repr=False)
+class Levels(Representation):
+    """The levels of the fitted records, and what they say of records and sessions to come.
+
+    ``level`` holds each record's factor on the fitted force (1.03: 3 % stronger), ``session`` the session of each: its name, or
+    what stands for it. ``record_sd`` and ``session_sd`` are standard deviations of the logarithm; ``repeated`` says whether the
+    records tell the second. ``session_reml`` is the estimate of restricted likelihood alone, NaN without. ``words`` are
+    for people.
+    """
+
+    level: Mapping[str, float]
+    session: Mapping[str, str]
+    record_sd: float
+    record_freedom: float
+    session_sd: float
+    session_freedom: float
+    session_reml: float
+    repeated: bool
+    named: bool
+    words: str
+    settles: str
+    by_session: Array = field(repr=False, default_factory=lambda: np.zeros((0, 0)))
+    """The change (S, G) of each fitted number with the logarithm of the level of each session."""
+
+    @property
+    def sessions(self) -> tuple[str, ...]:
+        """The sessions in the order in which they occur."""
+        return tuple(dict.fromkeys(self.session.values()))
+
+    def with_sessions(self, number: int, error: float, freedom: float) -> tuple[float, float]:
+        """The standard error of a fitted number between sessions, from that between records, and its degrees of freedom.
+
+        The two variances add up; the degrees of freedom are those of Satterthwaite (1946) for the sum.
+        """
+        moved = self.session_sd**2 * float(np.sum(self.by_session[:, number] ** 2))
+        total = error**2 + moved
+        if total == 0.0:
+            return error, freedom
+        own = (error**2) ** 2 / freedom + (
+            moved**2 / self.session_freedom if math.isfinite(self.session_freedom) else 0.0
+        )
+        return math.sqrt(total), total**2 / own if own > 0.0 else math.inf
+
+    def _summary(self) -> Summary:
+        return "Levels", [
+            ("records", f"{counted(len(self.level), 'record')}, {percent(self.record_sd)} apart within a session"),
+            ("sessions", self.words),
+            *([("settled by", self.settles)] if self.settles else []),
+        ]
+
+    def _table(self) -> Table:
+        rows = [[name, self.session[name], 100 * (level - 1.0)] for name, level in self.level.items()]
+        return ("record", "session", "level [%]"), rows
+
+    def as_dict(self) -> dict[str, Any]:
+        """All of it for JSON; standard deviations of logarithms, None in the place of infinite degrees of freedom."""
+        return {
+            "level": dict(self.level),
+            "session": dict(self.session),
+            "record_sd": self.record_sd,
+            "record_freedom": _or_none(self.record_freedom),
+            "session_sd": self.session_sd,
+            "session_freedom": _or_none(self.session_freedom),
+            "session_reml": _or_none(self.session_reml),
+            "session_level_known": self.repeated,
+            "words": self.words,
+            "settled_by": self.settles,
+        }
+
+
+def _or_none(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def check_prior(session_prior: float) -> None:
+    """:class:`~dampyr.errors.InputError` unless it is a standard deviation of a logarithm, from 0 to 1."""
+    if not (math.isfinite(session_prior) and 0.0 <= session_prior <= 1.0):
+        raise InputError(
+            f"session_prior = {session_prior:g} is not allowed; it is a standard deviation from 0 to 1, such as 0.08 for 8 %"
+        )
+
+
+def levels_and_error(
+    problem: Problem,
+    point: Point,
+    forces: Sequence[Array],
+    uncertainty: Uncertainty,
+    records: Sequence[Record],
+    to_laws: Array,
+    session_prior: float = PRIOR_SESSION,
+) -> tuple[Levels, PredictionError]:
+    """The levels of the fitted records, and the prediction error that goes into the card.
+
+    ``forces`` are those of the fit along its pieces, ``to_laws`` (m, G) makes coefficients of the laws from those of the fit.
+    """
+    groups = record_groups(problem)
+    fitted = [_Level.of(problem, forces, name, pieces) for name, pieces in groups.items()]
+    session, named = _sessions(problem, records, groups)
+    gains = [point.nuisance(problem, pieces[0], "gain") for pieces in groups.values()]
+    y = np.array([one.logarithm for one in fitted]) + np.log(gains)
+    names = list(dict.fromkeys(session.values()))
+    members = np.array([[session[name] == each for each in names] for name in groups], dtype=float)
+    repeats = _repeats(problem, groups, session) if named else {}
+    spread = _spread(y, np.eye(len(y)) - uncertainty.absorbed, members, bool(repeats), session_prior)
+    words, settles = _words(problem, groups, session, named, repeats, spread, session_prior)
+    levels = Levels(
+        dict(zip(groups, map(float, np.exp(y)), strict=True)),
+        session,
+        spread.record,
+        spread.record_freedom,
+        spread.session,
+        spread.session_freedom,
+        spread.reml,
+        bool(repeats),
+        named,
+        words,
+        settles,
+        members.T @ uncertainty.by_level,
+    )
+    counts = members.sum(axis=0)
+    own = spread.session**2 / np.maximum(spread.session**2 + spread.record**2 / counts, 1e-300)
+    error = PredictionError(
+        record_sd=spread.record,
+        record_freedom=spread.record_freedom,
+        session_sd=spread.session,
+        session_freedom=spread.session_freedom,
+        session_source=words,
+        freedom=_freedom(uncertainty),
+        sessions=tuple(names),
+        directions=members.T @ uncertainty.by_level @ to_laws.T,
+        session_levels=tuple(map(float, own * (members.T @ y) / counts)),
+        session_errors=tuple(map(float, spread.record * np.sqrt(own / counts))),
+        shapes=_shapes(fitted),
+    )
+    return levels, error
+
+
+def _freedom(uncertainty: Uncertainty) -> float:
+    """The degrees of freedom of the coefficients, in the middle."""
+    variances = np.diag(uncertainty.covariance)
+    known = np.isfinite(variances) & (variances > 0.0)
+    return float(np.median(uncertainty.freedom[known])) if known.any() else math.inf
+
+
+@dataclass(frozen=True)
+class _Level:
+    """One record against the fit: the logarithm of its level, and its residual over the standard deviation of the fit."""
+
+    input: float
+    logarithm: float
+    shape: Array
+    covariances: Array  # of the rest at lags of 0, 1 and 2 samples
+    dt: float
+
+    @classmethod
+    def of(cls, problem: Problem, forces: Sequence[Array], name: str, pieces: Sequence[int]) -> _Level:
+        measured, model, bases = [], [], []
+        for k in pieces:
+            piece, seen = problem.pieces[k], problem.pieces[k].comparable
+            measured.append(piece.force[seen] - np.mean(piece.force[seen]))
+            model.append(forces[k][seen] - np.mean(forces[k][seen]))
+            bases.append(phase_basis(piece.t[seen], piece.x[seen], piece.v[seen]))
+        F, M, basis = np.concatenate(measured), np.concatenate(model), np.concatenate(bases)
+        square = float(M @ M)
+        level = float(F @ M) / square if square > 0.0 else 1.0
+        if level <= 0.0:  # a record that the fit describes upside down: its level is no factor
+            level = 1.0
+        scale = max(math.sqrt(square / M.size), 1e-300)
+        residual = (F - level * M) / (level * scale)
+        shape = np.asarray(np.linalg.lstsq(basis, residual, rcond=None)[0], dtype=float)
+        rest = residual - basis @ shape
+        lags = np.array([float(np.mean(rest[k:] * rest[: rest.size - k])) for k in range(3)])
+        one = problem.pieces[pieces[0]]
+        u = float(np.mean([np.mean(problem.pieces[k].u) for k in pieces]))
+        return cls(u, math.log(level), shape, lags, float(np.median(np.diff(one.t))))
+
+
+def _shapes(fitted: Sequence[_Level]) -> tuple[ShapeError, ...]:
+    """The residual by input; where fewer than three records are at one, its spread is that of all about their inputs' means."""
+    by_input: dict[float, list[_Level]] = {}
+    for one in fitted:
+        by_input.setdefault(round(one.input, 6), []).append(one)
+    about = [one.shape - np.mean([each.shape for each in some], axis=0) for some in by_input.values() for one in some]
+    freedom = len(fitted) - len(by_input)
+    pooled = (
+        np.sqrt(np.sum(np.square(about), axis=0) / freedom) if freedom else np.std([f.shape for f in fitted], axis=0)
+    )
+    made = []
+    for u in sorted(by_input):
+        some = by_input[u]
+        shapes = np.array([one.shape for one in some])
+        spread = np.std(shapes, axis=0, ddof=1) if len(some) >= MIN_GROUP else pooled
+        noise, time, white = _noise(some)
+        made.append(ShapeError(u, tuple(shapes.mean(axis=0)), tuple(spread), noise, time, white, len(some)))
+    return tuple(made)
+
+
+def _noise(some: Sequence[_Level]) -> tuple[float, float, float]:
+    """The correlated noise, its time in s and the white noise whose covariances are those of the rest at 0, 1 and 2 samples."""
+    c0, c1, c2 = np.mean([one.covariances for one in some], axis=0)
+    dt = float(np.median([one.dt for one in some]))
+    if not (c1 > 0.0 and 0.0 < c2 < c1):
+        return 0.0, 0.0, math.sqrt(max(float(c0), 0.0))
+    correlated = min(float(c1**2 / c2), float(c0))
+    return math.sqrt(correlated), -dt / math.log(float(c2 / c1)), math.sqrt(max(float(c0) - correlated, 0.0))
+
+
+def _sessions(
+    problem: Problem, records: Sequence[Record], groups: Mapping[str, Sequence[int]]
+) -> tuple[dict[str, str], bool]:
+    """The session of each record; where the records name none, each input counts as one."""
+    by_piece = [record.measurement_session for record in records]
+    named = all(by_piece)
+    sessions = {}
+    for name, pieces in groups.items():
+        u = float(np.mean([np.mean(problem.pieces[k].u) for k in pieces]))
+        stated = by_piece[pieces[0]]
+        sessions[name] = stated if named and stated else f"{u:.4g} {problem.pieces[pieces[0]].unit}, session not stated"
+    return sessions, named
+
+
+def _repeats(
+    problem: Problem, groups: Mapping[str, Sequence[int]], session: Mapping[str, str]
+) -> dict[float, list[str]]:
+    """The inputs that were measured in two sessions or more, with these."""
+    spans = {name: (_low(problem, pieces), _high(problem, pieces)) for name, pieces in groups.items()}
+    inputs = sorted({round(end, 6) for span in spans.values() for end in span})
+    at = {
+        u: list(dict.fromkeys(session[name] for name, (low, high) in spans.items() if low - 1e-6 <= u <= high + 1e-6))
+        for u in inputs
+    }
+    return {u: each for u, each in at.items() if len(each) > 1}
+
+
+def _low(problem: Problem, pieces: Sequence[int]) -> float:
+    return min(float(np.min(problem.pieces[k].u)) for k in pieces)
+
+
+def _high(problem: Problem, pieces: Sequence[int]) -> float:
+    return max(float(np.max(problem.pieces[k].u)) for k in pieces)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Standard deviations of the logarithms of levels, and their degrees of freedom, infinite where they are stated."""
+
+    record: float
+    record_freedom: float
+    session: float
+    session_freedom: float
+    reml: float
+
+
+def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float) -> Spread:
+    """The spread of records and of sessions from the levels ``y`` (n,), of which a fit shows (I - H): ``shown``."""
+    left, values, right = np.linalg.svd(shown)
+    seen = values > SEEN
+    z = (left.T @ y)[seen] / values[seen]
+    V = right[seen]
+    stated = prior, math.inf, math.nan
+    if z.size == 0:
+        return Spread(PRIOR_RECORD, math.inf, *stated)
+    strength, turned = np.linalg.eigh(V @ members @ members.T @ V.T)
+    w = turned.T @ z
+    strength = np.where(strength > SEEN, strength, 0.0)
+    within = strength == 0.0
+    if not repeated or within.all() or prior == 0.0:
+        return Spread(float(np.sqrt(np.mean(z**2))), float(z.size), *stated)
+    return _posterior(w, strength, prior)
+
+
+def _posterior(w: Array, strength: Array, prior: float) -> Spread:
+    """The posterior of both standard deviations on a grid, as scaled inverse chi-square distributions."""
+    size = max(float(np.sqrt(np.mean(w**2))), 1e-4)
+    record, session = np.geomspace(0.05 * size, 5.0 * size, GRID), np.geomspace(*SPAN, GRID)
+    variance = record[:, None, None] ** 2 + session[None, :, None] ** 2 * strength
+    likelihood = -0.5 * np.sum(np.log(variance) + w**2 / variance, axis=-1)
+    best = np.unravel_index(int(np.argmax(likelihood)), likelihood.shape)
+    at_zero = -0.5 * np.sum(np.log(record[:, None] ** 2) + w**2 / record[:, None] ** 2, axis=-1)
+    reml = 0.0 if at_zero.max() >= likelihood[best] - 1e-3 else float(session[best[1]])
+    log_prior = -PRIOR_FREEDOM * np.log(session) - 0.5 * PRIOR_FREEDOM * prior**2 / session**2
+    weight = np.exp(likelihood + log_prior - (likelihood + log_prior).max())
+    one = _inverse_chi_square(record, weight.sum(axis=1))
+    return Spread(*one, *_inverse_chi_square(session, weight.sum(axis=0)), reml)
+
+
+def _inverse_chi_square(values: Array, weight: Array) -> tuple[float, float]:
+    """The scale and the degrees of freedom of the distribution whose precision has this mean and this spread."""
+    share = weight / weight.sum()
+    mean = float(share @ values**-2.0)
+    variance = float(share @ (values**-2.0 - mean) ** 2)
+    return 1.0 / math.sqrt(mean), max(2.0 * mean**2 / max(variance, 1e-300), 1.0)
+
+
+def _words(
+    problem: Problem,
+    groups: Mapping[str, Sequence[int]],
+    session: Mapping[str, str],
+    named: bool,
+    repeats: Mapping[float, Sequence[str]],
+    spread: Spread,
+    prior: float,
+) -> tuple[str, str]:
+    """What is known of the level between sessions, and the test that would settle it."""
+    unit = problem.pieces[0].unit
+    word = {"V": "voltage", "A": "current"}[unit]
+    if repeats:
+        where = listing([f"{u:g}" for u in repeats], 4)
+        count = len(set(session.values()))
+        return (
+            f"the level of sessions differs by {percent(spread.session)} (standard deviation), estimated from "
+            f"{counted(count, 'session')} that were repeated at {where} {unit}",
+            "",
+        )
+    inputs = {name: round(_low(problem, pieces), 6) for name, pieces in groups.items()}
+    if not named:
+        why = f"the records do not say in which measurement session they were made, so level and {word} cannot be told apart"
+    elif len(set(session.values())) == 1:
+        why = "all records are of one measurement session, so nothing shows how another one differs"
+    else:
+        why = f"no {word} was measured in two sessions, so the level of a session and the {word} cannot be told apart"
+    name = min(inputs, key=lambda each: abs(inputs[each] - float(np.median(list(inputs.values())))))
+    settles = f"repeat one test, such as {name} at {inputs[name]:g} {unit}, in every session"
+    if not named:
+        settles += ", and state the session of each record (measurement_session)"
+    return f"{why}; {percent(prior)} (standard deviation) is assumed between sessions", settles
+
+
+__all__ = ["HARMONICS", "Levels", "check_prior", "levels_and_error"]

@@ -1,0 +1,212 @@
+"""Predictive bands: between which limits a record's force, its peak and its energy are expected, before it is measured.
+
+A band is made of draws (`dampyr.models.prediction_error`): of the coefficients, of the levels of the fitted sessions and of the
+record to come, of the shape error and the noise. Limits are quantiles of the draws, sample by sample for the force, and of the
+draws' own peaks and energies for these. As with a score only the offset is taken from the record: each draw has the
+record's mean in the window.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification.score import SETTLING, Window, scoring_window, whole_cycles
+from dampyr.models import Damper
+from dampyr.models.prediction_error import draws_of, phase_basis, residual_draw
+from dampyr.records import Record, with_velocity
+from dampyr.records.moving_average import averaged
+from dampyr.records.smoothing import force_average
+from dampyr.representation import Representation, Summary, percent
+
+Array = NDArray[np.float64]
+LEVEL = 0.9  # of the band unless told otherwise
+DRAWS = 200  # the 5 % quantile of 200 draws has a standard error of 1.5 points
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An interval of a quantity, SI, and what was measured, NaN where nothing was."""
+
+    low: float
+    high: float
+    measured: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the measured value lies inside."""
+        return bool(self.low <= self.measured <= self.high)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers, for JSON."""
+        return {"low": self.low, "high": self.high, "measured": self.measured, "holds": self.holds}
+
+
+@dataclass(frozen=True, repr=False)
+class Band(Representation):
+    """The band of a record at ``level``: ``low`` and ``high`` (n,) of the force in N, the record's offset included.
+
+    ``holds`` is the share of the window's samples inside, ``width`` half the mean width over the mean of |F| about the
+    middle of its range (0.12 is ± 12 %). ``peak`` is half the range of the force in N, ``energy`` that of a cycle in J,
+    None where the window has no whole cycle. ``session`` is the fitted session that the record belongs to, None where
+    it counts as a new one.
+    """
+
+    level: float
+    time: Array
+    low: Array
+    high: Array
+    holds: float
+    width: float
+    peak: Interval
+    energy: Interval | None
+    session: str | None
+    window: Window
+
+    def _summary(self) -> Summary:
+        where = "a new session" if self.session is None else f"the session {self.session}"
+        rows = [
+            ("holds", f"{percent(self.holds)} of the samples"),
+            ("width", f"± {percent(self.width)} of the mean force"),
+            ("peak", _in_words(self.peak, "N")),
+            ("record", f"of {where}"),
+        ]
+        if self.energy is not None:
+            rows.insert(3, ("energy", f"{_in_words(self.energy, 'J')} per cycle"))
+        return f"Band, {percent(self.level)}", rows
+
+    def plot(self, record: Record) -> Any:
+        """The measured force in its band over the window; the matplotlib axes ``(1,)``."""
+        from dampyr.figures import style
+        from dampyr.figures.band import band
+
+        inside = self.window.slice
+        return style.in_pyplot(
+            band, record.time[inside], record.force[inside], self.low[inside], self.high[inside], level=self.level
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers, for JSON; the limits sample by sample are left out."""
+        return {
+            "level": self.level,
+            "holds": self.holds,
+            "width": self.width,
+            "peak": self.peak.as_dict(),
+            "energy": None if self.energy is None else self.energy.as_dict(),
+            "session": self.session,
+        }
+
+
+def _in_words(one: Interval, unit: str) -> str:
+    return f"{one.low:.4g} to {one.high:.4g} {unit}, measured {one.measured:.4g} {unit}"
+
+
+def check_level(level: float) -> None:
+    """:class:`~dampyr.errors.InputError` unless ``level`` is a share between 0 and 1."""
+    if not 0.0 < level < 1.0:
+        raise InputError(f"band = {level:g} is not allowed; it must lie between 0 and 1, such as 0.9 for 90 %")
+
+
+def why_no_band(damper: Damper) -> str:
+    """Why predictions of a damper have no band, in words; empty where they have."""
+    if damper.prediction_error is None:
+        return (
+            "the card has no prediction error (it was not identified by this version), so its predictions have no band"
+        )
+    if damper.covariance is None or not np.all(np.isfinite(damper.covariance)):
+        return "the records do not determine every coefficient of the card, so its predictions have no band"
+    return ""
+
+
+def force_draws(
+    damper: Damper, record: Record, draws: int = DRAWS, seed: int = 0, allow_extrapolation: bool = False
+) -> tuple[Array, str | None]:
+    """Forces (draws, n) in N that may be measured along a record, without its offset, and the fitted session that it is of."""
+    error = damper.prediction_error
+    if error is None or why_no_band(damper):
+        raise InputError(f"{why_no_band(damper)}; identify it again from its records")
+    if record.velocity is None or damper.bandwidth is not None:
+        record = with_velocity(record, damper.bandwidth)
+    assert record.velocity is not None
+    if record.temperature is not None:
+        damper = damper.at_temperature(float(np.mean(record.temperature)), allow_extrapolation=True)
+        error = damper.prediction_error or error
+    session = record.measurement_session if record.measurement_session in error.sessions else None
+    u = damper.pick_input(record.voltage, record.current)
+    rng = np.random.default_rng(seed)
+    basis = phase_basis(record.time, record.displacement, record.velocity)
+    shape, dt = error.shape_at(float(np.mean(np.asarray(u)))), record.dt
+    average = force_average(record)
+    out = np.empty((draws, record.n))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)  # the prediction has warned already
+        for k, one in enumerate(draws_of(damper, error, draws, rng, session)):
+            force = one.level * one.damper.force(
+                record.time,
+                record.displacement,
+                record.voltage,
+                record.current,
+                record.velocity,
+                allow_extrapolation=allow_extrapolation,
+            )
+            if average is not None:
+                force = averaged(force, *average.reach(record.dt))
+            out[k] = force + float(np.std(force)) * residual_draw(basis, dt, shape, rng)
+    return out, session
+
+
+def _interval(draws: Array, measured: float, tails: tuple[float, float]) -> Interval:
+    low, high = np.quantile(draws, tails)
+    return Interval(float(low), float(high), measured)
+
+
+def prediction_band(
+    damper: Damper,
+    record: Record,
+    level: float = LEVEL,
+    settling: float = SETTLING,
+    window: tuple[float, float] | None = None,
+    draws: int = DRAWS,
+    seed: int = 0,
+    allow_extrapolation: bool = False,
+) -> Band:
+    """The band of a record's force, of its peak and of its energy, and whether they hold what was measured.
+
+    A record whose ``measurement_session`` is one that the damper was fitted on has the level of that session; any other
+    counts as of a new session. ``settling`` and ``window`` as in `dampyr.identification.score`. Raises
+    :class:`~dampyr.errors.InputError` where the damper's card has no prediction error.
+    """
+    check_level(level)
+    where = scoring_window(record, settling, window)
+    forces, session = force_draws(damper, record, draws, seed, allow_extrapolation)
+    inside = where.slice
+    measured = record.force
+    forces += (np.mean(measured[inside]) - np.mean(forces[:, inside], axis=1))[:, None]
+    tails = 0.5 * (1.0 - level), 0.5 * (1.0 + level)
+    low, high = np.quantile(forces, tails, axis=0)
+    seen = (low[inside] <= measured[inside]) & (measured[inside] <= high[inside])
+    spread = np.mean(np.abs(measured[inside] - 0.5 * sum(np.quantile(measured[inside], (0.01, 0.99)))))
+    peaks = 0.5 * np.ptp(forces[:, inside], axis=1)
+    energy = None
+    if span := whole_cycles(record, where):
+        part, count = span
+        x = record.displacement[part] - np.mean(record.displacement[part])
+        work = [np.trapezoid(one[part] - np.mean(one[part]), x) / count for one in (*forces, measured)]
+        energy = _interval(np.array(work[:-1]), float(work[-1]), tails)
+    return Band(
+        level=level,
+        time=record.time,
+        low=low,
+        high=high,
+        holds=float(np.mean(seen)),
+        width=float(0.5 * np.mean(high[inside] - low[inside]) / spread),
+        peak=_interval(peaks, 0.5 * float(np.ptp(measured[inside])), tails),
+        energy=energy,
+        session=session,
+        window=where,
+    )

@@ -1,0 +1,274 @@
+r"""How far a measured force may be from what a damper predicts: parameters, level of the session and of the record, residual.
+
+A record r of the measurement session s has the force
+
+.. math:: F = f + e^{a_s + b_r}\,\hat F(x, v; \theta) + d\,(h_r(\varphi) + \eta), \qquad
+          a_s \sim N(0, \sigma_S^2), \quad b_r \sim N(0, \sigma_R^2)
+
+with the offset f, the *level* :math:`e^{a_s + b_r}`, a factor on the whole dynamic force, the standard deviation d of the
+predicted force along the record, a *shape error* h that repeats with the phase of the motion, and correlated noise
+:math:`\eta`. The phase is :math:`\varphi = \operatorname{atan2}(v/V, x/X)` with the amplitudes X and V of displacement and
+velocity, and :math:`h = \rho \sum_{k=1}^{5} (\alpha_k \cos k\varphi + \beta_k \sin k\varphi)` with the radius
+:math:`\rho = \sqrt{(x/X)^2 + (v/V)^2}`, so that small reversals have small errors. The noise is an autoregressive one of first
+order plus a white one.
+
+Each session s that was fitted has moved the coefficients by :math:`a_s` times its direction, the change of the
+coefficients with the logarithm of that session's level. Nobody can tell that from the damper itself where an input was
+measured in one session only: a prediction has the difference of two sessions' levels in it.
+
+A draw takes all of these: coefficients from their covariance and from the sessions' levels, the level of the record to
+come, its shape error and its noise. `dampyr.identification.levels` estimates the numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+
+if TYPE_CHECKING:
+    from dampyr.models.damper import Damper
+
+Array = NDArray[np.float64]
+HARMONICS = 5  # of the phase: a loop's corners need three or more; higher ones count as noise
+AMPLITUDE_QUANTILE = 0.995  # of |x| and |v|: one false sample sets no amplitude
+MAX_TRIES = 100  # draws of inadmissible coefficients for each that is admissible
+
+
+@dataclass(frozen=True)
+class ShapeError:
+    """The residual of the records at one input, over the standard deviation of the predicted force.
+
+    ``shape_mean`` and ``shape_sd`` (10,): cosines and sines of the first to the fifth harmonic of the phase, in pairs.
+    ``noise`` is the standard deviation of the correlated noise, ``noise_time`` its correlation time in s, ``white`` that of
+    the white one. ``records`` is how many it rests on.
+    """
+
+    input: float
+    shape_mean: tuple[float, ...]
+    shape_sd: tuple[float, ...]
+    noise: float
+    noise_time: float
+    white: float
+    records: int
+
+    def __post_init__(self) -> None:
+        for name in ("shape_mean", "shape_sd"):
+            values = tuple(map(float, getattr(self, name)))
+            if len(values) != 2 * HARMONICS or not all(map(math.isfinite, values)):
+                raise InputError(f"{name} must hold {2 * HARMONICS} finite numbers, not {list(values)}")
+            object.__setattr__(self, name, values)
+        for name in ("noise", "noise_time", "white"):
+            value = float(getattr(self, name))
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(f"{name} = {value:g} is not allowed; it must be finite and at least 0")
+
+
+@dataclass(frozen=True, eq=False)
+class PredictionError:
+    """What a prediction of a record may be off by, besides the covariance of the damper's coefficients.
+
+    ``record_sd`` and ``session_sd`` are standard deviations of the logarithm of the level (0.08 is 8 %), between records of one
+    session and between sessions, with their degrees of freedom, infinite where the number is stated and not estimated;
+    ``session_source`` says which. ``sessions`` are those that were fitted, ``directions`` (S, m) the change of the damper's
+    coefficients with the logarithm of each one's level, ``session_levels`` their levels' logarithms against the fit and
+    ``session_errors`` how well these are known. ``freedom`` are the degrees of freedom of the covariance. ``shapes`` are the
+    residuals by input; ``inputs`` the inputs at which each session was measured.
+    """
+
+    record_sd: float
+    record_freedom: float
+    session_sd: float
+    session_freedom: float
+    session_source: str
+    freedom: float
+    sessions: tuple[str, ...]
+    directions: Array
+    session_levels: tuple[float, ...]
+    session_errors: tuple[float, ...]
+    shapes: tuple[ShapeError, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("record_sd", "session_sd"):
+            value = float(getattr(self, name))
+            if not (math.isfinite(value) and 0.0 <= value <= 1.0):
+                raise InputError(f"{name} = {value:g} is not allowed; it must lie between 0 and 1 (0.08 is 8 %)")
+        for name in ("record_freedom", "session_freedom", "freedom"):
+            if not float(getattr(self, name)) > 0.0:
+                raise InputError(f"{name} = {getattr(self, name):g} is not allowed; it must be greater than 0, or inf")
+        directions = np.atleast_2d(np.array(self.directions, dtype=float))
+        count = len(self.sessions)
+        if not self.shapes or directions.shape[0] != count or not np.all(np.isfinite(directions)):
+            raise InputError(
+                f"a prediction error needs one row of finite directions for each of its {count} sessions and one shape or more"
+            )
+        if len(self.session_levels) != count or len(self.session_errors) != count:
+            raise InputError(f"session_levels and session_errors must hold {count} numbers, one for each session")
+        directions.setflags(write=False)
+        object.__setattr__(self, "directions", directions)
+        object.__setattr__(self, "sessions", tuple(self.sessions))
+
+    @property
+    def session_known(self) -> bool:
+        """Whether the level between sessions was estimated, and not stated."""
+        return math.isfinite(self.session_freedom)
+
+    def with_directions(self, directions: Array) -> PredictionError:
+        """The same for a damper with other coefficients, ``directions`` being (S, m) of these."""
+        given = {one.name: getattr(self, one.name) for one in fields(self)}
+        return PredictionError(**(given | {"directions": directions}))
+
+    def shape_at(self, u: float) -> ShapeError:
+        """The residual at the input that is nearest to ``u``."""
+        return min(self.shapes, key=lambda one: abs(one.input - u))
+
+    def card(self) -> dict[str, Any]:
+        """The table of a card."""
+        table = {one.name: getattr(self, one.name) for one in fields(self)}
+        table["directions"] = self.directions.tolist()
+        for name in ("sessions", "session_levels", "session_errors"):
+            table[name] = list(table[name])
+        table["shapes"] = [
+            {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(one).items()}
+            for one in self.shapes
+        ]
+        return table
+
+
+def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
+    """The prediction error of a card's table; :class:`~dampyr.errors.InputError` names what is wrong with it."""
+    allowed = [one.name for one in fields(PredictionError)]
+    for name in table:
+        if name not in allowed:
+            raise InputError(f"prediction_error has {name!r}, which is unknown; it holds {', '.join(allowed)}")
+    missing = [name for name in allowed if name not in table]
+    if missing:
+        raise InputError(f"prediction_error lacks {missing[0]!r}; add it, or leave the table out")
+    try:
+        shapes = tuple(ShapeError(**one) for one in table["shapes"])
+        made = PredictionError(**(dict(table) | {"shapes": shapes, "directions": np.array(table["directions"])}))
+    except (TypeError, ValueError) as problem:
+        raise InputError(f"prediction_error: {problem}") from None
+    if made.directions.shape[1] != coefficients:
+        raise InputError(
+            f"prediction_error.directions has {made.directions.shape[1]} columns; the laws have {coefficients} coefficients"
+        )
+    return made
+
+
+def session_words(error: PredictionError) -> str:
+    """How much sessions differ, in words."""
+    kind = "estimated" if error.session_known else "stated, not measured"
+    return f"levels of sessions differ by {100 * error.session_sd:.2g} % ({kind}), of records by {100 * error.record_sd:.2g} %"
+
+
+def force_power(unit: str) -> int:
+    """By which power of a factor on all forces a parameter in ``unit`` changes: 1 for N, N s/m or kg, -1 for m/N."""
+    numerator, _, denominator = unit.partition("/")
+    return sum(
+        sign * sum(word.rstrip("0123456789^") in ("N", "kg") for word in part.split())
+        for sign, part in ((1, numerator), (-1, denominator))
+    )
+
+
+def level_direction(damper: Damper) -> Array:
+    """The change (m,) of the damper's coefficients with the logarithm of its level; the static offset has none."""
+    return np.concatenate(
+        [
+            power * np.array(law.coefficients)
+            for power, law in zip(_powers(damper), damper.all_laws.values(), strict=True)
+        ]
+    )
+
+
+def at_level(damper: Damper, level: float) -> Damper:
+    """The damper with ``level`` times the dynamic force."""
+    if not (math.isfinite(level) and level > 0.0):
+        raise InputError(f"level = {level:g} is not allowed; it must be greater than 0, 1 being the fitted one")
+    sizes = [len(law.coefficients) for law in damper.all_laws.values()]
+    return damper.with_coefficients(damper.coefficients * np.repeat([level**power for power in _powers(damper)], sizes))
+
+
+def _powers(damper: Damper) -> list[int]:
+    static = damper.composition.static
+    return [
+        0 if k in static else force_power(quantity.unit)
+        for k, quantity in enumerate(damper.composition.quantities.values())
+    ]
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One draw: the damper's coefficients, and the level of the record to come."""
+
+    damper: Damper
+    level: float
+
+
+def draws_of(
+    damper: Damper, error: PredictionError, n: int, rng: np.random.Generator, session: str | None = None
+) -> Iterator[Draw]:
+    """``n`` dampers of the posterior, each with the level of the next record: of a new session, or of a fitted one by its name.
+
+    In a fitted session the sessions' levels are those of the fit, so that only what is not known of that session's counts.
+    """
+    values, vectors = np.linalg.eigh(damper.known_covariance())
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    fitted = None if session is None else error.sessions.index(session)
+    for _ in range(n):
+        spread = error.session_sd * _t_factor(rng, error.session_freedom)
+        for _ in range(MAX_TRIES):
+            change = _t_factor(rng, error.freedom) * root @ rng.standard_normal(values.size)
+            if fitted is None:
+                change = change + spread * rng.standard_normal(len(error.sessions)) @ error.directions
+            try:
+                drawn = damper.with_coefficients(damper.coefficients + change)
+            except InputError:
+                continue
+            break
+        else:
+            raise InputError(f"none of {MAX_TRIES} draws was admissible; the fit is too uncertain to draw from")
+        if fitted is None:
+            level = spread * rng.standard_normal()
+        else:
+            level = error.session_levels[fitted] + error.session_errors[fitted] * rng.standard_normal()
+        level += error.record_sd * _t_factor(rng, error.record_freedom) * rng.standard_normal()
+        yield Draw(drawn, math.exp(level))
+
+
+def _t_factor(rng: np.random.Generator, freedom: float) -> float:
+    """What makes a normal number one of Student's t."""
+    return math.sqrt(freedom / rng.chisquare(freedom)) if math.isfinite(freedom) else 1.0
+
+
+def phase_basis(t: Array, x: Array, v: Array) -> Array:
+    """The functions (n, 10) of the shape error along a motion; a straight line through the displacement is taken off."""
+    line = np.polynomial.polynomial.polyfit(t - t[0], x, 1)
+    away = x - line[0] - line[1] * (t - t[0])
+    scaled = [one / max(float(np.quantile(np.abs(one), AMPLITUDE_QUANTILE)), 1e-300) for one in (away, v)]
+    radius, phase = np.hypot(*scaled), np.arctan2(scaled[1], scaled[0])
+    steps = np.outer(phase, np.arange(1, HARMONICS + 1))
+    waves = np.stack((np.cos(steps), np.sin(steps)), axis=-1).reshape(t.size, -1)
+    return np.asarray(radius[:, None] * waves)
+
+
+def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Generator) -> Array:
+    """A residual (n,) over the standard deviation of the force, along the motion of a `phase_basis` with ``dt`` s a sample."""
+    n = len(basis)
+    wide = math.sqrt(1.0 + 1.0 / max(shape.records, 1))
+    coefficients = np.array(shape.shape_mean) + wide * np.array(shape.shape_sd) * rng.standard_normal(2 * HARMONICS)
+    out = basis @ coefficients + shape.white * rng.standard_normal(n)
+    if shape.noise > 0.0:
+        from scipy.signal import lfilter
+
+        keep = math.exp(-dt / shape.noise_time) if shape.noise_time > 0.0 else 0.0
+        drive = shape.noise * math.sqrt(1.0 - keep**2) * rng.standard_normal(n)
+        drive[0] = shape.noise * rng.standard_normal()
+        out = out + lfilter([1.0], [1.0, -keep], drive)
+    return np.asarray(out)
