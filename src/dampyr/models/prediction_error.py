@@ -25,15 +25,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-
-if TYPE_CHECKING:
-    from dampyr.models.damper import Damper
 
 Array = NDArray[np.float64]
 HARMONICS = 5  # of the phase: a loop's corners need three or more; higher ones count as noise
@@ -177,7 +174,7 @@ def force_power(unit: str) -> int:
     )
 
 
-def level_direction(damper: Damper) -> Array:
+def level_direction(damper: Any) -> Array:
     """The change (m,) of the damper's coefficients with the logarithm of its level; the static offset has none."""
     return np.concatenate(
         [
@@ -187,7 +184,7 @@ def level_direction(damper: Damper) -> Array:
     )
 
 
-def at_level(damper: Damper, level: float) -> Damper:
+def at_level(damper: Any, level: float) -> Any:
     """The damper with ``level`` times the dynamic force."""
     if not (math.isfinite(level) and level > 0.0):
         raise InputError(f"level = {level:g} is not allowed; it must be greater than 0, 1 being the fitted one")
@@ -195,7 +192,7 @@ def at_level(damper: Damper, level: float) -> Damper:
     return damper.with_coefficients(damper.coefficients * np.repeat([level**power for power in _powers(damper)], sizes))
 
 
-def _powers(damper: Damper) -> list[int]:
+def _powers(damper: Any) -> list[int]:
     static = damper.composition.static
     return [
         0 if k in static else force_power(quantity.unit)
@@ -207,12 +204,12 @@ def _powers(damper: Damper) -> list[int]:
 class Draw:
     """One draw: the damper's coefficients, and the level of the record to come."""
 
-    damper: Damper
+    damper: Any
     level: float
 
 
 def draws_of(
-    damper: Damper, error: PredictionError, n: int, rng: np.random.Generator, session: str | None = None
+    damper: Any, error: PredictionError, n: int, rng: np.random.Generator, session: str | None = None
 ) -> Iterator[Draw]:
     """``n`` dampers of the posterior, each with the level of the next record: of a new session, or of a fitted one by its name.
 
