@@ -176,4 +176,4 @@ def test_the_published_campaign_is_told_that_level_and_voltage_cannot_be_told_ap
     assert any("level and voltage cannot be told apart" in note and "0.8712 V" in note for note in done.notes)
     assert done.damper is not None
     assert done.damper.prediction_error is not None
-    assert not done.damper.prediction_error.session_known
+    assert not done.damper.prediction_error.session_estimated

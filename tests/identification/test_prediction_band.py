@@ -100,11 +100,11 @@ def test_a_band_is_the_same_twice_and_another_with_another_seed(fitted: Fit) -> 
 def test_a_wider_level_holds_more(fitted: Fit) -> None:
     assert fitted.damper is not None
     record = unseen(1)
-    half, most = (prediction_band(fitted.damper, record, level, draws=60) for level in (0.5, 0.95))
-    assert half.holds < most.holds
-    assert half.width < most.width
-    assert half.peak.low > most.peak.low
-    assert half.peak.high < most.peak.high
+    half, wide = (prediction_band(fitted.damper, record, level, draws=60) for level in (0.5, 0.95))
+    assert half.holds < wide.holds
+    assert half.width < wide.width
+    assert half.peak.low > wide.peak.low
+    assert half.peak.high < wide.peak.high
 
 
 def test_a_record_of_a_fitted_session_has_a_narrower_band_about_its_level(fitted: Fit) -> None:

@@ -180,15 +180,15 @@ def _print_intervals(result: Simulated, damper: Damper | None) -> None:
         rows.append([name, *(f"{low:.4g} to {high:.4g}" for low, high in shown)])
     heads = [f"largest of {len(names)} floors"] if len(names) > WIDE else [f"floor {name}" for name in names]
     error = None if damper is None else damper.prediction_error
-    known = "" if error is None else f", with levels of records and sessions: {error.session_source}"
+    source = "" if error is None else f", with levels of records and sessions: {error.session_source}"
     print_table(
         f"90 % intervals of the peaks, {result.draws} drawn dampers",
         ["case", *heads, "drift", "acceleration", "damper force"],
         rows,
         ["", *("mm" for _ in heads), "mm", "m/s²", "N"],
         notes=[
-            f"from the covariance of the card{known}"
-            if known
+            f"from the covariance of the card{source}"
+            if source
             else "from the covariance of the card, without levels of sessions"
         ],
     )

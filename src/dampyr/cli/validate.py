@@ -126,8 +126,8 @@ def _print_bands(result: Validated) -> None:
         names += [f"{share} holds", "width ±", "peak", "expected", "energy", "expected"]
         units += ["%", "%", "N", "N", "J", "J"]
         sessions = sorted({one.session for one in result.bands.values() if one.session is not None})
-        known = f"; those of {', '.join(sessions)} have the level of that session" if sessions else ""
-        notes.append(f"records count as of a new measurement session{known}; width: of the mean force")
+        of_fitted = f"; those of {', '.join(sessions)} have the level of that session" if sessions else ""
+        notes.append(f"records count as of a new measurement session{of_fitted}; width: of the mean force")
         if result.damper.prediction_error is not None:
             notes.append(result.damper.prediction_error.session_source)
     elif result.no_band:

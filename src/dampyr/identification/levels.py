@@ -182,8 +182,8 @@ def levels_and_error(
 def _freedom(uncertainty: Uncertainty) -> float:
     """The degrees of freedom of the coefficients, in the middle."""
     variances = np.diag(uncertainty.covariance)
-    known = np.isfinite(variances) & (variances > 0.0)
-    return float(np.median(uncertainty.freedom[known])) if known.any() else math.inf
+    determined = np.isfinite(variances) & (variances > 0.0)
+    return float(np.median(uncertainty.freedom[determined])) if determined.any() else math.inf
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ def write(damper: Any, path: Path) -> Path:
 
     head = "# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n"
     error = damper.prediction_error
-    if error is not None and not error.session_known:
+    if error is not None and not error.session_estimated:
         head += f"# The level between measurement sessions is not known: {error.session_source}.\n"
     if damper.composition.not_for_buildings:
         head += f"# {damper.composition.not_for_buildings}.\n"

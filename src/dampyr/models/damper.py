@@ -553,7 +553,7 @@ class Damper(Representation):
         InputError without a covariance, where a coefficient was unidentifiable in the fit, or where fewer than 1 % of
         the draws are admissible.
         """
-        covariance = self.known_covariance()
+        covariance = self.finite_covariance()
         if self.within_records:
             warnings.warn(
                 f"the draws of {_shortened(self.within_records)} hold within the fitted records only: between-record variance "
@@ -577,7 +577,7 @@ class Damper(Representation):
             f"only {len(dampers)} of {100 * n} draws were admissible; the fit is too uncertain to draw from"
         )
 
-    def known_covariance(self) -> Array:
+    def finite_covariance(self) -> Array:
         """The covariance of the coefficients; :class:`~dampyr.errors.InputError` unless dampers can be drawn from it."""
         if self.covariance is None:
             raise InputError("this damper has no covariance to draw from; identify it from records first")

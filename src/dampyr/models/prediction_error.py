@@ -112,7 +112,7 @@ class PredictionError:
         object.__setattr__(self, "sessions", tuple(self.sessions))
 
     @property
-    def session_known(self) -> bool:
+    def session_estimated(self) -> bool:
         """Whether the level between sessions was estimated, and not stated."""
         return math.isfinite(self.session_freedom)
 
@@ -161,7 +161,7 @@ def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
 
 def session_words(error: PredictionError) -> str:
     """How much sessions differ, in words."""
-    kind = "estimated" if error.session_known else "stated, not measured"
+    kind = "estimated" if error.session_estimated else "stated, not measured"
     return f"levels of sessions differ by {100 * error.session_sd:.2g} % ({kind}), of records by {100 * error.record_sd:.2g} %"
 
 
@@ -215,7 +215,7 @@ def draws_of(
 
     In a fitted session the sessions' levels are those of the fit, so that only what is not known of that session's counts.
     """
-    values, vectors = np.linalg.eigh(damper.known_covariance())
+    values, vectors = np.linalg.eigh(damper.finite_covariance())
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     fitted = None if session is None else error.sessions.index(session)
     for _ in range(n):

@@ -35,10 +35,10 @@ def parameter_tables(fit: Fit) -> list[Table]:
     tables = []
     wanted = [(False, "records", "Value ± half of its 95 % interval."), (True, "records", _caption(fit))]
     if fit.levels is not None:
-        known = "is estimated" if fit.levels.repeated else "is assumed, not measured"
+        how = "is estimated" if fit.levels.repeated else "is assumed, not measured"
         wanted.insert(
             1,
-            (False, "sessions", f"The same between measurement sessions, whose level {known}: {fit.levels.words}."),
+            (False, "sessions", f"The same between measurement sessions, whose level {how}: {fit.levels.words}."),
         )
     for errors, between, caption in wanted:
         heads, rows = fit.by_input(errors, between)
