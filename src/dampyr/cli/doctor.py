@@ -65,19 +65,16 @@ def _compiler() -> list[Any]:
 
 
 def _data() -> list[list[Any]]:
-    from dampyr import records
-    from dampyr.errors import MissingData
-    from dampyr.records.datasets import DATA_SETS, missing_files
+    """The campaign, which tests and studies read, and those of the other data sets that are here."""
+    from dampyr.records import datasets
 
     findings: list[list[Any]] = []
-    for dataset in DATA_SETS:
-        fetch = f"dampyr datasets fetch {dataset.name}"
-        try:
-            folder = records.locate(dataset.name)
-        except MissingData:
-            findings.append([f"data set {dataset.name}", "absent", fetch])
+    for name in sorted(datasets.available_data_sets(), key=lambda name: (name != "labcontrol", name)):
+        each = datasets.describe(name)
+        repair = f"dampyr datasets fetch {name}"
+        if each["folder"] is None:
+            findings += [[f"data set {name}", "absent", repair]] if name == "labcontrol" else []
             continue
-        missing = missing_files(folder)
-        state = f"{folder}, {len(missing)} files missing" if missing else str(folder)
-        findings.append([f"data set {dataset.name}", state, fetch if missing else None])
+        missing = f", {len(each['missing_files'])} files missing" if each["missing_files"] else ""
+        findings.append([f"data set {name}", f"{each['folder']}{missing}", repair if missing else None])
     return findings

@@ -54,8 +54,8 @@ class Table:
 
     ``kinds`` says what each column holds: "number"; or s, of a "clock" since midnight, of a "stamp" and a "date" since the
     midnight before the first. Empty: all are numbers. ``stamps`` are the first row's texts of those that are no numbers, by
-    column, ``groups`` what the file says of its session and specimen, ``lines`` the line of each row in the file, and ``notes``
-    what the history says of how it was read.
+    column, ``groups`` what the file says of its session and specimen, ``lines`` the line of each row in the file, ``empty`` the
+    line of the first empty cell of each column that has one, and ``notes`` what the history says of how it was read.
     """
 
     names: tuple[str, ...]
@@ -65,6 +65,7 @@ class Table:
     stamps: Mapping[int, str] = field(default_factory=dict)
     groups: Mapping[str, str] = field(default_factory=dict)
     lines: Sequence[int] = ()
+    empty: Mapping[int, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     def headers(self) -> list[str]:
@@ -85,6 +86,7 @@ def record_of(path: Path, table: Table, request: Request, kind: str) -> Record:
     used = _columns(path, table, request)
     _check_needed(path, table, used, request)
     _check_kinds(path, table, used)
+    _check_empty(path, table, used)
     _check_units(path, table, used, request)
     channels: dict[str, Any] = {
         name: _in_si(path, table, name, column, request) for name, column in used.items() if name != "time"
@@ -215,6 +217,14 @@ def _check_kinds(path: Path, table: Table, used: dict[str, int]) -> None:
                 path,
                 f"the column of the {channel} holds {table.stamps[column]!r}, which is no number; declare another, "
                 f"--column {channel}=NAME or columns={{{channel!r}: NAME}}",
+            )
+
+
+def _check_empty(path: Path, table: Table, used: dict[str, int]) -> None:
+    for channel, column in used.items():
+        if column in table.empty:
+            raise FileError(
+                path, f"line {table.empty[column]}: the cell of the {channel} is empty; repair or cut out the line"
             )
 
 
