@@ -26,6 +26,7 @@ import click
 
 from dampyr import registry
 from dampyr.cli import cli
+from dampyr.cli._examples import examples_of
 from dampyr.config import origin, split
 from dampyr.models import part, published
 from dampyr.records.datasets import available_data_sets, data_set
@@ -375,6 +376,12 @@ def command_section(name: str, command: click.Command) -> str:
     return "\n".join([*parts, *([table(["option", "what"], rows), ""] if rows else [])])
 
 
+def command_examples() -> str:
+    """The examples of every command's help, in one block."""
+    groups = [examples_of(command) for _, command in commands()]
+    return "\n".join(["```", *dict.fromkeys(line for group in groups for line in group), "```"])
+
+
 LISTS: dict[str, Callable[[], str]] = {
     "parts": lambda: in_line(PARTS),
     "part-sections": part_sections,
@@ -398,6 +405,7 @@ LISTS: dict[str, Callable[[], str]] = {
     "study-sections": lambda: sections_of(STUDIES),
     "commands": lambda: ", ".join(f"`{name.replace('_', '-')}`" for name in registry.names(COMMANDS)),
     "command-table": command_table,
+    "command-examples": command_examples,
     "command-sections": command_sections,
 }
 

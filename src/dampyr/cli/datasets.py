@@ -7,15 +7,21 @@ from typing import Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 
 
-@click.group()
+@click.group(
+    epilog=examples(
+        "dampyr datasets list",
+        "dampyr datasets fetch labcontrol",
+    )
+)
 def command() -> None:
     """List open data sets, show one, or fetch one."""
 
 
-@command.command("list")
+@command.command("list", epilog=examples("dampyr datasets list", "dampyr datasets list --json"))
 @as_json_option
 def list_(as_json: bool) -> None:
     """List data sets: what they are of, their licences, what is here."""
@@ -41,7 +47,7 @@ def list_(as_json: bool) -> None:
     )
 
 
-@command.command()
+@command.command(epilog=examples("dampyr datasets show quiroz_2022"))
 @click.argument("name")
 @as_json_option
 def show(name: str, as_json: bool) -> None:
@@ -73,7 +79,7 @@ def show(name: str, as_json: bool) -> None:
         click.echo(_wrapped("note", note))
 
 
-@command.command()
+@command.command(epilog=examples("dampyr datasets fetch labcontrol --to data/labcontrol-mr-damper"))
 @click.argument("name")
 @click.option("--to", "folder", type=click.Path(path_type=Path), help="Where to; by default below DAMPYR_DATA.")
 @click.option("--from", "source", help="Another address, or a local folder, with the same files.")
