@@ -262,7 +262,7 @@ def _kind(cell: str, delimiter: str | None) -> str | None:
 def _values(
     path: Path, rows: _Rows, delimiter: str | None, quoted: bool
 ) -> tuple[tuple[str, ...], Array, dict[int, int]]:
-    """What each column holds, by the first row; the values ``(n, m)``: numbers, or s; the line of each column's first empty cell.
+    """What each column holds by the first row, the values ``(n, m)`` as numbers or s, and the line of its first empty cell.
 
     An empty cell is NaN: a column that says something once, in the first row, may be left out of a record.
     """
