@@ -199,15 +199,17 @@ def _check_needed(path: Path, table: Table, used: dict[str, int], request: Reque
             f"dt = {request.dt:g} s was given, but the column {there} is the time; leave one of them out, such as "
             "--column time=- or columns={'time': None}",
         )
-    for channel in ("time", "displacement", "force"):
-        instead = (channel == "time" and request.dt is not None) or (channel == "displacement" and "velocity" in used)
-        if channel not in used and not instead:
-            also = ", or give the sampling interval: --dt 0.001, dt=0.001" if channel == "time" else ""
-            raise FileError(
-                path,
-                f"no column is the {channel} (there: {table.in_words()}); declare which, --column {channel}=NAME or "
-                f"columns={{{channel!r}: NAME}}{also}",
-            )
+    instead = {"time": request.dt is not None, "displacement": "velocity" in used}
+    absent = [name for name in ("time", "displacement", "force") if name not in used and not instead.get(name)]
+    if absent:
+        words = " or ".join([", ".join(f"the {name}" for name in absent[:-1]), f"the {absent[-1]}"][len(absent) == 1 :])
+        options = " ".join(f"--column {name}=NAME" for name in absent)
+        call = ", ".join(f"{name!r}: NAME" for name in absent)
+        also = ", or give the sampling interval: --dt 0.001, dt=0.001" if "time" in absent else ""
+        raise FileError(
+            path,
+            f"no column is {words} (there: {table.in_words()}); declare which, {options} or columns={{{call}}}{also}",
+        )
 
 
 def _check_kinds(path: Path, table: Table, used: dict[str, int]) -> None:

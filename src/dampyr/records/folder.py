@@ -106,7 +106,8 @@ def _read(path: Path, said: dict[str, Any]) -> Record:
         if not _is_text(path) or problem.path != path or NAME in str(problem):
             raise
         raise FileError(
-            path, f"{str(problem).removeprefix(f'{path}: ')} (not a record? ignore it in {NAME})"
+            path,
+            f"{str(problem).removeprefix(f'{path}: ')} (for all files at once: {NAME}; not a record? ignore it in {NAME})",
         ) from problem
 
 
