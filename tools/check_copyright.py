@@ -28,7 +28,18 @@ OWN_LICENCE = "LICENSE"
 FOLDERS = {"vendor", "vendored", "third_party", "third-party", "node_modules"}
 ALLOWED = {
     ("README.md", "zenodo.4445334"): "the terms of a data set, which is downloaded",
-    ("src/dampyr/records/datasets.py", "Labcontrol"): "the terms of the same data set, shown to who downloads it",
+    (
+        "src/dampyr/records/datasets/labcontrol.toml",
+        "Labcontrol",
+    ): "the terms of the same data set, shown to who downloads it",
+    ("src/dampyr/records/datasets/labcontrol_motions.toml", "Labcontrol"): "the same, of its ground motions",
+    (
+        "src/dampyr/records/datasets/quiroz_2022.toml",
+        "mequiroz",
+    ): "the terms of another data set, shown to who downloads it",
+    ("src/dampyr/records/datasets/vrths_2020.toml", "mequiroz"): "the same, of its ground motions",
+    ("docs/reference/datasets.md", "Labcontrol"): "the page made from these files",
+    ("docs/reference/datasets.md", "mequiroz"): "the page made from these files",
 }
 NOTICE = re.compile(
     r"(?:\bcopyright|\u00a9)\W{0,12}(?:\(c\)|\u00a9|by\b|(?:19|20)\d\d)|\(c\)\s*(?:19|20)\d\d", re.IGNORECASE

@@ -26,8 +26,10 @@ import click
 
 from dampyr import registry
 from dampyr.cli import cli
+from dampyr.cli._examples import examples_of
 from dampyr.config import origin, split
 from dampyr.models import part, published
+from dampyr.records.datasets import available_data_sets, data_set
 from dampyr.units import Quantity, for_people
 
 CHECKOUT = Path(__file__).resolve().parents[1]
@@ -151,6 +153,54 @@ def set_section(name: str) -> str:
     rows = [[f"`{letter}`", f"{number:.15g}", unit] for letter, (number, unit) in one.printed.items()]
     printed = table(["as printed", "number", "unit"], rows)
     return "\n".join([f"## `{name}`", "", markdown(one.description), "", *lines, "", printed, ""])
+
+
+# Data sets
+
+
+def dataset_table() -> str:
+    """One row for each data set."""
+    rows = []
+    for name in available_data_sets():
+        one = data_set(name)
+        size = f"{one.size / 1e6:.2g} MB" if one.size >= 1e6 else f"{one.size / 1e3:.0f} kB" if one.size else "unknown"
+        rows.append([f"[`{name}`](#{name})", one.kind, one.licence_in_words, str(one.count or "unknown"), size])
+    return table(["data set", "of", "licence", "files", "size"], rows)
+
+
+def dataset_sections() -> str:
+    """Each data set in full."""
+    return "\n".join(map(dataset_section, available_data_sets()))
+
+
+def dataset_section(name: str) -> str:
+    """The section of one data set."""
+    one = data_set(name)
+    given = sum(bool(file.sha256) for file in one.contents)
+    number = len(one.contents)
+    sums = f"{given} of {number} in dampyr" if number else "none; dampyr does not know the files one by one"
+    if number > given:
+        sums += "; the others are recorded at the first fetch"
+    got = (
+        "by `dampyr datasets fetch`"
+        if one.base_url
+        else "from the page, then `--from FOLDER`"
+        if number
+        else "from the page"
+    )
+    items = [
+        f"**Holds:** {one.holds}.",
+        f"**Good for:** {one.good_for}.",
+        f"**Specimen:** {one.specimen}.",
+        f"**Format:** {one.format}.",
+        f"**Licence:** {one.licence_in_words} ({one.licence_from}).",
+        f"**Cite as:** {one.citation}.",
+        f"**Page:** <{one.page}>" + (f", doi [{one.doi}](https://doi.org/{one.doi})." if one.doi else "."),
+        f"**Got:** {got}. Checksums: {sums}.",
+        *(f"**Note:** {note}." for note in one.notes),
+    ]
+    lines = [fill(item, 118, subsequent_indent="  ", break_long_words=False, initial_indent="- ") for item in items]
+    return "\n".join([f"## `{name}`", "", f"{one.title}.", "", *lines, ""])
 
 
 # Campaigns
@@ -326,12 +376,20 @@ def command_section(name: str, command: click.Command) -> str:
     return "\n".join([*parts, *([table(["option", "what"], rows), ""] if rows else [])])
 
 
+def command_examples() -> str:
+    """The examples of every command's help, in one block."""
+    groups = [examples_of(command) for _, command in commands()]
+    return "\n".join(["```", *dict.fromkeys(line for group in groups for line in group), "```"])
+
+
 LISTS: dict[str, Callable[[], str]] = {
     "parts": lambda: in_line(PARTS),
     "part-sections": part_sections,
     "set-table": set_table,
     "set-sections": set_sections,
     "steps": lambda: in_line(STEPS),
+    "dataset-table": dataset_table,
+    "dataset-sections": dataset_sections,
     "campaign-header": campaign_header,
     "step-sections": step_sections,
     "control-laws": lambda: in_line(LAWS),
@@ -347,6 +405,7 @@ LISTS: dict[str, Callable[[], str]] = {
     "study-sections": lambda: sections_of(STUDIES),
     "commands": lambda: ", ".join(f"`{name.replace('_', '-')}`" for name in registry.names(COMMANDS)),
     "command-table": command_table,
+    "command-examples": command_examples,
     "command-sections": command_sections,
 }
 

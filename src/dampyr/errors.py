@@ -60,3 +60,8 @@ class DampyrWarning(UserWarning):
 
 class ExtrapolationWarning(DampyrWarning):
     """A result leaves the calibrated range; the caller asked for it by name."""
+
+
+def install_line(extra: str) -> str:
+    """The command that installs an extra of dampyr, quoted as every shell takes it."""
+    return f'pip install "dampyr[{extra}]"'

@@ -88,7 +88,7 @@ def test_a_run_without_the_extra_says_how_to_install_it(tmp_path: Path, monkeypa
     monkeypatch.setattr(process, "find_spec", lambda name: None if name == "grpc" else object())
     refused = run("run", EXAMPLES / "quick_campaign.toml", "--out", tmp_path / "out")
     assert refused.exit_code == 2
-    assert "needs grpcio for its wires; install the extra: pip install 'dampyr[rig]', or simulate it" in refused.stderr
+    assert 'needs grpcio for its wires; install the extra: pip install "dampyr[rig]", or simulate it' in refused.stderr
     assert "grpc'" not in refused.stderr
     monkeypatch.setattr(diagnosis.metadata, "version", missing)
-    assert {finding.repair for finding in diagnosis.diagnose(in_process=True)[:3]} == {"pip install 'dampyr[rig]'"}
+    assert {finding.repair for finding in diagnosis.diagnose(in_process=True)[:3]} == {'pip install "dampyr[rig]"'}

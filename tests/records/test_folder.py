@@ -330,3 +330,13 @@ def test_a_campaign_table_may_name_sessions_and_specimens(folder: Path) -> None:
     assert (first.measurement_session, first.specimen) == ("day 1", "no. 7")
     assert (second.measurement_session, second.specimen) == (None, None)
     assert read_campaign(folder, units=UNITS, specimen="no. 8")[1].specimen == "no. 8"
+
+
+def test_files_of_one_name_are_no_tries_of_one_test(tmp_path):
+    t = 0.01 * np.arange(100)
+    for k in range(2):
+        write(Record(t, np.sin(t), np.cos(t), voltage=0.0, name="sine"), tmp_path / f"{k}.h5")
+    with pytest.raises(
+        InputError, match=r"2 records are called 'sine' \(from .*\); ignore or rename all but one .* inside"
+    ):
+        read_campaign(tmp_path)

@@ -385,3 +385,27 @@ def test_numbers_are_the_same_whichever_way_they_are_read(tmp_path, text):
     path.write_text("\n".join(lines))
     with pytest.raises(FileError, match=r"line 9: '2x5' is not a number"):
         read(path, header=0, **said)
+
+
+def test_an_empty_cell_is_wrong_only_where_a_channel_has_it(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = [f"{t},{x},{'3000' if k == 0 else ''},{f}" for k, (t, x, f) in enumerate(ROWS)]
+    path.write_text("time [s],displacement [mm],fs [Hz],force [N]\n" + "\n".join(rows))
+    assert read(path).force == pytest.approx([row[2] for row in ROWS])
+    rows[4] = rows[4].replace(",10.0,", ",,")
+    path.write_text("time [s],displacement [mm],fs [Hz],force [N]\n" + "\n".join(rows))
+    with pytest.raises(FileError, match=r"line 6: the cell of the displacement is empty; repair or cut out the line"):
+        read(path)
+
+
+def test_every_channel_that_no_column_is_stands_in_one_message(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("Zeit [s];Weg [mm];Kraft [kN]\n" + lines(";", ","))
+    words = r"no column is the time, the displacement or the force \(there: Zeit, Weg, Kraft\); declare which, "
+    options = r"--column time=NAME --column displacement=NAME --column force=NAME or columns=.*--dt 0.001"
+    with pytest.raises(FileError, match=words + options):
+        read(path)
+    with pytest.raises(
+        FileError, match=r"no column is the displacement or the force .*, --column displacement=NAME --c"
+    ):
+        read(path, columns={"time": "Zeit"})

@@ -6,10 +6,11 @@ A command is a file of this folder called as the command, with a click command (
 
     import click
 
+    from dampyr.cli._examples import examples
     from dampyr.cli._output import as_json_option, print_json, print_table
 
 
-    @click.command()
+    @click.command(epilog=examples("dampyr mass damper.toml"))
     @click.argument("card", type=click.Path())
     @as_json_option
     def command(card: str, as_json: bool) -> None:
@@ -26,7 +27,8 @@ A command is a file of this folder called as the command, with a click command (
         else:
             print_table("Mass", ["damper", "mass"], [[..., ...]], units=["", "kg"])
 
-It parses, calls one public function of a package, and prints: nothing is computed here. An underscore in the
+It parses, calls one public function of a package, and prints: nothing is computed here. Its help ends with examples, each of
+which ``tests/cli/test_examples.py`` runs. An underscore in the
 file's name is a hyphen in the command's. It may return an exit code; None is 0. A
 :class:`dampyr.errors.DampyrError`, a file that cannot be opened and a wrong option end it with one line on
 stderr and exit code 2; a :class:`dampyr.errors.DampyrWarning` is one line on stderr. Any other exception is a

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._motion import ratio
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._records import Reading, gather, reading_options, role_option
@@ -38,7 +39,12 @@ UNITS = ["", "", "", "", "", "", "", "mm/s", "N or J", "N or J", "%"]
 QUANTITIES = ("extension", "compression", "energy")
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr accept damper.toml tests --tolerance 20%",
+        "dampyr accept damper.toml tests --tolerance 10% --report accept.html",
+    )
+)
 @click.argument("reference", metavar="REFERENCE")
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--tolerance", default="15%", show_default=True, help="Of what the reference gives, such as 10% or 0.1.")

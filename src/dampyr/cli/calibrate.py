@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.errors import InputError
 
@@ -26,7 +27,7 @@ VALUES = [
 ]
 
 
-@click.command()
+@click.command(epilog=examples("dampyr calibrate --rig rig.toml", "dampyr calibrate --rig rig.toml --coil --yes"))
 @click.option("--rig", type=click.Path(path_type=Path), required=True, help="The rig.toml; the result lies beside it.")
 @click.option("--load", metavar="FORCE", help='A known load, such as "20 kg" or "196.1 N".')
 @click.option("--shunt", metavar="OHM", help='A resistor across one arm of the bridge, such as "100 kohm".')

@@ -6,11 +6,17 @@ from pathlib import Path
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json
-from dampyr.errors import InputError
+from dampyr.errors import InputError, install_line
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr console",
+        "dampyr console --data lab --port 8080 --no-browser",
+    )
+)
 @click.option(
     "--host", default="127.0.0.1", show_default=True, help="Another than this machine's own asks for a token."
 )
@@ -38,7 +44,7 @@ def command(host: str, port: int, data: Path, token: str | None, quota: int, no_
         from dampyr.rig.priority import before_ordinary
     except ModuleNotFoundError as problem:
         raise InputError(
-            f"the console needs {problem.name}, which is missing; install it with pip install 'dampyr[console]'"
+            f"the console needs {problem.name}, which is missing; install it: {install_line('console')}"
         ) from None
 
     def tell(address: str) -> None:

@@ -7,37 +7,89 @@ from typing import Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 
 
-@click.group()
+@click.group(
+    epilog=examples(
+        "dampyr datasets list",
+        "dampyr datasets fetch labcontrol",
+    )
+)
 def command() -> None:
-    """List published data sets, or fetch one."""
+    """List open data sets, show one, or fetch one."""
 
 
-@command.command("list")
+@command.command("list", epilog=examples("dampyr datasets list", "dampyr datasets list --json"))
 @as_json_option
 def list_(as_json: bool) -> None:
-    """List data sets: where they are, how to cite them."""
-    from dampyr.records.datasets import DATA_SETS
+    """List data sets: what they are of, their licences, what is here."""
+    from dampyr.records import datasets
 
-    datasets = [_described(each) for each in DATA_SETS]
+    described = [datasets.describe(name) for name in datasets.available_data_sets()]
     if as_json:
-        print_json(datasets)
+        print_json(described)
         return
-    rows = [[each["name"], each["state"], each["folder"], each["licence"], each["citation"]] for each in datasets]
-    print_table("Data sets", ["name", "state", "folder", "licence", "cite as"], rows)
+    rows = [
+        [each["name"], each["kind"], _short_licence(each), each["count"], _size(each["size"]), _state(each)]
+        for each in described
+    ]
+    print_table(
+        "Data sets",
+        ["name", "of", "licence", "files", "size", "here"],
+        rows,
+        notes=[
+            "all of one: `dampyr datasets show NAME`; get one: `dampyr datasets fetch NAME`, such as",
+            "`dampyr datasets fetch labcontrol`. Where no licence is stated, files may be used only as the law or",
+            "their owner allows.",
+        ],
+    )
 
 
-@command.command()
+@command.command(epilog=examples("dampyr datasets show quiroz_2022"))
+@click.argument("name")
+@as_json_option
+def show(name: str, as_json: bool) -> None:
+    """Show all that is known of the data set NAME."""
+    from dampyr.records import datasets
+
+    each = datasets.describe(name)
+    if as_json:
+        print_json(each)
+        return
+    click.echo(f"{name}: {each['title']}\n")
+    lines = {
+        "of": each["kind"],
+        "specimen": each["specimen"],
+        "holds": each["holds"],
+        "good for": each["good_for"],
+        "format": each["format"],
+        "licence": f"{each['licence']} ({each['licence_from']})",
+        "cite as": each["citation"],
+        "doi": each["doi"] or "none",
+        "page": each["page"],
+        "files": f"{_unknown(each['count'])}, {_size(each['size']) or 'size unknown'}",
+        "checksums": _checksums(each["files"]),
+        "here": _here(each),
+    }
+    for what, text in lines.items():
+        click.echo(_wrapped(what, text))
+    for note in each["notes"]:
+        click.echo(_wrapped("note", note))
+
+
+@command.command(epilog=examples("dampyr datasets fetch labcontrol --to data/labcontrol-mr-damper"))
 @click.argument("name")
 @click.option("--to", "folder", type=click.Path(path_type=Path), help="Where to; by default below DAMPYR_DATA.")
 @click.option("--from", "source", help="Another address, or a local folder, with the same files.")
+@click.option("--accept-no-licence", is_flag=True, help="Download a set although no licence is stated.")
 @as_json_option
-def fetch(name: str, folder: Path | None, source: str | None, as_json: bool) -> None:
+def fetch(name: str, folder: Path | None, source: str | None, accept_no_licence: bool, as_json: bool) -> None:
     """Fetch a data set.
 
-    Each file of the data set NAME is checked by its sha256; what is there and right is kept.
+    Each file of the data set NAME is checked by its sha256; what is there and right is kept. Files whose sha256 nobody gives
+    are recorded in SHA256SUMS at the first fetch, and checked against that from then on.
     """
     from rich.console import Console
 
@@ -46,26 +98,62 @@ def fetch(name: str, folder: Path | None, source: str | None, as_json: bool) -> 
 
     dataset = data_set(name)
     with Console(stderr=True).status(f"fetching {name}") as status:
-        target = records.fetch(name, folder, source, progress=lambda file: status.update(f"{name}: {file}"))
+
+        def progress(file: str) -> None:
+            status.update(f"{name}: {file}")
+
+        target = records.fetch(name, folder, source, progress=progress, accept_no_licence=accept_no_licence)
     files = sorted(path.name for path in target.iterdir() if path.is_file())
     if as_json:
-        print_json({"name": name, "folder": target, "files": files, "doi": dataset.doi, "citation": dataset.citation})
-    else:
-        click.echo(f"{name}: {len(files)} files in {target}\nplease cite: {dataset.citation}")
+        described = {"doi": dataset.doi, "citation": dataset.citation, "licence": dataset.licence_in_words}
+        print_json({"name": name, "folder": target, "files": files} | described)
+        return
+    click.echo(f"{name}: {len(files)} {'file' if len(files) == 1 else 'files'} in {target}")
+    click.echo(f"licence: {dataset.licence_in_words} ({dataset.licence_from})\nplease cite: {dataset.citation}")
+    if not dataset.licence:
+        click.echo("without a licence the files may be used only as the law or their owner allows")
 
 
-def _described(dataset: Any) -> dict[str, Any]:
-    """A data set and its state on this machine."""
-    from dampyr import records
-    from dampyr.errors import MissingData
-    from dampyr.records.datasets import missing_files
+def _short_licence(described: dict[str, Any]) -> str:
+    return str(described["licence"]).partition(",")[0]
 
-    folder, missing = None, None
-    try:
-        folder = records.locate(dataset.name)
-        missing = missing_files(folder)
-        state = f"{len(missing)} files missing" if missing else "complete"
-    except MissingData:
-        state = f"absent; dampyr datasets fetch {dataset.name}"
-    fields = {key: getattr(dataset, key) for key in ("name", "doi", "citation", "licence")}
-    return fields | {"state": state, "folder": folder, "missing_files": missing}
+
+def _state(described: dict[str, Any]) -> str:
+    return "absent" if described["folder"] is None else str(described["state"])
+
+
+def _here(described: dict[str, Any]) -> str:
+    folder = described["folder"]
+    return "absent" if folder is None else f"{described['state']}, in {folder}"
+
+
+def _unknown(value: Any) -> Any:
+    return "number unknown" if value is None else f"{value} {'file' if value == 1 else 'files'}"
+
+
+def _size(size: int | None) -> str | None:
+    return None if size is None else f"{size / 1e6:.2f} MB" if size >= 1e6 else f"{size / 1e3:.0f} kB"
+
+
+def _checksums(files: list[dict[str, Any]]) -> str:
+    """How many of the files have a sha256 that is in dampyr."""
+    if not files:
+        return "none: dampyr does not know the files one by one"
+    number = sum(bool(file["sha256"]) for file in files)
+    if number == len(files):
+        return f"sha256 of {'the file' if number == 1 else f'all {number} files'} in dampyr"
+    return f"sha256 of {number} of {len(files)} files in dampyr; the others are recorded at the first fetch and checked then"
+
+
+def _wrapped(what: str, text: str) -> str:
+    """A line of the form ``what  text``, folded to the width of a page."""
+    from textwrap import fill
+
+    return fill(
+        text,
+        100,
+        initial_indent=f"{what:<11}",
+        subsequent_indent=" " * 11,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
 from dampyr.cli._report import figures_option
 
 
-@click.command()
+@click.command(epilog=examples("dampyr demo --out demo"))
 @click.option(
     "--out",
     default="dampyr-demo",

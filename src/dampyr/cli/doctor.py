@@ -13,18 +13,24 @@ from typing import Any
 import click
 
 import dampyr
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 
 LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr doctor",
+        "dampyr doctor --rig rig.toml",
+    )
+)
 @click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml: look at its instruments too; nothing moves.")
 @click.option("--simulated", is_flag=True, help="Look at the simulated rig.")
 @as_json_option
 def command(rig: Path | None, simulated: bool, as_json: bool) -> None:
     """Tell what this machine and its rig have, and what they lack."""
-    findings = [*_machine(), *(_library(name) for name in LIBRARIES), _kernels(), _compiler(), *_data()]
+    findings = [*_machine(), *(_library(name) for name in LIBRARIES), _kernels(), _compiler(), *_extras(), *_data()]
     if rig or simulated:
         from dampyr.rig.diagnosis import diagnose
 
@@ -58,6 +64,33 @@ def _kernels() -> list[Any]:
     return ["compiled kernels", str(cache_folder()), None]
 
 
+def _extras() -> list[list[Any]]:
+    """Each extra of dampyr: installed, or which of its packages are missing."""
+    from packaging.requirements import Requirement
+
+    from dampyr.errors import install_line
+
+    try:
+        about, needed = metadata.metadata("dampyr"), [Requirement(each) for each in metadata.requires("dampyr") or ()]
+    except metadata.PackageNotFoundError:  # run from its sources, without an installation
+        return []
+    findings: list[list[Any]] = []
+    for extra in about.get_all("Provides-Extra") or ():
+        own = [each.name for each in needed if each.marker and each.marker.evaluate({"extra": extra})]
+        missing = [name for name in own if not _is_installed(name)]
+        state = f"missing: {', '.join(missing)}" if missing else ", ".join(own)
+        findings.append([f"extra {extra}", state, install_line(extra) if missing else None])
+    return findings
+
+
+def _is_installed(name: str) -> bool:
+    try:
+        metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return False
+    return True
+
+
 def _compiler() -> list[Any]:
     compiler = next((path for path in map(shutil.which, ("gcc", "clang", "cc")) if path), None)
     repair = None if compiler else "install gcc or clang; only exported C code needs it"
@@ -65,19 +98,16 @@ def _compiler() -> list[Any]:
 
 
 def _data() -> list[list[Any]]:
-    from dampyr import records
-    from dampyr.errors import MissingData
-    from dampyr.records.datasets import DATA_SETS, missing_files
+    """The campaign, which tests and studies read, and those of the other data sets that are here."""
+    from dampyr.records import datasets
 
     findings: list[list[Any]] = []
-    for dataset in DATA_SETS:
-        fetch = f"dampyr datasets fetch {dataset.name}"
-        try:
-            folder = records.locate(dataset.name)
-        except MissingData:
-            findings.append([f"data set {dataset.name}", "absent", fetch])
+    for name in sorted(datasets.available_data_sets(), key=lambda name: (name != "labcontrol", name)):
+        each = datasets.describe(name)
+        repair = f"dampyr datasets fetch {name}"
+        if each["folder"] is None:
+            findings += [[f"data set {name}", "absent", repair]] if name == "labcontrol" else []
             continue
-        missing = missing_files(folder)
-        state = f"{folder}, {len(missing)} files missing" if missing else str(folder)
-        findings.append([f"data set {dataset.name}", state, fetch if missing else None])
+        missing = f", {len(each['missing_files'])} files missing" if each["missing_files"] else ""
+        findings.append([f"data set {name}", f"{each['folder']}{missing}", repair if missing else None])
     return findings

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._ensemble import EnsembleRequest, case_options, counting, limit, refuse_cases, shard
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
     from dampyr.structures import EnsembleResult, Fragility, Limit
 
 
-@click.command()
+@click.command(
+    epilog=examples("dampyr ensemble damper.toml --voltage 0 --voltage 1.98 --scale 0.5:1.5:0.5 --limit 12mm")
+)
 @case_options
 @click.option("--limit", "limits", multiple=True, metavar="L", help="12mm or 1% of drift, 0.5g; may be repeated.")
 @click.option("--height", metavar="H", help="Of the storeys, such as 3m, for a limit in per cent.")

@@ -7,10 +7,16 @@ from pathlib import Path
 import click
 
 from dampyr.cli._control import damper_of, temperature_option
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr export damper.toml --to c --out controller",
+        "dampyr export damper.toml --to fmu --name rd8041 --out fmu",
+    )
+)
 @click.argument("card", type=click.Path(path_type=Path))
 @click.option("--to", "kind", required=True, metavar="KIND", help="What to write: c, fmu, matlab or opensees.")
 @click.option("--out", default=".", type=click.Path(path_type=Path), help="The folder to write into.")

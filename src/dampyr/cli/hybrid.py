@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
 from dampyr.cli.run import REFUSED, exit_code
@@ -18,7 +19,11 @@ if TYPE_CHECKING:
     from dampyr.campaigns.hybrid import HybridResult
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr hybrid --scale 0.5 --dry-run", "dampyr hybrid --delay 0.01 --voltage 1.98 --report hybrid.html"
+    )
+)
 @click.option(
     "--structure", default="heavy_two_storey", show_default=True, help="A structure's TOML file, or two_storey."
 )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._leaderboard import cores, print_leaderboard
 from dampyr.cli._motion import ratio
 from dampyr.cli._output import as_json_option, print_json, print_table
@@ -24,7 +25,12 @@ if TYPE_CHECKING:
     from dampyr.records import Record
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr identify tests --model dahl --save damper.toml --report damper.html",
+        'dampyr identify tests --model "dahl + spring" --each',
+    )
+)
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "--model", help="Parts, such as 'dahl + spring + delay'; without, the model that predicts best is chosen."

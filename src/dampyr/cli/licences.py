@@ -7,12 +7,18 @@ from typing import Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 
 LONG = 60  # characters: some packages give the whole text in the place of the licence's name
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr licences",
+        "dampyr licences --extra console",
+    )
+)
 @click.option(
     "--extra", "extras", multiple=True, metavar="NAME", help="Those of an extra too, such as console; repeat it."
 )

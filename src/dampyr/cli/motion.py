@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options, ratio
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
     from dampyr.ground_motions import GroundMotion, Measures, Spectrum
 
 
-@click.command()
+@click.command(
+    epilog=examples("dampyr motion --pga 0.3g --report motion.html", "dampyr motion kobe.csv --motion-unit g --dt 0.02")
+)
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @motion_options
 @click.option("--baseline", is_flag=True, help="Take the baseline off first, so that the displacement does not drift.")

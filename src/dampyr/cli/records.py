@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._records import Reading, gather, reading_options, role_option
 
@@ -34,7 +35,7 @@ class RecordsCommand(click.Command):
         return chosen.make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
 
 
-@click.command()
+@click.command(epilog=examples("dampyr records convert tests --to csv --out csv"))
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--to", default="h5", show_default=True, metavar="FORMAT", help="Of the new files: h5, csv or mat.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="The folder to write into.")
@@ -56,7 +57,13 @@ def convert(paths: tuple[Path, ...], to: str, out: Path, role: str | None, readi
         click.echo(f"{len(written)} {'record' if len(written) == 1 else 'records'} in {out}")
 
 
-@click.command(cls=RecordsCommand)
+@click.command(
+    cls=RecordsCommand,
+    epilog=examples(
+        "dampyr records tests",
+        "dampyr records test.csv --column 'force=Load cell' --voltage 1.98",
+    ),
+)
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path))
 @role_option()
 @reading_options

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
 from dampyr.cli._report import figures_option
@@ -20,7 +21,7 @@ RAMINELLI, HYBRID = "raminelli_2020", "vrths_2020"
 PLANTS = 1000
 
 
-@click.command()
+@click.command(epilog=examples("dampyr reproduce --out reproduce"))
 @click.argument("study", type=click.Choice([RAMINELLI, HYBRID]), default=RAMINELLI)
 @click.option(
     "--data", type=click.Path(path_type=Path), help="The folder of its data; by default where dampyr finds it."

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, drop_unwritten, print_json, print_table
 from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError, RigFault
@@ -23,7 +24,12 @@ SAFETY = ("firmware", "interlock", "check")  # layers that stop a rig by themsel
 FEW = 50  # rows of a table that are all printed; of more, only those that are not complete
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr run campaign.toml --dry-run",
+        "dampyr run campaign.toml --out lab/quick",
+    )
+)
 @click.argument("campaign", type=click.Path(path_type=Path))
 @click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml.  [default: the original rig, simulated]")
 @click.option(

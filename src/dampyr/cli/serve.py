@@ -8,11 +8,17 @@ from pathlib import Path
 import click
 
 from dampyr.cli._control import damper_of, inputs_for, place_of, structure_of, structure_option, temperature_option
+from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json
 from dampyr.errors import InputError
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr serve damper.toml --opensees 8090 --voltage 1.98",
+        "dampyr serve damper.toml --opensees 8090 --control clipped_optimal:low=0,high=1.98",
+    )
+)
 @click.argument("card", required=False, type=click.Path(path_type=Path))
 @click.option(
     "--opensees", "port", required=True, type=int, metavar="PORT", help="Answer OpenSees there; 0 takes a free port."

@@ -17,6 +17,7 @@ from dampyr.cli._control import (
     structure_option,
     temperature_option,
 )
+from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, after_option, motion_options
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._report import report_options
@@ -27,7 +28,12 @@ if TYPE_CHECKING:
     from dampyr.structures import Response, Simulated
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr simulate damper.toml --voltage 0 --voltage 1.98 --report building.html",
+        "dampyr simulate --control on_off:low=0,high=1.98",
+    )
+)
 @click.argument("card", required=False, type=click.Path(path_type=Path))
 @structure_option
 @click.option("--without-damper", is_flag=True, help="The structure alone, without any damper.")

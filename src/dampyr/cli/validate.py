@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dampyr.cli._examples import examples
 from dampyr.cli._motion import ratio
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._records import Reading, gather, reading_options, role_option
@@ -19,7 +20,11 @@ if TYPE_CHECKING:
 NAMES = ["record", "input", "fitted on", "L1", "NRMSE", "R²", "pointwise", "peak force", "energy", "window"]
 
 
-@click.command()
+@click.command(
+    epilog=examples(
+        "dampyr validate damper.toml tests --role validation", "dampyr validate damper.toml tests --forces forces"
+    )
+)
 @click.argument("card", type=click.Path(path_type=Path))
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @role_option()

@@ -8,15 +8,24 @@ with what it shows. Long work is a file of ``jobs``, run in a process of its own
 """
 
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
+
+from dampyr.errors import InputError, install_line
 
 FUNCTIONS = {"app": "application", "serve": "http_server"}
 """The public functions and their modules, loaded when they are used: a job's process needs neither, nor the web server."""
+
+NEEDED = {"fastapi": "fastapi", "uvicorn": "uvicorn", "websockets": "websockets"}
+"""The packages of the extra ``console`` without which no page is served, by their modules' names; charts say what they need."""
 
 
 def __getattr__(name: str) -> Any:
     if name not in FUNCTIONS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    absent = [package for package, module in NEEDED.items() if find_spec(module) is None]
+    if absent:
+        raise InputError(f"the console needs {' and '.join(absent)}; install it: {install_line('console')}")
     return getattr(import_module(f"{__name__}.{FUNCTIONS[name]}"), name)
 
 

@@ -15,7 +15,7 @@ from dampyr.console.record_formats import PLAIN_TEXT, SUFFIXES
 from dampyr.errors import DampyrError, InputError, MissingData
 from dampyr.records import Record
 from dampyr.records.campaign_folder import TABLE, campaign_rows
-from dampyr.records.datasets import DATA_SETS
+from dampyr.records.datasets import available_data_sets, data_set
 from dampyr.records.folder import natural
 from dampyr.records.folder_metadata import reading_of
 from dampyr.records.text_columns import has_numbers
@@ -37,9 +37,11 @@ class Source:
 def sources(data: Path) -> list[Source]:
     """The data folder, and the data sets that are here."""
     available = [Source(OWN, "The data folder", data)]
-    for dataset in DATA_SETS:
+    for name in available_data_sets():
+        if not data_set(name).holds_records:
+            continue
         try:
-            available.append(Source(dataset.name, f"Published: {dataset.name}", records.locate(dataset.name).resolve()))
+            available.append(Source(name, f"Published: {name}", records.locate(name).resolve()))
         except MissingData:
             continue
     return available

@@ -166,9 +166,7 @@ def check_sha256(path: Path, expected: str) -> None:
     """Raise :class:`FileError` unless the file has this sha256; an empty one is not checked."""
     actual = hashlib.sha256(path.read_bytes()).hexdigest()
     if expected and actual != expected.lower():
-        raise FileError(
-            path, f"its sha256 is {actual[:12]}..., the table says {expected[:12]}...; fetch the file again"
-        )
+        raise FileError(path, f"its sha256 is {actual}, the table says {expected.lower()}; fetch the file again")
 
 
 def _folder(folder: str | Path) -> Path:

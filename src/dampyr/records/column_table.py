@@ -54,8 +54,8 @@ class Table:
 
     ``kinds`` says what each column holds: "number"; or s, of a "clock" since midnight, of a "stamp" and a "date" since the
     midnight before the first. Empty: all are numbers. ``stamps`` are the first row's texts of those that are no numbers, by
-    column, ``groups`` what the file says of its session and specimen, ``lines`` the line of each row in the file, and ``notes``
-    what the history says of how it was read.
+    column, ``groups`` what the file says of its session and specimen, ``lines`` the line of each row in the file, ``empty`` the
+    line of the first empty cell of each column that has one, and ``notes`` what the history says of how it was read.
     """
 
     names: tuple[str, ...]
@@ -65,6 +65,7 @@ class Table:
     stamps: Mapping[int, str] = field(default_factory=dict)
     groups: Mapping[str, str] = field(default_factory=dict)
     lines: Sequence[int] = ()
+    empty: Mapping[int, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     def headers(self) -> list[str]:
@@ -85,6 +86,7 @@ def record_of(path: Path, table: Table, request: Request, kind: str) -> Record:
     used = _columns(path, table, request)
     _check_needed(path, table, used, request)
     _check_kinds(path, table, used)
+    _check_empty(path, table, used)
     _check_units(path, table, used, request)
     channels: dict[str, Any] = {
         name: _in_si(path, table, name, column, request) for name, column in used.items() if name != "time"
@@ -197,15 +199,17 @@ def _check_needed(path: Path, table: Table, used: dict[str, int], request: Reque
             f"dt = {request.dt:g} s was given, but the column {there} is the time; leave one of them out, such as "
             "--column time=- or columns={'time': None}",
         )
-    for channel in ("time", "displacement", "force"):
-        instead = (channel == "time" and request.dt is not None) or (channel == "displacement" and "velocity" in used)
-        if channel not in used and not instead:
-            also = ", or give the sampling interval: --dt 0.001, dt=0.001" if channel == "time" else ""
-            raise FileError(
-                path,
-                f"no column is the {channel} (there: {table.in_words()}); declare which, --column {channel}=NAME or "
-                f"columns={{{channel!r}: NAME}}{also}",
-            )
+    instead = {"time": request.dt is not None, "displacement": "velocity" in used}
+    absent = [name for name in ("time", "displacement", "force") if name not in used and not instead.get(name)]
+    if absent:
+        words = " or ".join([", ".join(f"the {name}" for name in absent[:-1]), f"the {absent[-1]}"][len(absent) == 1 :])
+        options = " ".join(f"--column {name}=NAME" for name in absent)
+        call = ", ".join(f"{name!r}: NAME" for name in absent)
+        also = ", or give the sampling interval: --dt 0.001, dt=0.001" if "time" in absent else ""
+        raise FileError(
+            path,
+            f"no column is {words} (there: {table.in_words()}); declare which, {options} or columns={{{call}}}{also}",
+        )
 
 
 def _check_kinds(path: Path, table: Table, used: dict[str, int]) -> None:
@@ -215,6 +219,14 @@ def _check_kinds(path: Path, table: Table, used: dict[str, int]) -> None:
                 path,
                 f"the column of the {channel} holds {table.stamps[column]!r}, which is no number; declare another, "
                 f"--column {channel}=NAME or columns={{{channel!r}: NAME}}",
+            )
+
+
+def _check_empty(path: Path, table: Table, used: dict[str, int]) -> None:
+    for channel, column in used.items():
+        if column in table.empty:
+            raise FileError(
+                path, f"line {table.empty[column]}: the cell of the {channel} is empty; repair or cut out the line"
             )
 
 

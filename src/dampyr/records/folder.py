@@ -85,13 +85,17 @@ def natural(path: Path) -> tuple[Any, ...]:
 
 
 def _latest(files: list[Path]) -> list[Path]:
-    """Without the tries of a test that were not completed or were done again."""
-    latest: dict[str, tuple[int, Path]] = {}
+    """Without the tries of a test that were not completed or were done again.
+
+    Of files that call themselves the same try of the same test none is the later one: both stay, and their name is an error.
+    """
+    latest: dict[str, tuple[int, list[Path]]] = {}
     for path in (path for path in files if path.suffix.lower() == OWN):
         state = h5.state(path)
-        if state.complete and (state.test not in latest or state.attempt >= latest[state.test][0]):
-            latest[state.test] = (state.attempt, path)
-    own = {path for _, path in latest.values()}
+        attempt, same = latest.get(state.test, (state.attempt, []))
+        if state.complete and state.attempt >= attempt:
+            latest[state.test] = (state.attempt, [*same, path] if state.attempt == attempt else [path])
+    own = {path for _, paths in latest.values() for path in paths}
     return [path for path in files if path.suffix.lower() != OWN or path in own]
 
 
@@ -102,12 +106,16 @@ def _read(path: Path, said: dict[str, Any]) -> Record:
         if not _is_text(path) or problem.path != path or NAME in str(problem):
             raise
         raise FileError(
-            path, f"{str(problem).removeprefix(f'{path}: ')} (not a record? ignore it in {NAME})"
+            path,
+            f"{str(problem).removeprefix(f'{path}: ')} (for all files at once: {NAME}; not a record? ignore it in {NAME})",
         ) from problem
 
 
 def _check_names(folder: Path, records: list[Record]) -> None:
     name, count = Counter(record.name for record in records).most_common(1)[0] if records else ("", 0)
     if count > 1:
-        files = ", ".join(r.provenance.get("file", r.name) for r in records if r.name == name)
-        raise InputError(f"{folder}: {count} records are called {name!r} (from {files}); ignore or rename all but one")
+        files = ", ".join(r.provenance.get("file", f"{r.name}{OWN}") for r in records if r.name == name)
+        inside = " (a .h5 file has its record's name inside)" if OWN in files else ""
+        raise InputError(
+            f"{folder}: {count} records are called {name!r} (from {files}); ignore or rename all but one{inside}"
+        )

@@ -89,7 +89,7 @@ def table_of_text(
     lines, first = _first_row(path, remaining, header)
     rows = _Rows(lines[first:], first, remaining)
     delimiter = _delimiter(lines[first].strip())
-    kinds, values = _values(path, rows, delimiter, quoted='"' in text)
+    kinds, values, empty = _values(path, rows, delimiter, quoted='"' in text)
     cells = [] if header == 0 else _header(path, lines[:first], header, delimiter, values.shape[1], by_number)
     pairs = [name_and_unit(cell) for cell in cells]
     texts = _texts(lines[first], delimiter)
@@ -101,6 +101,7 @@ def table_of_text(
         stamps={k: texts[k] for k, kind in enumerate(kinds) if kind != "number"},
         groups={match[1]: match[2].strip() for line in lines[:first] if (match := GROUP.fullmatch(line.strip()))},
         lines=rows.numbers,
+        empty=empty,
         notes=notes,
     )
 
@@ -258,16 +259,21 @@ def _kind(cell: str, delimiter: str | None) -> str | None:
         return next((kind for kind, pattern in KINDS.items() if pattern.fullmatch(text)), None)
 
 
-def _values(path: Path, rows: _Rows, delimiter: str | None, quoted: bool) -> tuple[tuple[str, ...], Array]:
-    """What each column holds, by the first row, and the values ``(n, m)``: numbers, or s."""
+def _values(
+    path: Path, rows: _Rows, delimiter: str | None, quoted: bool
+) -> tuple[tuple[str, ...], Array, dict[int, int]]:
+    """What each column holds by the first row, the values ``(n, m)`` as numbers or s, and the line of its first empty cell.
+
+    An empty cell is NaN: a column that says something once, in the first row, may be left out of a record.
+    """
     line = next(iter(rows))
     cells = _texts(line, delimiter)
     kinds = tuple(_kind(cell, delimiter) or "number" for cell in cells)
     if not quoted and set(kinds) == {"number"}:
         with suppress(ValueError):  # then what is wrong is looked for line by line
-            return kinds, _numbers(rows, delimiter, line.endswith(delimiter or " "), len(cells))
+            return kinds, _numbers(rows, delimiter, line.endswith(delimiter or " "), len(cells)), {}
     first_day = min((_day(cell) for cell, kind in zip(cells, kinds) if kind in ("date", "stamp")), default=0)
-    values = array("d")
+    values, empty = array("d"), dict[int, int]()
     for line in rows:
         cells = _texts(line, delimiter)
         if len(cells) != len(kinds):
@@ -276,6 +282,10 @@ def _values(path: Path, rows: _Rows, delimiter: str | None, quoted: bool) -> tup
                 f"line {rows.numbers[-1]} has {len(cells)} values and line {rows.numbers[0]} has {len(kinds)}; repair the line",
             )
         for j, cell in enumerate(cells):
+            if not cell:
+                values.append(np.nan)
+                empty.setdefault(j, rows.numbers[-1])
+                continue
             try:
                 text = cell if delimiter == "," else cell.replace(",", ".")
                 values.append(float(text) if kinds[j] == "number" else _seconds(text, kinds[j], first_day))
@@ -284,7 +294,7 @@ def _values(path: Path, rows: _Rows, delimiter: str | None, quoted: bool) -> tup
                     path,
                     f"line {rows.numbers[-1]}: {cell[:40]!r} is not {IN_WORDS[kinds[j]]}; repair or cut out the line",
                 ) from None
-    return kinds, np.array(values).reshape(-1, len(kinds))
+    return kinds, np.array(values).reshape(-1, len(kinds)), empty
 
 
 def _numbers(rows: _Rows, delimiter: str | None, ended: bool, width: int) -> Array:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dampyr.errors import DampyrError
+from dampyr.errors import DampyrError, install_line
 from dampyr.rig.acquisition import fault_in_words
 from dampyr.rig.calibration import NAME, doubt, load_calibration
 from dampyr.rig.connect import open_rig
@@ -46,7 +46,7 @@ def _libraries() -> Iterator[Finding]:
         try:
             yield Finding(f"{name}, for {use}", metadata.version(name))
         except metadata.PackageNotFoundError:
-            yield Finding(f"{name}, for {use}", "missing", "pip install 'dampyr[rig]'")
+            yield Finding(f"{name}, for {use}", "missing", install_line("rig"))
 
 
 def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:

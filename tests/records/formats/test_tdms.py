@@ -103,5 +103,5 @@ def test_a_folder_of_them_is_a_campaign(tmp_path: Path) -> None:
 def test_without_nptdms_the_message_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = saved(tmp_path / "run.tdms", *both(wf_increment=0.005))
     monkeypatch.setitem(__import__("sys").modules, "nptdms", None)
-    with pytest.raises(InputError, match=r"TDMS files need npTDMS; install it: pip install 'dampyr\[interop\]'"):
+    with pytest.raises(InputError, match=r'TDMS files need npTDMS; install it: pip install "dampyr\[interop\]"'):
         read(path, voltage=0.0)

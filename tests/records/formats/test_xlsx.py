@@ -90,5 +90,5 @@ def test_broken_bytes_are_one_line(tmp_path: Path) -> None:
 def test_without_openpyxl_the_message_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = saved(tmp_path / "run.xlsx", Data=[HEADER, *ROWS])
     monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
-    with pytest.raises(InputError, match=r"Excel files need openpyxl; install it: pip install 'dampyr\[interop\]'"):
+    with pytest.raises(InputError, match=r'Excel files need openpyxl; install it: pip install "dampyr\[interop\]"'):
         read(path, voltage=0.0)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.errors import FileError, InputError
+from dampyr.errors import FileError, InputError, install_line
 from dampyr.records.column_table import WORDS, Table, name_and_unit, record_of
 from dampyr.records.record import GROUPS, Record
 from dampyr.records.record_files import Request
@@ -27,7 +27,7 @@ def read(path: Path, request: Request) -> Record:
     try:
         from nptdms import TdmsFile
     except ImportError as problem:
-        raise InputError("TDMS files need npTDMS; install it: pip install 'dampyr[interop]'") from problem
+        raise InputError(f"TDMS files need npTDMS; install it: {install_line('interop')}") from problem
     try:
         with path.open("rb") as stream, TdmsFile.open(stream) as file:
             group = _group(path, file, request.variable)

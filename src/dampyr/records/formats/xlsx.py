@@ -10,7 +10,7 @@ from datetime import date, datetime, time
 from pathlib import Path
 from typing import Any
 
-from dampyr.errors import FileError, InputError
+from dampyr.errors import FileError, InputError, install_line
 from dampyr.records.column_table import record_of
 from dampyr.records.record import Record
 from dampyr.records.record_files import Request
@@ -40,7 +40,7 @@ def _sheet(path: Path, wanted: str | None) -> tuple[str, str, str]:
     try:
         from openpyxl import load_workbook
     except ImportError as problem:
-        raise InputError("Excel files need openpyxl; install it: pip install 'dampyr[interop]'") from problem
+        raise InputError(f"Excel files need openpyxl; install it: {install_line('interop')}") from problem
     try:
         book = load_workbook(path, read_only=True, data_only=True)
         formulas = load_workbook(path, read_only=True)

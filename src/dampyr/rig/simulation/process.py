@@ -14,7 +14,7 @@ from pathlib import Path
 
 import tomli_w
 
-from dampyr.errors import RigFault
+from dampyr.errors import RigFault, install_line
 from dampyr.models import Damper
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.faults import FaultSpec
@@ -42,7 +42,7 @@ class Process:
         needed = NEEDED | (NEEDED_BY_NI if rig.wires.acquisition == "ni-daqmx" else {})
         if absent := [library for library, module in needed.items() if find_spec(module) is None]:
             raise RigFault(
-                f"the simulated rig needs {' and '.join(absent)} for its wires; install the extra: pip install 'dampyr[rig]', "
+                f"the simulated rig needs {' and '.join(absent)} for its wires; install the extra: {install_line('rig')}, "
                 "or simulate it without them (--in-process, in_process=True)"
             )
         self.clock: SharedClock | None = None

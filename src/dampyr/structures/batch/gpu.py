@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
+from dampyr.errors import InputError, install_line
 from dampyr.models.codegen.composition import Composition
 from dampyr.structures.batch.assemble import ARGUMENTS, TIMES, WRITTEN_OUT_UP_TO, KernelText
 from dampyr.structures.batch.branchless_math import constants
@@ -35,7 +35,7 @@ def missing() -> str:
     try:
         from numba import cuda
     except ImportError as error:
-        return f"numba has no CUDA here ({error}); install the extra: pip install 'dampyr[gpu]'"
+        return f"numba has no CUDA here ({error}); install the extra: {install_line('gpu')}"
     return "" if cuda.is_available() else "no graphics card with CUDA answers; run on the processor, device='cpu'"
 
 

@@ -7,7 +7,7 @@ import socket
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from dampyr.errors import RigFault
+from dampyr.errors import RigFault, install_line
 
 LOST: tuple[type[Exception], ...] = (OSError,)
 try:
@@ -124,7 +124,7 @@ class Serial:
         try:
             import serial
         except ImportError as problem:
-            raise RigFault("the Uno needs pyserial; install it: pip install 'dampyr[rig]'") from problem
+            raise RigFault(f"the Uno needs pyserial; install it: {install_line('rig')}") from problem
         try:
             self._serial: Any = serial.Serial(port, baud, timeout=PATIENCE, write_timeout=0.5, exclusive=True)
         except (OSError, ValueError) as problem:

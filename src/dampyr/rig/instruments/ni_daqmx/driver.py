@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import RigFault
+from dampyr.errors import RigFault, install_line
 from dampyr.rig.instruments.contract import Array, Counts
 from dampyr.rig.settings import RigSettings
 
@@ -303,5 +303,5 @@ def _imported(remote: bool) -> tuple[Any, Any]:
             return nidaqmx, None
         import grpc
     except ImportError as problem:
-        raise RigFault("the NI board needs nidaqmx; install it: pip install 'dampyr[rig]'") from problem
+        raise RigFault(f"the NI board needs nidaqmx; install it: {install_line('rig')}") from problem
     return nidaqmx, grpc
