@@ -44,6 +44,7 @@ HOW_TO = [
         "python",
         "hybrid-benchmark",
         "hybrid-test",
+        "measurement-sessions",
         "export",
         "opensees",
     )
