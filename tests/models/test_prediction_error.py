@@ -176,3 +176,24 @@ def test_the_shape_of_a_draw_repeats_with_the_motion_and_shrinks_with_it() -> No
     half = np.where(t < 4.0, 1.0, 0.5)
     smaller = residual_draw(phase_basis(t, half * x, half * v), 0.01, shape, np.random.default_rng(1))
     assert np.ptp(smaller[450:650]) == pytest.approx(0.5 * np.ptp(smaller[150:350]), rel=0.1)
+
+
+def test_the_band_of_a_path_is_about_the_force_and_narrower_for_a_fitted_session() -> None:
+    one, t = damper(), np.arange(0.0, 4.0, 0.01)
+    x = 0.008 * np.sin(5.0 * t)
+    force = one.force(t, x, voltage=1.0)
+    low, high = one.band(t, x, voltage=1.0, seed=3)
+    assert np.all(low <= high)
+    large = np.abs(force) > 0.7 * np.abs(force).max()
+    assert np.all((low < force)[large] & (force < high)[large])
+    # two sessions' levels and a record's: 1.645 sqrt(2 0.08^2 + 0.03^2) = 19 % at 0 and 2 V, a little less half way
+    half = 0.5 * np.median((high - low)[large] / np.abs(force[large]))
+    assert half == pytest.approx(0.17, abs=0.03)
+    near, far = one.band(t, x, voltage=1.0, session="one", seed=3)
+    assert 0.5 * np.median((far - near)[large] / np.abs(force[large])) == pytest.approx(1.645 * 0.03, rel=0.25)
+    with pytest.raises(InputError, match="'three' is no session that the damper was fitted on; choose from one, two"):
+        one.band(t, x, voltage=1.0, session="three")
+    with pytest.raises(InputError, match="level = 90 is not allowed"):
+        one.band(t, x, voltage=1.0, level=90.0)
+    with pytest.raises(InputError, match="has no prediction error"):
+        replace(one, prediction_error=None).band(t, x, voltage=1.0)

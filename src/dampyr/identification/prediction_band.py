@@ -8,17 +8,16 @@ record's mean in the window.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import DampyrWarning, InputError
+from dampyr.errors import InputError
 from dampyr.identification.score import SETTLING, Window, scoring_window, whole_cycles
 from dampyr.models import Damper
-from dampyr.models.prediction_error import draws_of, phase_basis, residual_draw
+from dampyr.models.prediction_error import force_draws
 from dampyr.records import Record, with_velocity
 from dampyr.records.moving_average import averaged
 from dampyr.records.smoothing import force_average
@@ -123,7 +122,7 @@ def why_no_band(damper: Damper) -> str:
     return ""
 
 
-def force_draws(
+def drawn_forces(
     damper: Damper, record: Record, draws: int = DRAWS, seed: int = 0, allow_extrapolation: bool = False
 ) -> tuple[Array, str | None]:
     """Forces (draws, n) in N that may be measured along a record, without its offset, and the fitted session that it is of."""
@@ -132,32 +131,20 @@ def force_draws(
         raise InputError(f"{why_no_band(damper)}; identify it again from its records")
     if record.velocity is None or damper.bandwidth is not None:
         record = with_velocity(record, damper.bandwidth)
-    assert record.velocity is not None
     if record.temperature is not None:
         damper = damper.at_temperature(float(np.mean(record.temperature)), allow_extrapolation=True)
-        error = damper.prediction_error or error
     session = record.measurement_session if record.measurement_session in error.sessions else None
-    u = damper.pick_input(record.voltage, record.current)
-    rng = np.random.default_rng(seed)
-    basis = phase_basis(record.time, record.displacement, record.velocity)
-    shape, dt = error.shape_at(float(np.mean(np.asarray(u)))), record.dt
     average = force_average(record)
-    out = np.empty((draws, record.n))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DampyrWarning)  # the prediction has warned already
-        for k, one in enumerate(draws_of(damper, error, draws, rng, session)):
-            force = one.level * one.damper.force(
-                record.time,
-                record.displacement,
-                record.voltage,
-                record.current,
-                record.velocity,
-                allow_extrapolation=allow_extrapolation,
-            )
-            if average is not None:
-                force = averaged(force, *average.reach(record.dt))
-            out[k] = force + float(np.std(force)) * residual_draw(basis, dt, shape, rng)
-    return out, session
+    reach = None if average is None else average.reach(record.dt)
+    path = {
+        "t": record.time,
+        "x": record.displacement,
+        "voltage": record.voltage,
+        "current": record.current,
+        "velocity": record.velocity,
+    }
+    averaging = None if reach is None else lambda force: averaged(force, *reach)
+    return force_draws(damper, path, draws, seed, session, allow_extrapolation, averaging), session
 
 
 def _interval(draws: Array, measured: float, tails: tuple[float, float]) -> Interval:
@@ -183,7 +170,7 @@ def prediction_band(
     """
     check_level(level)
     where = scoring_window(record, settling, window)
-    forces, session = force_draws(damper, record, draws, seed, allow_extrapolation)
+    forces, session = drawn_forces(damper, record, draws, seed, allow_extrapolation)
     inside = where.slice
     measured = record.force
     forces += (np.mean(measured[inside]) - np.mean(forces[:, inside], axis=1))[:, None]

@@ -494,6 +494,41 @@ class Damper(Representation):
         k = self.composition.delay
         return undelayed if k is None else delayed(t, undelayed, np.asarray(values[..., k]))
 
+    def band(
+        self,
+        t: ArrayLike,
+        x: ArrayLike,
+        voltage: ArrayLike | None = None,
+        current: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        level: float = 0.9,
+        session: str | None = None,
+        draws: int = 200,
+        seed: int = 0,
+        allow_extrapolation: bool = False,
+        temperature: float | None = None,
+    ) -> tuple[Array, Array]:
+        """The limits (n,) in N between which a measured force along a path is expected with the probability ``level``.
+
+        The path as in `force`. It holds for a record of another measurement session, or of a fitted one by its name
+        (``session``), with the offset that the damper has; `dampyr.identification.prediction_band` compares a record
+        with it. Raises
+        :class:`~dampyr.errors.InputError` where the damper has no `prediction_error`.
+        """
+        from dampyr.models.prediction_error import force_draws
+
+        if not 0.0 < level < 1.0:
+            raise InputError(f"level = {level:g} is not allowed; it must lie between 0 and 1, such as 0.9 for 90 %")
+        if temperature is not None and self.temperatures is not None:
+            fixed = self.at_temperature(temperature, allow_extrapolation)
+            return fixed.band(t, x, voltage, current, velocity, level, session, draws, seed, allow_extrapolation)
+        time, displacement = _path(t, x)
+        speed = self._velocity(time, displacement, velocity)
+        path = {"t": time, "x": displacement, "voltage": voltage, "current": current, "velocity": speed}
+        forces = force_draws(self, path, draws, seed, session, allow_extrapolation)
+        low, high = np.quantile(forces, (0.5 * (1.0 - level), 0.5 * (1.0 + level)), axis=0)
+        return low, high
+
     def _behind(self, t: Array, u: Array) -> ArrayLike:
         """The input behind its command, where the damper has a lag."""
         from dampyr.models.input_lag import lagged

@@ -23,14 +23,15 @@ come, its shape error and its noise. `dampyr.identification.levels` estimates th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
+from dampyr.errors import DampyrWarning, InputError
 
 Array = NDArray[np.float64]
 HARMONICS = 5  # of the phase: a loop's corners need three or more; higher ones count as noise
@@ -269,3 +270,39 @@ def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Gen
         drive[0] = shape.noise * rng.standard_normal()
         out = out + lfilter([1.0], [1.0, -keep], drive)
     return np.asarray(out)
+
+
+def force_draws(
+    damper: Any,
+    path: Mapping[str, Any],
+    n: int,
+    seed: int,
+    session: str | None = None,
+    allow_extrapolation: bool = False,
+    averaging: Callable[[Array], Array] | None = None,
+) -> Array:
+    """Forces (n, samples) in N that may be measured along a ``path``, the arguments t, x, voltage, current and velocity of
+    `Damper.force`; ``averaging`` is what the measured force went through before its noise.
+
+    Raises :class:`~dampyr.errors.InputError` where the damper has no prediction error or none of its sessions has this name.
+    """
+    error = damper.prediction_error
+    if error is None:
+        raise InputError(
+            "this damper has no prediction error, so its predictions have no band; identify it again from its records"
+        )
+    if session is not None and session not in error.sessions:
+        raise InputError(
+            f"{session!r} is no session that the damper was fitted on; choose from {', '.join(error.sessions)}"
+        )
+    t, u = path["t"], damper.pick_input(path["voltage"], path["current"])
+    rng = np.random.default_rng(seed)
+    basis, dt = phase_basis(t, path["x"], path["velocity"]), float(np.median(np.diff(t)))
+    shape, out = error.shape_at(float(np.mean(u))), np.empty((n, len(t)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)  # the prediction itself warns of what is outside
+        for k, one in enumerate(draws_of(damper, error, n, rng, session)):
+            force = one.level * one.damper.force(**path, allow_extrapolation=allow_extrapolation)
+            force = force if averaging is None else averaging(force)
+            out[k] = force + float(np.std(force)) * residual_draw(basis, dt, shape, rng)
+    return out
