@@ -130,7 +130,7 @@ def test_what_a_band_says_as_numbers_text_and_figure(fitted: Fit, tmp_path: Path
     inside = band.window.slice
     seen = (band.low <= record.force) & (record.force <= band.high)
     assert band.holds == float(np.mean(seen[inside]))
-    axes = band.plot(record)
+    axes = band.plot()
     assert axes[0].get_ylabel() == "force [N]"
 
 

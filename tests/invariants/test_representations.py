@@ -107,6 +107,9 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.AcceptOptions": lambda made: dp.identification.AcceptOptions(),
     "identification.Acceptance": lambda made: made.accepted.results[0],
     "identification.Accepted": lambda made: made.accepted,
+    "identification.Band": lambda made: made.band,
+    "identification.Interval": lambda made: made.band.peak,
+    "identification.Levels": lambda made: made.fit.levels,
     "identification.Entry": lambda made: made.board.entries[0],
     "identification.Fit": lambda made: made.fit,
     "identification.Fold": lambda made: made.validation.folds[0],
@@ -140,6 +143,8 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
         dp.models.Constant(3.0), dp.models.Constant(2.0), (15.0, 45.0)
     ),
     "models.Polynomial": lambda made: made.damper.all_laws["dahl.kx"],
+    "records.DataFile": lambda made: dp.records.datasets.data_set("el_centro_peknold").files[0],
+    "records.DataSet": lambda made: dp.records.datasets.data_set("labcontrol"),
     "records.CampaignRow": lambda made: dp.records.campaign_rows()[0],
     "records.Cycle": lambda made: dp.records.cycle_table(made.records[0])[0],
     "records.Declaration": lambda made: dp.records.Declaration.of("0.1 periods, trailing"),
@@ -184,7 +189,10 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "studies.Published": lambda made: dp.studies.raminelli_2020.PUBLISHED,
     "studies.Study": lambda made: made.study,
 }
-NEEDS_A_RECORD = {("identification.Validated", "history"), ("identification.Validated", "loops")}
+NEEDS_A_RECORD = {
+    ("identification.Validated", "history"),
+    ("identification.Validated", "loops"),
+}
 
 
 @pytest.fixture(scope="module")
@@ -214,6 +222,7 @@ def _identify(made: SimpleNamespace) -> None:
         for k, (u, a, f) in enumerate((u, a, f) for u in VOLTS for a, f in MOTIONS)
     ]
     made.fit = dp.identification.fit("dahl", made.records)
+    made.band = dp.identification.prediction_band(made.fit.damper, made.records[0], draws=20)
     made.validation = dp.identification.cross_validate("dahl", made.records, folds=3)
     made.accepted = dp.identification.accept_records(made.records, made.damper)
     made.validated = dp.identification.validate(made.damper, made.records)

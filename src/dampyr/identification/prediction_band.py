@@ -48,7 +48,7 @@ class Interval:
 
 @dataclass(frozen=True, repr=False)
 class Band(Representation):
-    """The band of a record at ``level``: ``low`` and ``high`` (n,) of the force in N, the record's offset included.
+    """The band of a record at ``level``: ``low`` and ``high`` (n,) of the ``measured`` force in N, its offset included.
 
     ``holds`` is the share of the window's samples inside, ``width`` half the mean width over the mean of |F| about the
     middle of its range (0.12 is ± 12 %). ``peak`` is half the range of the force in N, ``energy`` that of a cycle in J,
@@ -58,6 +58,7 @@ class Band(Representation):
 
     level: float
     time: Array
+    measured: Array
     low: Array
     high: Array
     holds: float
@@ -79,14 +80,14 @@ class Band(Representation):
             rows.insert(3, ("energy", f"{_in_words(self.energy, 'J')} per cycle"))
         return f"Band, {percent(self.level)}", rows
 
-    def plot(self, record: Record) -> Any:
+    def plot(self) -> Any:
         """The measured force in its band over the window; the matplotlib axes ``(1,)``."""
         from dampyr.figures import style
         from dampyr.figures.band import band
 
         inside = self.window.slice
         return style.in_pyplot(
-            band, record.time[inside], record.force[inside], self.low[inside], self.high[inside], level=self.level
+            band, self.time[inside], self.measured[inside], self.low[inside], self.high[inside], level=self.level
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -188,6 +189,7 @@ def prediction_band(
     return Band(
         level=level,
         time=record.time,
+        measured=measured,
         low=low,
         high=high,
         holds=float(np.mean(seen)),

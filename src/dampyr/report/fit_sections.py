@@ -119,7 +119,6 @@ def score_table(
             name,
             *(cells[name] for _, cells in more.values()),
             100 * s.l1,
-            100 * s.relevelled_l1,
             100 * s.nrmse,
             s.r2,
             100 * s.pointwise,
@@ -130,8 +129,8 @@ def score_table(
         for name, s in scores.items()
     ]
     return Table(
-        columns=("record", *more, "L1", "relevelled", "NRMSE", "R²", "pointwise", "peak force", "energy", "offset"),
-        units=("", *(unit for unit, _ in more.values()), "%", "%", "%", "", "%", "%", "%", "N"),
+        columns=("record", *more, "L1", "NRMSE", "R²", "pointwise", "peak force", "energy", "offset"),
+        units=("", *(unit for unit, _ in more.values()), "%", "%", "", "%", "%", "%", "N"),
         rows=rows,
         caption=caption,
         digits=3,
