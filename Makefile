@@ -13,7 +13,7 @@ OUT ?= out/pictures
 # Generated tests draw the same examples each time, also where they go through sets.
 export PYTHONHASHSEED := 0
 
-.PHONY: help demo test prove endure check docs bench pictures lock clean compiler octave chromium axe blas firmware firmware-tools
+.PHONY: help demo test prove endure check docs site bench pictures lock clean compiler octave chromium axe blas firmware firmware-tools
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
@@ -22,7 +22,8 @@ help:
 	@echo "make endure  long campaigns and the bench in real time, for about an hour, on a machine with nothing else to do"
 	@echo "make check   style, types, names, the layers of the packages, and no copyright notice of others"
 	@echo "make firmware   the Arduino Uno's program, out/firmware/dampyr-uno.hex, with its size (BAUD=115200, DIRECTION_PIN=1)"
-	@echo "make docs    the generated lists and pages of README.md and docs, written again"
+	@echo "make docs    the generated lists and pages of docs, written again"
+	@echo "make site    the documentation as one site, out/site/index.html, without a network"
 	@echo "make bench   timings on this machine, printed and never asserted (BENCH=million: that one)"
 	@echo "make pictures  every page of the console as PNG and every report as PDF, in OUT=$(OUT)"
 	@echo "make lock    resolve $(LOCK) and $(BENCH_LOCK) again (needs uv)"
@@ -104,6 +105,9 @@ check: $(READY)
 
 docs: $(READY)
 	$(BIN)/python tools/make_docs.py
+
+site: $(READY)
+	$(BIN)/python tools/make_site.py
 
 # Benches have an environment of their own: their peers (OpenSees, jax) are large, and nothing else needs them. A peer that
 # cannot be installed is told of in the table.

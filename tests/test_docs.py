@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import subprocess
@@ -29,37 +30,34 @@ Array = np.ndarray
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.rglob("*.md"))]
-HOW_TO = [
-    DOCS / "how-to" / f"{name}.md"
-    for name in (
-        "read-your-own-files",
-        "another-laboratory",
-        "ground-motions",
-        "your-own-structure",
-        "ensembles",
-        "campaigns",
-        "control",
-        "rig",
-        "acceptance",
-        "python",
-        "hybrid-benchmark",
-        "hybrid-test",
-        "measurement-sessions",
-        "export",
-        "opensees",
-    )
-]
-RUN = [
-    ROOT / "README.md",
-    DOCS / "tutorials" / "first-damper.md",
-    *HOW_TO,
-]  # newcomer.md: tests/stories/test_newcomer.py
+FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+RUN_KINDS = ("sh", "python")
+DATA_KINDS = ("text", "toml", "bash", "c", "matlab")  # files, and what is printed; a file of commands has a name
+# Blocks of commands and of Python that no test of a page runs, by the page and their first words, and why.
+NOT_RUN = {
+    ("README.md", "make demo"): "tests/stories/test_the_chain.py runs what it runs, and this is what make test is",
+    ("docs/how-to/add-a-model.md", "r\"\"\"A dashpot"): "test_the_model_of_the_how_to_is_a_model",
+    ("docs/how-to/bench.md", "dampyr console"): "serves until it is stopped: tests/console",
+    ("docs/how-to/console.md", "pip install"): "serves until it is stopped: tests/console",
+    ("docs/how-to/console.md", "dampyr console"): "serves until it is stopped: tests/console",
+    ("docs/how-to/console.md", "curl"): "asks the server: tests/console/test_api.py",
+    ("docs/how-to/ensembles.md", "from distributed"): "needs a cluster; on this machine tests/structures/test_cluster.py",
+    ("docs/how-to/export.md", "cc "): "test_the_c_of_the_how_to_compiles_and_runs",
+    ("docs/how-to/firmware.md", "avrdude"): "needs an Uno",
+    ("docs/how-to/firmware.md", "gcc"): "tests/rig/firmware/test_uno_binary.py compiles and runs it",
+    ("docs/how-to/opensees.md", "import mr_damper"): "a line of a model: tests/export/test_opensees.py",
+    ("docs/how-to/opensees.md", "ops.element"): "a line of a model: tests/export/test_opensees.py",
+    ("docs/how-to/opensees.md", "dampyr serve"): "serves until a model ends: tests/export/test_opensees.py",
+    ("docs/how-to/rig.md", "dampyr doctor"): "needs a rig; on the simulated one tests/cli/test_doctor.py",
+    ("docs/how-to/rig.md", "dampyr calibrate"): "needs a rig; on the simulated one tests/rig/test_calibration.py",
+    ("docs/tutorials/newcomer.md", ""): "tests/stories/test_newcomer.py follows the page, in an environment of its own",
+    ("docs/reference/simulated-rig.md", "python -m dampyr.rig"): "serves until it is stopped: tests/rig/simulation",
+}  # fmt: skip
 # Pages whose code compiles or runs for long: proofs.
 LONG = (
     "README", "first-damper", "your-own-structure", "ensembles", "control", "rig", "another-laboratory", "ground-motions",
-    "campaigns", "acceptance", "read-your-own-files",
+    "campaigns", "acceptance", "read-your-own-files", "hybrid-test", "slurm", "raminelli-2020", "simulated-rig", "export",
 )  # fmt: skip
-FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -79,16 +77,58 @@ def test_links_lead_somewhere(page: Path) -> None:
     assert not missing
 
 
-def test_every_page_is_reached_from_the_readme() -> None:
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    pages = [page for page in DOCS.rglob("*.md") if page.parent.name != "decisions"]
-    assert not [name(page) for page in pages if name(page) not in readme]
+def test_every_page_is_reached_from_the_list_of_pages() -> None:
+    listed = (DOCS / "index.md").read_text(encoding="utf-8")
+    pages = [page for page in DOCS.rglob("*.md") if page.parent.name != "decisions" and page.stem != "index"]
+    assert not [name(page) for page in pages if f"({page.relative_to(DOCS)})" not in listed]
+    assert "(docs/index.md)" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_readme_is_two_screens_long() -> None:
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 105
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_lines_are_short_enough_to_read(page: Path) -> None:
-    prose = [line for line in page.read_text(encoding="utf-8").splitlines() if line[:1] not in ("|", "$")]
+    text = re.sub(r"\]\([^)]*\)", "]", page.read_text(encoding="utf-8"))  # where a link leads is not read
+    text = text.partition("<!-- generated: bibliography -->")[0]
+    prose = [line for line in text.splitlines() if line[:1] not in ("|", "$")]
     assert max(map(len, prose)) <= 145
+
+
+# What stands for the programs of a reader's machine: the data set comes from this one, what would need a network or an hour is
+# a trial, and a batch system runs its jobs one after the other.
+SHELL = r"""
+dampyr() {
+  if [ "${1:-} ${2:-}" = "datasets fetch" ]; then set -- "$@" --from "$DATA"; fi
+  "$PYTHON" -m dampyr "$@"
+}
+make() { command make --dry-run -C "$ROOT" "$@" > /dev/null; mkdir -p .venv/bin; : > .venv/bin/activate; }
+python() { if [ "${1:-} ${2:-}" = "-m venv" ]; then mkdir -p "$3/bin"; : > "$3/bin/activate"; else "$PYTHON" "$@"; fi; }
+pip() {
+  [ "$1" = install ]
+  "$PYTHON" -m pip install --quiet --dry-run --no-index --no-deps --no-build-isolation "${2/#./$ROOT}"
+}
+expect() {
+  local code=0
+  "${@:2}" || code=$?
+  [ "$code" = "$1" ]
+}
+sbatch() {
+  local script="${*: -1}" array tasks=1 first last
+  array=$(sed -n 's/^#SBATCH --array=//p' "$script")
+  case "$*" in *--array=*) array=${*#*--array=}; array=${array%% *} ;; esac
+  case "$array" in
+    *-*) tasks=$(seq "${array%-*}" "${array#*-}") ;;
+    *,*) tasks=${array//,/ } ;;
+  esac
+  for task in $tasks; do
+    SLURM_ARRAY_TASK_ID=$task SLURM_CPUS_PER_TASK=$(sed -n 's/^#SBATCH --cpus-per-task=//p' "$script") bash "$script" >&2
+  done
+  echo 4711
+}
+export -f dampyr
+"""
 
 
 class Desk:
@@ -98,16 +138,15 @@ class Desk:
         self.folder, self.data = folder, data
         self.names: dict[str, object] = {}
 
-    def run(self, command: str) -> None:
-        """One line of a shell, as a user types it; a data set is fetched from this machine."""
-        words = shlex.split(command)
-        assert words[0] == "dampyr", command
-        if words[1:3] == ["datasets", "fetch"]:
-            words += ["--from", str(self.data)]
+    def run(self, commands: str) -> None:
+        """Lines of a shell, as a user types them; a data set is fetched from this machine."""
+        lines = re.sub(r"^(.*\S) +# exit code (\d+)$", r"expect \2 \1", commands, flags=re.MULTILINE)
+        places = {"PYTHON": sys.executable, "ROOT": str(ROOT), "DATA": str(self.data)}
         done = subprocess.run(
-            [sys.executable, "-m", *words], cwd=self.folder, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, f"{command}\n{done.stderr}"
+            ["bash", "-c", f"set -euo pipefail\n{SHELL}\n{lines}"],
+            cwd=self.folder, capture_output=True, text=True, check=False, env={**os.environ, **places},
+        )  # fmt: skip
+        assert done.returncode == 0, f"{commands}\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
 
     def execute(self, text: str) -> None:
         """One block of Python; each ``print(...)  # so`` must print so."""
@@ -164,43 +203,88 @@ def write_test(path: Path, header: str, t: Array, x: Array, current: float, rng:
     path.write_text("\n".join([header, *lines]), encoding="utf-8")
 
 
-def steps(page: Path) -> Iterator[tuple[str, str]]:
-    """The blocks of a page that a reader runs, in order."""
+def named(info: str, text: str) -> str | None:
+    """The file that a block is, by ``name=`` behind its language or by its first line."""
+    if match := re.search(r"\b(?:name|part)=(\S+)", info):
+        return match[1]
+    first = re.match(r"# (\S+\.toml)\n", text)
+    return first[1] if first else None
+
+
+def steps(page: Path) -> Iterator[tuple[str, str, str | None]]:
+    """The blocks of a page that a reader runs or saves, in order: kind, text, and the file's name."""
     for info, text in FENCE.findall(page.read_text(encoding="utf-8")):
-        if info in ("sh", "python", "text", "toml"):
-            yield info, text
+        if not why_not(page, text):
+            yield info.split(" ")[0], text, named(info, text)
+
+
+def why_not(page: Path, text: str) -> str | None:
+    """Why a block is not run, where it is not."""
+    return next((why for (of, words), why in NOT_RUN.items() if of == name(page) and text.startswith(words)), None)
+
+
+def is_run(page: Path) -> bool:
+    """Whether a page has anything to run."""
+    return any(kind in RUN_KINDS and not file for kind, _, file in steps(page))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_block_of_a_page_is_run_saved_or_shown(page: Path) -> None:
+    """Nothing that a reader would type hides behind another language or an indentation."""
+    text = page.read_text(encoding="utf-8")
+    for info, block in FENCE.findall(text):
+        kind = info.split(" ")[0]
+        assert kind in RUN_KINDS + DATA_KINDS, f"{info}: {block}"
+        assert kind != "bash" or named(info, block), "a script has a name, so that it is saved and run"
+        assert kind != "text" or not re.match(r"(dampyr|make|pip|python|cc|gcc) [a-z-]", block) or ":" in block[:80]
+        if kind == "toml":
+            tomllib.loads(block)
+    indented = re.findall(r"\n\n((?: {4}|\t)(?:dampyr|make|pip|python|import|from) .*)", FENCE.sub("", text))
+    assert not indented
+
+
+def test_every_reason_not_to_run_a_block_is_of_a_block() -> None:
+    for page, words in NOT_RUN:
+        texts = [text for _, text in FENCE.findall((ROOT / page).read_text(encoding="utf-8"))]
+        assert any(text.startswith(words) for text in texts), (page, words)
+    tests = {test for why in NOT_RUN.values() for test in re.findall(r"tests/\S+\.py|tests/\w+", why)}
+    assert not [each for each in tests if not (ROOT / each.rstrip(",")).exists()]
 
 
 @pytest.mark.parametrize(
-    "page", [pytest.param(page, marks=[pytest.mark.prove] * (page.stem in LONG)) for page in RUN], ids=name
+    "page",
+    [pytest.param(page, marks=[pytest.mark.prove] * (page.stem in LONG)) for page in PAGES if is_run(page)],
+    ids=name,
 )
 def test_what_a_page_has_its_reader_do_works(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
     text = page.read_text(encoding="utf-8")
-    needs_data = "datasets fetch" in text or "locate(" in text
-    desk = Desk(tmp_path, request.getfixturevalue("campaign_folder") if needs_data else None)
+    needs_data = any(words in text for words in ("datasets fetch", "locate(", "labcontrol-mr-damper"))
+    folder = request.getfixturevalue("campaign_folder") if needs_data else None
+    desk = Desk(tmp_path, folder)
     (tmp_path / "examples").symlink_to(ROOT / "examples")  # a reader of the README has them
+    if folder and "datasets fetch" not in text:
+        (tmp_path / "data").mkdir()
+        (tmp_path / "data" / "labcontrol-mr-damper").symlink_to(folder)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("DAMPYR_DATA", "data")
-    done = 0
-    for kind, block in steps(page):
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    modules = set(sys.modules)
+    for kind, block, file in steps(page):
         if kind == "text" and "Stroke LVDT" in block:
             write_own_file(tmp_path, block)
         elif kind == "text" and "Displacement" in block:
             write_laboratory(tmp_path / "tests", block)
-        elif kind == "toml" and (named := re.match(r"# (\S+\.toml)\n", block)):
-            (tmp_path / named[1]).write_text(block, encoding="utf-8")
-        elif kind == "toml":
-            (tmp_path / "tests" / "reading.toml").write_text(block, encoding="utf-8")
+        elif file:
+            (tmp_path / file).parent.mkdir(exist_ok=True)
+            (tmp_path / file).write_text(block, encoding="utf-8")
         elif kind == "python":
             desk.execute(block)
-            done += 1
         elif kind == "sh":
-            for command in block.strip().splitlines():
-                desk.run(command)
-                done += 1
-    assert done >= 2
+            desk.run(block)
+    for own in {each for each in set(sys.modules) - modules if (tmp_path / f"{each}.py").exists()}:
+        del sys.modules[own]
 
 
 def test_python_in_the_readme_that_needs_no_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -208,9 +292,12 @@ def test_python_in_the_readme_that_needs_no_data(tmp_path: Path, monkeypatch: py
     Desk(tmp_path, None).execute(blocks(ROOT / "README.md", "python")[0])
 
 
-def readme_table(heading: str) -> list[list[str]]:
-    """The rows of the README's table whose header starts with this text."""
-    lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
+FIGURES = [ROOT / "README.md", DOCS / "reference" / "figures.md"]
+
+
+def table_of(page: Path, heading: str) -> list[list[str]]:
+    """The rows of the page's table whose header starts with this text."""
+    lines = page.read_text(encoding="utf-8").splitlines()
     start = next(k for k, line in enumerate(lines) if line.startswith(heading))
     rows = []
     for line in lines[start + 2 :]:
@@ -220,7 +307,7 @@ def readme_table(heading: str) -> list[list[str]]:
     return rows
 
 
-def test_the_readme_tells_the_fits_as_they_are(campaign_folder: Path) -> None:
+def test_the_fits_are_told_as_they_are(campaign_folder: Path) -> None:
     from dampyr.identification import fit
     from dampyr.records import read_campaign
 
@@ -228,16 +315,18 @@ def test_the_readme_tells_the_fits_as_they_are(campaign_folder: Path) -> None:
     for record in read_campaign(campaign_folder):
         scores.setdefault(f"{record.voltage:g} V", []).append(fit("dahl", record).scores[record.name].l1)
     computed = [[volts, str(len(l1)), f"{100 * np.mean(l1):.1f} %"] for volts, l1 in scores.items()]
-    assert computed == readme_table("| coil |")
+    assert [table_of(page, "| coil | records |") for page in FIGURES] == [computed, computed]
 
 
-def test_the_readme_tells_the_building_as_it_is() -> None:
+def test_the_building_is_told_as_it_is() -> None:
     from dampyr.ground_motions import el_centro
     from dampyr.structures import respond, two_storey
     from dampyr.studies import raminelli_2020
 
     damper = raminelli_2020.damper()
-    for case, *cells in readme_table("| case |"):
+    rows = table_of(FIGURES[0], "| case |")
+    assert table_of(FIGURES[1], "| case |") == rows
+    for case, *cells in rows:
         dampers = {} if case == "no damper" else {1: damper}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)
@@ -246,11 +335,19 @@ def test_the_readme_tells_the_building_as_it_is() -> None:
         np.testing.assert_allclose(1e3 * response.peak_displacement, peaks, atol=1e-3)
 
 
-def test_the_readme_names_every_member() -> None:
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_times_of_the_readme_are_those_of_the_page() -> None:
+    readme, page = (path.read_text(encoding="utf-8") for path in FIGURES)
+    [(time, error)] = re.findall(
+        r"An ensemble takes (\S+ \S+) per history .* an error of (\S+ %)", readme.replace("\n", " ")
+    )
+    assert f"| dampyr, fast, peaks of displacement and drift | {time} | 25,000 | {error} |" in page
+
+
+def test_the_page_of_the_packages_names_every_member() -> None:
+    page = (DOCS / "reference" / "packages.md").read_text(encoding="utf-8")
     packages = ("models.parts", "campaigns.steps", "structures.control", "export.kinds", "studies")
     members = [name for package in packages for name in registry.names(f"dampyr.{package}")]
-    assert not [each for each in (*members, *cli.list_commands(click.Context(cli))) if f"`{each}`" not in readme]
+    assert not [each for each in (*members, *cli.list_commands(click.Context(cli))) if f"`{each}`" not in page]
 
 
 def test_the_card_of_the_reference_loads(tmp_path: Path) -> None:
@@ -392,7 +489,7 @@ def test_the_c_of_the_how_to_compiles_and_runs(tmp_path: Path) -> None:
     export(damper, "c", tmp_path)
     [program] = blocks(page, "c")
     (tmp_path / "main.c").write_text(program, encoding="utf-8")
-    [line] = [text for text in blocks(page, "text") if text.startswith("cc ")]
+    [line] = [text for text in blocks(page, "sh") if text.startswith("cc ")]
     subprocess.run(["gcc", *shlex.split(line)[1:]], cwd=tmp_path, check=True)
     out = subprocess.run([str(tmp_path / "a.out")], capture_output=True, text=True, check=True).stdout
     t = np.linspace(0.0, 1.0, 1001)

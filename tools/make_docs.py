@@ -22,7 +22,9 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any, get_origin, get_type_hints
 
+import citations
 import click
+from page_notebook import notebook
 
 from dampyr import registry
 from dampyr.cli import cli
@@ -37,6 +39,8 @@ PARTS, STEPS, LAWS = "dampyr.models.parts", "dampyr.campaigns.steps", "dampyr.st
 RECORDS, MOTIONS = "dampyr.records.formats", "dampyr.ground_motions.formats"
 EXPORTS, STUDIES, COMMANDS = "dampyr.export.kinds", "dampyr.studies", "dampyr.cli"
 WHOLE_PAGES = {"docs/explanations/generated-kernel.md": "docs/explanations/make_generated_kernel.py"}
+NOTEBOOKS = ("docs/tutorials/first-damper.md",)  # pages that are notebooks too
+BIBLIOGRAPHY = "bibliography.md"  # beside the pages that docstrings are written into
 COMMANDS_PAGE = "docs/reference/commands.md"
 MARKS = re.compile(r"(<!-- generated: ([\w-]+) -->)(.*?)(<!-- end -->)", re.DOTALL)
 SHARED_SETTINGS = ("low", "high", "period", "lag")  # of every control law
@@ -58,10 +62,12 @@ def main() -> int:
 
 def pages() -> Iterator[tuple[Path, str]]:
     """Every page with a generated list, and every page that is generated whole, as it has to be."""
-    for path in [CHECKOUT / "README.md", *sorted((CHECKOUT / "docs").rglob("*.md"))]:
+    for path in sorted((CHECKOUT / "docs").rglob("*.md")):
         text = path.read_text(encoding="utf-8")
         if MARKS.search(text):
             yield path, MARKS.sub(_filled, text)
+    for page in NOTEBOOKS:
+        yield (CHECKOUT / page).with_suffix(".ipynb"), notebook(CHECKOUT / page)
     for page, generator in WHOLE_PAGES.items():
         yield CHECKOUT / page, runpy.run_path(str(CHECKOUT / generator))["page"]()
 
@@ -90,7 +96,8 @@ def markdown(text: str) -> str:
     text = re.sub(r"^\.\. math:: (.*(?:\n[ ]+\S.*)*)", lambda m: "$$" + " ".join(m[1].split()) + "$$", text, flags=re.M)
     text = re.sub(r":math:`([^`]+)`", r"$\1$", text)
     text = re.sub(r":(?:class|func|mod):`~?([^`]+)`", r"`\1`", text)
-    return re.sub(r"``([^`]+)``", r"`\1`", text).replace("\\|v\\|", "|v|")
+    text = re.sub(r"``([^`]+)``", r"`\1`", text).replace("\\|v\\|", "|v|")
+    return citations.linked(text, BIBLIOGRAPHY)
 
 
 def about(module: Any) -> str:
@@ -407,6 +414,7 @@ LISTS: dict[str, Callable[[], str]] = {
     "command-table": command_table,
     "command-examples": command_examples,
     "command-sections": command_sections,
+    "bibliography": citations.sections,
 }
 
 

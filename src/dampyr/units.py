@@ -155,6 +155,9 @@ _FOR_PEOPLE = {
 def for_people(unit: str) -> tuple[str, float]:
     """The unit in which people read a parameter held in the SI ``unit``, and the factor to it.
 
+    Examples
+    --------
+    >>> from dampyr.units import for_people
     >>> for_people("N s/m")
     ('N s/mm', 0.001)
     """
@@ -167,6 +170,9 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(?![\d.,_])")
 def parse(text: str | float, si: str) -> float:
     """A quantity as typed, ``"12.4 mm"`` or ``"0.3g"``, in the SI unit ``si``; a bare number is SI already.
 
+    Examples
+    --------
+    >>> from dampyr.units import parse
     >>> parse("12.4 mm", "m")
     0.0124
     """

@@ -2,7 +2,7 @@
 
 Then the lists are generated as `make docs` does, and what must pass is run in the copy: the invariants of the new members, the
 checks of names and layers, the comparison of the pages with their generator, and a test that looks the members up in the
-README, in the reference, on the command line and in the console.
+page of the packages, in the reference, on the command line and in the console.
 """
 
 from __future__ import annotations
@@ -276,7 +276,7 @@ from dampyr.models import published
 from dampyr.structures import control_law
 
 ROOT = Path(__file__).resolve().parents[1]
-README = ["bent_dashpot", "standstill", "passive_on", ".json", ".acc", "one_spring", "table", "parts"]
+LISTED = ["bent_dashpot", "standstill", "passive_on", ".json", ".acc", "one_spring", "table", "parts"]
 REFERENCE = {
     "models": "## `bent_dashpot`", "campaign-file": "## `standstill`", "control-laws": "## `passive_on`",
     "published": "## `example_2026`", "studies": "## `one_spring`", "commands": "## `dampyr parts`",
@@ -300,9 +300,9 @@ def client(data):
         yield test_client
 
 
-@pytest.mark.parametrize("name", README)
-def test_the_readme_names_it(name):
-    assert f"`{name}`" in (ROOT / "README.md").read_text("utf-8")
+@pytest.mark.parametrize("name", LISTED)
+def test_the_page_of_the_packages_names_it(name):
+    assert f"`{name}`" in (ROOT / "docs" / "reference" / "packages.md").read_text("utf-8")
 
 
 @pytest.mark.parametrize("page", REFERENCE)

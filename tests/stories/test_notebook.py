@@ -1,4 +1,6 @@
-"""The walk through the Python face, docs/tutorials/python.ipynb, runs as a notebook runs it, and every picture shows something.
+"""The notebooks of docs/tutorials run as a notebook runs them, and every picture shows something.
+
+python.ipynb is the walk through the Python face; first-damper.ipynb is written by `make docs` from the page of that name.
 
 A cell's last expression is shown as a notebook does, unless a semicolon ends it. With ``DAMPYR_NOTEBOOK_PAGE=walk.html`` all
 that was shown is written to a page, to look at.
@@ -11,6 +13,8 @@ import base64
 import json
 import os
 import re
+import subprocess
+import sys
 import warnings
 from collections.abc import Iterator
 from html import escape
@@ -24,14 +28,15 @@ import pytest
 
 from dampyr.errors import DampyrWarning
 
-NOTEBOOK = Path(__file__).resolve().parents[2] / "docs" / "tutorials" / "python.ipynb"
+TUTORIALS = Path(__file__).resolve().parents[2] / "docs" / "tutorials"
+NOTEBOOK, FIRST = TUTORIALS / "python.ipynb", TUTORIALS / "first-damper.ipynb"
 BLANK = 0.005  # of a picture's pixels: fewer dark ones are an empty frame
 
 
-def cells(kind: str = "") -> list[dict[str, Any]]:
+def cells(kind: str = "", notebook: Path = NOTEBOOK) -> list[dict[str, Any]]:
     """The cells of the notebook, or those of one kind."""
     return [
-        each for each in json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"] if kind in ("", each["cell_type"])
+        each for each in json.loads(notebook.read_text(encoding="utf-8"))["cells"] if kind in ("", each["cell_type"])
     ]
 
 
@@ -76,8 +81,42 @@ def pictures(pyplot: Any) -> list[bytes]:
     return files
 
 
-def test_no_output_is_stored() -> None:
-    assert not [each["id"] for each in cells("code") if each["outputs"] or each["execution_count"] is not None]
+@pytest.mark.parametrize("notebook", sorted(TUTORIALS.glob("*.ipynb")), ids=lambda path: path.stem)
+def test_no_output_is_stored(notebook: Path) -> None:
+    code = cells("code", notebook)
+    assert code
+    assert not [each["id"] for each in code if each["outputs"] or each["execution_count"] is not None]
+
+
+@pytest.mark.prove
+def test_the_first_tutorial_runs_as_a_notebook(
+    campaign_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its data come from this machine; what its comments say is printed is tried on the page (tests/test_docs.py)."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", os.environ["PATH"])  # the first cell changes it
+    names: dict[str, Any] = {}
+    commands = 0
+    for cell in cells("code", FIRST):
+        source = "".join(cell["source"])
+        if not source.startswith("!"):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", DampyrWarning)
+                exec(compile(source, cell["id"], "exec"), names)
+            continue
+        for line in source.splitlines():
+            command = line.removeprefix("!dampyr ")
+            assert command != line, line
+            if command.startswith("datasets fetch"):
+                command += f" --from '{campaign_folder}'"
+            done = subprocess.run(
+                f"'{sys.executable}' -m dampyr {command}", shell=True, capture_output=True, text=True, check=False
+            )
+            assert done.returncode == 0, f"{line}\n{done.stderr}"
+            commands += 1
+    assert commands >= 9
+    assert capsys.readouterr().out.splitlines() == ["True", "8.7"]
+    assert {"dahl.toml", "dahl.html", "building.html", "better.toml"} <= {each.name for each in tmp_path.iterdir()}
 
 
 @pytest.mark.prove

@@ -75,6 +75,16 @@ def perform(
     Raises :class:`~dampyr.errors.InputError` before anything moves, :class:`~dampyr.errors.RigFault` where a safety layer
     has acted, :class:`Stopped` where it was asked for, :class:`~dampyr.errors.FileError` where the disk is full. In every
     case the table is at rest, the coil at 0 V, and the journal records the reason.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "voltage": "1.98 V", "cycles": 2}
+    >>> campaign = dp.campaigns.campaign_of({"name": "one", "operator": "me", "step": [step]})
+    >>> with dp.rig.simulated(in_process=True) as rig:
+    ...     folder = dp.campaigns.perform(campaign, rig, "one")
+    >>> [record.name for record in dp.records.read_campaign(folder)]
+    ['01-sine-8mm-1Hz-1.98V']
     """
     campaign_plan = _planned(campaign, rig)
     campaign_plan.require()

@@ -182,6 +182,15 @@ def plan(campaign: Campaign, rig: RigSettings | None = None, damper: Damper | No
     """What ``campaign`` would ask of ``rig`` (the original rig's parts by default), and all that it cannot do.
 
     ``damper`` gives the expected force; without one a conservative envelope does, and the plan's notes say so.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "voltage": ["0 V", "1.98 V"], "cycles": 2}
+    >>> campaign = dp.campaigns.campaign_of({"name": "two", "operator": "me", "step": [step]})
+    >>> plan = dp.campaigns.plan(campaign, dp.rig.RigSettings())
+    >>> [test.name for test in plan.tests], plan.refusals
+    (['01-sine-8mm-1Hz-0V', '02-sine-8mm-1Hz-1.98V'], ())
     """
     rig = rig or RigSettings()
     alike = {test.number: test for test in campaign.tests}

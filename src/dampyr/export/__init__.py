@@ -39,6 +39,8 @@ def export(
     ``c``, ``fmi`` and ``drive`` of ``fmu``. Raises :class:`~dampyr.errors.InputError` for an unknown kind, an option that it
     does not have, or a name that the target cannot use.
 
+    Examples
+    --------
     >>> import dampyr as dp
     >>> files = dp.export.export(dp.studies.raminelli_2020.damper(), "c", "controller")
     >>> [path.name for path in files[:2]]

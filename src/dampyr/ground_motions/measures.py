@@ -57,7 +57,15 @@ class Measures(Representation):
 
 
 def measures(motion: GroundMotion) -> Measures:
-    """All measures that need no oscillator; for Sa see `sa`. A motion of zeros has significant durations of 0."""
+    """All measures that need no oscillator; for Sa see `sa`. A motion of zeros has significant durations of 0.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> measures = dp.ground_motions.measures(dp.ground_motions.el_centro())
+    >>> round(measures.pga, 3), round(measures.duration_5_95, 1)
+    (3.127, 23.9)
+    """
     still = motion.pga == 0
     return Measures(
         motion.pga,

@@ -27,6 +27,16 @@ def read(path: str | Path, units: str | None = None, dt: float | None = None) ->
     Raises :class:`~dampyr.errors.MissingData` where there is no such file and
     :class:`~dampyr.errors.FileError` where the file contradicts itself or the arguments, or holds values
     that are no numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.arange(0.0, 2.0, 0.01)
+    >>> np.savetxt("pulse.txt", np.column_stack([t, 0.4 * np.sin(6 * t)]))
+    >>> motion = dp.ground_motions.read("pulse.txt", units="g")
+    >>> motion.n, round(motion.dt, 6), round(motion.pga, 2)
+    (200, 0.01, 3.92)
     """
     file = Path(path)
     if not file.is_file():

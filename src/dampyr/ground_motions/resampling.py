@@ -25,9 +25,9 @@ def resampled(motion: GroundMotion, dt: float, how: How | None = None) -> Ground
     Where ``dt`` divides the old step a whole number of times, nothing changes but the number of samples: the motion is linear
     between its samples, and so are the new ones. Any other step changes it, and ``how`` must be named:
 
-    ``"linear"`` : samples of the straight lines; what is faster than the new rate can hold is folded into lower frequencies.
-    ``"band-limited"`` : a linear-phase FIR filter and a rational change of the rate (``scipy.signal.resample_poly``); what is
-        faster is taken out. dt must be a ratio of whole numbers up to 1000 of the old step.
+    - ``"linear"``: samples of the straight lines; what is faster than the new rate can hold is folded into lower frequencies.
+    - ``"band-limited"``: a linear-phase FIR filter and a rational change of the rate (``scipy.signal.resample_poly``); what is
+      faster is taken out. dt must be a ratio of whole numbers up to 1000 of the old step.
 
     With a longer step, the share of the Arias intensity above the new Nyquist frequency is in the history, and a
     :class:`~dampyr.errors.DampyrWarning` says it where it exceeds 0.1 %. The new motion does not go beyond the old one's end.

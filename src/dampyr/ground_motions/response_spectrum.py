@@ -153,6 +153,13 @@ def spectrum(
     The motion ends with its last sample: what an oscillator does afterwards is left out. Where that matters (long periods,
     short pulses, low damping) add a pause first, ``padded(motion, seconds)``. Raises :class:`~dampyr.errors.InputError` for
     periods and dampings that make no sense.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> spectrum = dp.ground_motions.spectrum(dp.ground_motions.el_centro(), periods=[0.0, 0.5, 1.0])
+    >>> spectrum.pseudo_acceleration.round(2)
+    array([3.13, 9.01, 4.46])
     """
     T, zeta = np.array(periods, dtype=float), np.array(damping, dtype=float)
     d, v, a, pseudo_v, pseudo_a = oscillator_peaks(motion.acceleration, motion.dt, T, zeta, sampled)

@@ -59,6 +59,8 @@ class Soil:
 
 
 FIRM = Soil(15.0, 0.6, 1.5, 0.6)
+"""Firm soil of [DerKiureghianNeuenhofer1992]_."""
 MEDIUM = Soil(10.0, 0.4, 1.0, 0.6)
+"""Medium soil of [DerKiureghianNeuenhofer1992]_."""
 SOFT = Soil(5.0, 0.2, 0.5, 0.6)
-"""The three of [DerKiureghianNeuenhofer1992]_."""
+"""Soft soil of [DerKiureghianNeuenhofer1992]_."""

@@ -54,6 +54,13 @@ def kanai_tajimi(
         where the shaking ends, wherever velocity and displacement are then.
 
     Raises :class:`~dampyr.errors.InputError` where an argument is outside its range.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> motion = dp.ground_motions.kanai_tajimi(10.0, 0.01, seed=(7, 1), pga=3.0)
+    >>> round(motion.pga, 9), motion.dt
+    (3.0, 0.01)
     """
     _check(duration, dt, intensity, pga, rest)
     n = math.floor(duration / dt * (1 + 1e-12)) + 1

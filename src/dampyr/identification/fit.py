@@ -104,6 +104,18 @@ def fit(
     InputError
         a record without input, without motion, with a constant force, or of mixed inputs; an unknown name or law; a
         bandwidth that a record's samples do not carry.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> t = np.linspace(0.0, 4.0, 801)
+    >>> x = 0.008 * np.sin(2 * np.pi * t)
+    >>> record = dp.records.Record(t, x, damper.force(t, x, voltage=1.98), voltage=1.98)
+    >>> fit = dp.identification.fit("dahl", record)
+    >>> fit.converged, {name: float(f"{value:.4g}") for name, value in fit.parameters.items()}
+    (True, {'dahl.kx': 2576.0, 'dahl.kw': 380.6, 'dahl.rho': 13530.0})
     """
     listed = [records] if isinstance(records, Record) else list(records)
     check_loss(loss)

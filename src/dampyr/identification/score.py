@@ -116,6 +116,17 @@ def score(
     what the L1 ratio measures the force from: the middle of its ``"quantiles"``, or the ``"midrange"`` as (3.1) of Raminelli
     (2020). Raises
     :class:`~dampyr.errors.InputError` where the record's input is not the damper's, or too little is left of the motion.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> t = np.linspace(0.0, 4.0, 801)
+    >>> x = 0.008 * np.sin(2 * np.pi * t)
+    >>> record = dp.records.Record(t, x, damper.force(t, x, voltage=1.98), voltage=1.98)
+    >>> dp.identification.score(damper, record).l1 < 1e-4
+    True
     """
     return compare(record, prediction(damper, record, allow_extrapolation), settling, window, centre)
 

@@ -438,7 +438,14 @@ class Damper(Representation):
         return 0.0 if k is None else float(self.values(u, allow_extrapolation=allow_extrapolation)[k])
 
     def at(self, u: float, allow_extrapolation: bool = False) -> Any:
-        """The model at one input: the part's dataclass, or a tuple of them where there are several parts."""
+        """The model at one input: the part's dataclass, or a tuple of them where there are several parts.
+
+        Examples
+        --------
+        >>> import dampyr as dp
+        >>> dp.studies.raminelli_2020.damper().at(0.0)
+        Dahl(kx=802.0, kw=50.237, rho=42745.0)
+        """
         values = self.values(float(u), allow_extrapolation=allow_extrapolation)
         models, start = [], 0
         for p in self.composition.parts:
@@ -475,6 +482,17 @@ class Damper(Representation):
         path is straight. ``temperature`` in degC is that of a damper whose laws depend on it (see `at_temperature`). A motion
         beyond the calibrated displacement or velocity gives one warning that names the limit, and samples too far apart for a
         part's friction (`dampyr.models.sampling_error`) one that says by how much.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import dampyr as dp
+        >>> damper = dp.studies.raminelli_2020.damper()
+        >>> t = np.linspace(0.0, 4.0, 801)
+        >>> x = 0.008 * np.sin(2 * np.pi * t)
+        >>> force = damper.force(t, x, voltage=1.98)
+        >>> force.shape, round(float(force.max()))
+        ((801,), 510)
         """
         from dampyr.models.path_integration import along, delayed
         from dampyr.models.sampling_error import sampling_words
@@ -623,12 +641,29 @@ class Damper(Representation):
         return self.covariance
 
     def save(self, path: str | Path) -> Path:
-        """Write the card, a TOML file (docs/reference/card.md), whole or not at all."""
+        """Write the card, a TOML file (docs/reference/card.md), whole or not at all.
+
+        Examples
+        --------
+        >>> import dampyr as dp
+        >>> card = dp.studies.raminelli_2020.damper().save("damper.toml")
+        >>> dp.models.Damper.load(card).range
+        (0.0, 3.212)
+        """
         return card.write(self, Path(path))
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """Read a card; :class:`~dampyr.errors.FileError` says what is wrong with it."""
+        """Read a card; :class:`~dampyr.errors.FileError` says what is wrong with it.
+
+        Examples
+        --------
+        >>> import dampyr as dp
+        >>> card = dp.studies.raminelli_2020.damper().save("damper.toml")
+        >>> damper = dp.models.Damper.load(card)
+        >>> damper.input, damper.range
+        ('V', (0.0, 3.212))
+        """
         return card.read(Path(path), cls)
 
 

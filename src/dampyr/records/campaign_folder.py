@@ -110,6 +110,19 @@ def read_campaign(
         A file is wrong, is not the file whose sha256 the table gives, or the table is wrong.
     InputError
         An input is given beside a ``campaign.csv``, or two records have one name.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.linspace(0.0, 1.0, 101)
+    >>> Path("sines").mkdir()
+    >>> for k in (1, 2):
+    ...     record = dp.records.Record(t, 0.01 * np.sin(6 * k * t), 50.0 * np.cos(6 * k * t), voltage=1.0)
+    ...     path = dp.records.write(record.replace(note="named", name=f"test{k}"), f"sines/test{k}.h5")
+    >>> [record.name for record in dp.records.read_campaign("sines")]
+    ['test1', 'test2']
     """
     folder = _folder(folder)
     wanted = None if role is None else as_role(role)

@@ -81,6 +81,24 @@ def measure(record: Record) -> Measured:
     ------
     InputError
         There is no whole cycle.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> t = np.linspace(0.0, 4.0, 801)
+    >>> x = 0.008 * np.sin(2 * np.pi * t)
+    >>> record = dp.records.Record(t, x, damper.force(t, x, voltage=1.98), voltage=1.98)
+    >>> dp.records.measure(record)
+    <Measured>
+      motion      1 Hz, 16 mm peak to peak
+      peak speed  50.26 mm/s
+      energy      15.32 J per cycle
+      mean force  -2.842e-14 N
+      drift       9.49e-17 mm/s
+      harmonics   2: 2.4e-14 %, 3: 1.2e-14 %, 4: 1.8e-15 %, 5: 7.4e-15 %, 6: 6.9e-15 %, 7: 3.7e-15 %; di …
+      cycles      3, from 0 s
     """
     spans = require_cycles(record, "a measurement")
     frequency, amplitudes, distortion = _harmonics(record, spans)

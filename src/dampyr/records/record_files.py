@@ -184,6 +184,16 @@ def read(
         There is no such file.
     FileError
         The file is wrong: one line with the file, the value and the repair.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.linspace(0.0, 1.0, 101)
+    >>> written = dp.records.Record(t, 0.01 * np.sin(6 * t), 50.0 * np.cos(6 * t))
+    >>> record = dp.records.read(dp.records.write(written, "test.csv"), voltage=1.98)
+    >>> record.n, record.input, record.input_value
+    (101, 'V', 1.98)
     """
     layout: dict[str, Any] = {"dt": dt, "variable": variable, "header": header, "force_sign": force_sign}
     layout |= {
@@ -261,6 +271,16 @@ def write(record: Record, path: str | Path, **details: Any) -> Path:
     """Write ``record`` to ``path`` (.h5, .csv, .mat, ...) whole or not at all, and return the path.
 
     ``details`` go to the format, such as ``raw`` for :func:`dampyr.records.formats.h5.write`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.linspace(0.0, 1.0, 101)
+    >>> record = dp.records.Record(t, 0.01 * np.sin(6 * t), 50.0 * np.cos(6 * t), voltage=1.0)
+    >>> path = dp.records.write(record, "test.h5")
+    >>> bool(np.all(dp.records.read(path).force == record.force))
+    True
     """
     path = Path(path)
     writable = [name for name, module in registry.members(REGISTRY) if hasattr(module, "write")]

@@ -30,6 +30,7 @@ class Verdict:
 
 
 Cell = str | float | int | bool | Verdict | None
+"""What a cell of a table may hold."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,6 +102,7 @@ class FigureBlock(Representation):
 
 
 Block = Text | Table | FigureBlock | Verdict
+"""A part of a section of a page."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -69,6 +69,18 @@ def simulated(
 
     Raises :class:`~dampyr.errors.InputError` for a wrong argument, :class:`~dampyr.errors.RigFault` where the process does
     not start.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> still = dp.rig.Drive(0.01, np.zeros(51), np.zeros(51))
+    >>> with dp.rig.simulated(in_process=True) as rig, rig.armed() as table:
+    ...     table.home()
+    ...     table.go(0.0)
+    ...     samples = sum(block.force.size for block, _ in table.play(still))
+    >>> samples
+    600
     """
     rig, folder = _settings(settings)
     fault_specs = tuple(FaultSpec.parse(each) if isinstance(each, str) else each for each in faults)

@@ -42,6 +42,12 @@ def control_law(name: str, **settings: Any) -> Any:
     ``dampyr.structures.control`` says what they mean, and when not to use it.
 
     Raises :class:`~dampyr.errors.InputError` for a name, a setting or a value that is not allowed.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> dp.structures.control_law("on_off", high=3.212, lag=0.01)
+    OnOff(low=0.0, high=3.212, period=0.005, lag=0.01)
     """
     cls = _class(registry.member(REGISTRY, name))
     allowed = {field.name: field for field in fields(cls)}

@@ -80,6 +80,16 @@ def ensemble(
     :class:`~dampyr.errors.DampyrWarning` tells of an error above the bound of the accuracy. Raises
     :class:`~dampyr.errors.InputError` for a wrong argument before anything runs. Warns of dampers
     with a part that is not for buildings.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> motions = [dp.ground_motions.kanai_tajimi(5.0, 0.01, seed=(7, k), pga=3.0) for k in range(1, 4)]
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> building = dp.structures.two_storey()
+    >>> peaks = dp.structures.ensemble(building, motions, damper, voltages=[0.0, 1.98], scales=[0.5, 1.0])
+    >>> dict(peaks.drift.sizes)
+    {'building': 1, 'damper': 1, 'input': 2, 'motion': 3, 'scale': 2, 'storey': 2}
     """
     what = cases(
         buildings,

@@ -298,6 +298,17 @@ def fragility(
 
     Where the cases do not tell a curve (none exceeds, all do, or they separate), its theta and beta are NaN and its
     ``reason`` says why. Raises :class:`~dampyr.errors.InputError` for wrong arguments.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> motions = [dp.ground_motions.kanai_tajimi(10.0, 0.01, seed=(7, k), pga=3.0) for k in range(1, 21)]
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> building = dp.structures.two_storey()
+    >>> peaks = dp.structures.ensemble(building, motions, damper, [0.0, 1.98], scales=[0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+    >>> curves = dp.structures.fragility(peaks, "drift", limit=0.012, draws=0).curves
+    >>> [(curve.name, round(curve.theta, 1)) for curve in curves]
+    [('0 V', 1.7), ('1.98 V', 3.8)]
     """
     if not (np.isfinite(limit) and limit > 0):
         raise InputError(f"limit = {limit!r} is not allowed; it must be greater than 0")

@@ -69,6 +69,15 @@ def respond(
     Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns
     (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached, where a damper, on the
     whole, fed the building, and where one has a part that is not for buildings.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> building, motion = dp.structures.two_storey(), dp.ground_motions.el_centro()
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> response = dp.structures.respond(building, motion, dampers={1: damper}, voltage=1.98)
+    >>> (1e3 * response.peak_displacement).round(2)
+    array([ 7.45, 15.91])
     """
     sites = make_sites(building, dampers, voltage, current, allow_extrapolation)
     motion = followed_by_rest(motion, after)

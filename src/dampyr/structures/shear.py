@@ -35,6 +35,13 @@ def shear_building(
 
     :class:`~dampyr.errors.InputError` for numbers that do not match, and for a pair of ratios that would
     give some mode a negative one.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> building = dp.structures.shear_building([2e4, 2e4], [3e7, 2e7], damping_ratio=0.02)
+    >>> building.frequencies.round(2)
+    array([3.56, 8.72])
     """
     mass, spring = _positive("masses", masses), _positive("stiffnesses", stiffnesses)
     if len(mass) != len(spring):

@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 LAGS = 50  # samples
 CRITERIA = ("J1", "J2", "J3", "J4", "J5", "J6", "J7", "J8", "J9")
+"""The names of the criteria."""
 
 
 class Criteria(NamedTuple):

@@ -54,6 +54,13 @@ def damper(name: str) -> Damper:
     """The damper of the set called ``name``, in SI; :class:`~dampyr.errors.InputError` if there is none.
 
     A set with sigma < 1/2, which is not dissipative on every path, is made with a :class:`~dampyr.errors.DampyrWarning`.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> damper = dp.models.published.damper("spencer_1997")
+    >>> str(damper.composition), damper.range
+    ('modified_bouc_wen + offset + lag', (0.0, 2.25))
     """
     return about(name).damper()
 

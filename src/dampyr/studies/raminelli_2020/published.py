@@ -134,3 +134,4 @@ class Published(Representation):
 
 
 PUBLISHED = Published()
+"""The numbers as printed."""

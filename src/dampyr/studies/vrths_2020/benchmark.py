@@ -13,11 +13,14 @@ from dampyr.structures import Building, load
 
 SOURCE = "https://github.com/DanielMaurelE/vRTHS_AMBC_MRdamper"
 CASES = (1, 2, 3, 4)
+"""The buildings, by number."""
 MOTIONS = {
     "El Centro": ("ElCentroAccelNoScaling.mat", "ElCentroAccel"),
     "Kobe": ("KobeAccelNoScaling.mat", "KobeAccel"),
 }
-INTENSITY = 0.4  # of the recorded motions
+"""The earthquakes: of each the file and the variable in it."""
+INTENSITY = 0.4
+"""The share of the recorded acceleration that the benchmark applies."""
 
 
 def structure(case: int) -> Building:

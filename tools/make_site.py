@@ -1,0 +1,272 @@
+"""Build the documentation as one site, without a network.
+
+::
+
+    python tools/make_site.py            # make site: out/site/index.html
+    python tools/make_site.py --out DIR  # elsewhere
+
+Sphinx reads a copy of the pages in OUT-source, so that no file of docs is written. In the copy
+
+- the lists of links in index.md are the tables of contents;
+- files outside of docs that a page links to come along: CHANGELOG.md and notebooks as pages, folders as lists, all others as
+  downloads;
+- each package of the public face has a page, from its docstrings.
+
+A warning of sphinx fails the build.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import inspect
+import itertools
+import json
+import os
+import re
+import shutil
+import sys
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import citations
+from sphinx.cmd.build import main as run_sphinx
+
+from dampyr import registry
+
+CHECKOUT = Path(__file__).resolve().parents[1]
+DOCS = CHECKOUT / "docs"
+FENCED = re.compile(r"(^```[^\n]*\n.*?^```$)", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"(?<=\]\()([^)\s]+)(?=\))")
+LISTED = re.compile(r"^- \[([^]]+)\]\(([^)\s]+)\)", re.MULTILINE)
+ALONE = ("errors", "units", "registry")  # modules of the public face that are no packages
+FACE = (
+    "records", "models", "models.published", "identification", "ground_motions", "structures", "campaigns",
+    "campaigns.hybrid", "rig", "figures", "report", "export", "studies", "console", *ALONE,
+)  # fmt: skip
+
+
+def main() -> int:
+    """Copy the pages, add those of the packages, and run sphinx; its exit status."""
+    parser = argparse.ArgumentParser(description="The documentation as one site, without a network.")
+    parser.add_argument("--out", type=Path, default=CHECKOUT / "out" / "site", help="the folder of the site")
+    out = parser.parse_args().out.absolute()
+    source = out.with_name(f"{out.name}-source")
+    for folder in (source, out):
+        shutil.rmtree(folder, ignore_errors=True)
+    copy_pages(source)
+    write_packages(source / "reference" / "python")
+    status = run_sphinx(
+        ["-W", "--keep-going", "-q", "-E", "-c", str(DOCS), "-d", f"{source}-trees", str(source), str(out)]
+    )
+    shutil.rmtree(f"{source}-trees", ignore_errors=True)
+    if not status:
+        print(f"{os.path.relpath(out)}/index.html")
+    return status
+
+
+# Pages
+
+
+def copy_pages(source: Path) -> None:
+    """Every file of docs, with links that hold in the site, and the tables of contents."""
+    shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("*.py", "_static", "__pycache__"))
+    list_folder(source / "decisions", "Decisions", "What was decided, when it could have been decided otherwise.")
+    for page in sorted(source.rglob("*.md")):
+        page.write_text(rewrite(page, DOCS / page.relative_to(source), source), encoding="utf-8")
+    for notebook in sorted(source.rglob("*.ipynb")):
+        if not notebook.with_suffix(".md").exists():
+            text = page_of(notebook)
+            notebook.with_suffix(".md").write_text(text, encoding="utf-8")
+    index = source / "index.md"
+    index.write_text(with_contents(index.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+def rewrite(page: Path, original: Path, source: Path) -> str:
+    """A page's text, its links to files outside of docs led to their copies in the site."""
+
+    def lead(link: re.Match[str]) -> str:
+        target, hash_mark, anchor = link[1].partition("#")
+        if "://" in target or not target or target.startswith("mailto:"):
+            return link[1]
+        file = (original.parent / target).resolve()
+        return os.path.relpath(placed(file, source), page.parent) + hash_mark + anchor
+
+    parts = FENCED.split(page.read_text(encoding="utf-8"))
+    return "".join(part if part.startswith("```") else LINK.sub(lead, part) for part in parts)
+
+
+def placed(file: Path, source: Path) -> Path:
+    """Where the site has a file or a folder of the checkout; it is put there where it is not yet."""
+    if file.is_relative_to(DOCS):
+        place = source / file.relative_to(DOCS)
+        return place / "index.md" if file.is_dir() else place
+    place = source / "files" / file.relative_to(CHECKOUT)
+    if file.is_dir():
+        if not place.exists():
+            shutil.copytree(file, place, ignore=shutil.ignore_patterns("__pycache__"))
+            list_folder(place, file.name.capitalize(), f"The files of the folder `{file.relative_to(CHECKOUT)}`.")
+        return place / "index.md"
+    place.parent.mkdir(parents=True, exist_ok=True)
+    if file.suffix == ".md" and not place.exists():
+        shutil.copy(file, place)
+        place.write_text(rewrite(place, file, source), encoding="utf-8")
+    elif not place.exists():
+        shutil.copy(file, place)
+    return place
+
+
+def list_folder(folder: Path, title: str, words: str) -> None:
+    """A page that lists what is in a folder, each file by its title."""
+    files = sorted(file for file in folder.iterdir() if file.is_file())
+    rows = [f"- [{title_of(file)}]({file.name})" for file in files]
+    (folder / "index.md").write_text(with_contents("\n".join([f"# {title}", "", words, "", *rows, ""])), "utf-8")
+
+
+def title_of(file: Path) -> str:
+    """The heading of a page, with its number in front where it has one; of a script its name and first line."""
+    text = file.read_text(encoding="utf-8")
+    if file.suffix == ".md":
+        number = re.match(r"\d+", file.name)
+        heading = text.partition("\n")[0].removeprefix("# ")
+        return heading if number is None or heading.startswith(number[0].lstrip("0")) else f"{number[0]}: {heading}"
+    if file.suffix == ".py":
+        return f"{file.name}: {(ast.get_docstring(ast.parse(text)) or '').partition(chr(10))[0]}"
+    return f"{file.name}: {text.partition(chr(10))[0].removeprefix('# ')}"
+
+
+def with_contents(text: str) -> str:
+    """A page with a hidden table of contents of the pages that each of its sections lists."""
+    parts = re.split(r"^(?=## )", text, flags=re.MULTILINE)
+    return "\n".join([text, *(contents(part) for part in parts)])
+
+
+def contents(section: str) -> str:
+    """The table of contents of what a section lists, under its heading; of files that are no pages none."""
+    heading = re.match(r"## (.*)", section)
+    # Of a notebook that has no page beside it, one is made.
+    pages = [(title, re.sub(r"\.ipynb$", ".md", link)) for title, link in LISTED.findall(section)]
+    lines = [f"{title} <{link.removesuffix('.md')}>" for title, link in pages if link.endswith(".md")]
+    if heading and heading[1] == "Reference":
+        lines.insert(1, "Python <reference/python/index>")
+    if not lines:
+        return ""
+    return "\n".join(
+        ["```{toctree}", ":hidden:", *([f":caption: {heading[1]}"] if heading else []), "", *lines, "```", ""]
+    )
+
+
+def page_of(notebook: Path) -> str:
+    """A notebook as a page: its words and its code, and where to download it."""
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    texts = [
+        "".join(cell["source"]) if cell["cell_type"] == "markdown" else f"```python\n{''.join(cell['source'])}\n```"
+        for cell in cells
+    ]
+    first, *others = texts
+    return "\n\n".join([first, f"[Download the notebook]({notebook.name}).", *others]) + "\n"
+
+
+# Packages
+
+
+def write_packages(folder: Path) -> None:
+    """A page for each package of the public face, and one that lists them."""
+    folder.mkdir(parents=True)
+    names = pages_of_packages()
+    for name in names:
+        (folder / f"{name}.rst").write_text(package_page(name), encoding="utf-8")
+    rows = [f"- :doc:`{name} <{name}>`: {registry.summary(import_module(name))}." for name in names]
+    head = ["Python", "======", "", "Every public name of every package, from its docstring.", ""]
+    tree = ["", ".. toctree::", "   :hidden:", "", *(f"   {name} <{name}>" for name in names), ""]
+    (folder / "index.rst").write_text("\n".join([*head, *rows, *tree]), encoding="utf-8")
+
+
+def pages_of_packages() -> list[str]:
+    """The packages that have a page, and each study."""
+    return [f"dampyr.{name}" for name in (*FACE, *(f"studies.{name}" for name in registry.names("dampyr.studies")))]
+
+
+def package_page(module_name: str) -> str:
+    """The page of one package: its docstring, a table of its names, and each of them."""
+    module = import_module(module_name)
+    lines = [module_name, "=" * len(module_name), "", f".. automodule:: {module_name}", "   :no-members:", ""]
+    for owner, names in members(module):
+        if owner is not module:
+            lines += [
+                owner.__name__,
+                "-" * len(owner.__name__),
+                "",
+                f".. automodule:: {owner.__name__}",
+                "   :no-members:",
+                "",
+            ]
+        lines += [f".. currentmodule:: {owner.__name__}", ""]
+        called = [name for name in names if callable(getattr(owner, name))]
+        if len(called) > 1:
+            lines += [".. autosummary::", "   :nosignatures:", "", *(f"   {name}" for name in called), ""]
+        for name in names:
+            lines += described(owner, name)
+    return "\n".join(lines)
+
+
+def members(module: ModuleType) -> list[tuple[ModuleType, list[str]]]:
+    """The public names of a package, by the module that they are taken from.
+
+    They are in its ``__all__``. Without one they are what the module defines itself, and where that is nothing either, as in
+    ``dampyr.figures``, what each of its modules defines.
+    """
+    if hasattr(module, "__all__"):
+        return [(module, list(module.__all__))]
+    if own := defined(module):
+        return [(module, own)]
+    if module.__name__ == "dampyr.studies":  # each study has a page of its own
+        return []
+    parts = [member for _, member in registry.members(module.__name__)]
+    return [(part, defined(part)) for part in parts if defined(part)]
+
+
+def defined(module: ModuleType) -> list[str]:
+    """The functions and classes that a module defines, in the order of its text, without those that begin with ``_``."""
+    own = [
+        name
+        for name, value in vars(module).items()
+        if not name.startswith("_")
+        and (inspect.isfunction(value) or inspect.isclass(value))
+        and value.__module__ == module.__name__
+    ]
+    return sorted(own, key=lambda name: inspect.getsourcelines(vars(module)[name])[1])
+
+
+def described(owner: ModuleType, name: str) -> list[str]:
+    """The directive that documents one name."""
+    value: Any = getattr(owner, name)
+    if inspect.isclass(value):
+        call = "()" if getattr(value, "_is_protocol", False) else ""  # nobody calls a protocol
+        return [f".. autoclass:: {name}{call}", "   :members:", ""]
+    if callable(value):
+        return [f".. autofunction:: {name}", ""]
+    if inspect.ismodule(value):  # it has a page of its own
+        return [f":doc:`{value.__name__}`: {registry.summary(value)}.", ""]
+    words = citations.linked_in_rst(words_below(owner, name), citations.FROM_A_PACKAGE)
+    return [f".. py:data:: {name}", "", *(f"   {line}" for line in words.splitlines()), ""]
+
+
+def words_below(owner: ModuleType, name: str) -> str:
+    """The text below the assignment of a constant, in the module that makes it."""
+    tree = ast.parse(Path(inspect.getsourcefile(owner) or "").read_text(encoding="utf-8"))
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and node.module and name in [each.name for each in node.names]:
+            return words_below(import_module(node.module), name)
+    for node, below in itertools.pairwise(tree.body):
+        named = isinstance(node, ast.Assign) and name in [getattr(target, "id", "") for target in node.targets]
+        words = below.value if isinstance(below, ast.Expr) else None
+        if named and isinstance(words, ast.Constant) and isinstance(words.value, str):
+            return inspect.cleandoc(words.value)
+    raise SystemExit(f"{owner.__name__}.{name} has no words below it that say what it is, which the site would show")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
