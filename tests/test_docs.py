@@ -50,6 +50,7 @@ NOT_RUN = {
     ("docs/how-to/opensees.md", "dampyr serve"): "serves until a model ends: tests/export/test_opensees.py",
     ("docs/how-to/rig.md", "dampyr doctor"): "needs a rig; on the simulated one tests/cli/test_doctor.py",
     ("docs/how-to/rig.md", "dampyr calibrate"): "needs a rig; on the simulated one tests/rig/test_calibration.py",
+    ("docs/reference/commands.md", "dampyr accept"): "tests/cli/test_examples.py runs each of them",
     ("docs/tutorials/newcomer.md", ""): "tests/stories/test_newcomer.py follows the page, in an environment of its own",
     ("docs/reference/simulated-rig.md", "python -m dampyr.rig"): "serves until it is stopped: tests/rig/simulation",
 }  # fmt: skip

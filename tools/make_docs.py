@@ -386,7 +386,7 @@ def command_section(name: str, command: click.Command) -> str:
 def command_examples() -> str:
     """The examples of every command's help, in one block."""
     groups = [examples_of(command) for _, command in commands()]
-    return "\n".join(["```", *dict.fromkeys(line for group in groups for line in group), "```"])
+    return "\n".join(["```sh", *dict.fromkeys(line for group in groups for line in group), "```"])
 
 
 LISTS: dict[str, Callable[[], str]] = {
