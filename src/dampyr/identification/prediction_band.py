@@ -50,10 +50,10 @@ class Interval:
 class Band(Representation):
     """The band of a record at ``level``: ``low`` and ``high`` (n,) of the ``measured`` force in N, its offset included.
 
-    ``holds`` is the share of the window's samples inside, ``width`` half the mean width over the mean of |F| about the
-    middle of its range (0.12 is ± 12 %). ``peak`` is half the range of the force in N, ``energy`` that of a cycle in J,
-    None where the window has no whole cycle. ``session`` is the fitted session that the record belongs to, None where
-    it counts as a new one.
+    ``holds`` is the share of the window's samples inside, ``width`` half the mean width over the mean size of the force
+    about the middle of its range (0.12 is ± 12 %). ``peak`` is half the range of the force in N, ``energy`` that of a
+    cycle in J, None where the window has no whole cycle. ``session`` is the fitted session that the record belongs to,
+    None where it counts as a new one.
     """
 
     level: float
