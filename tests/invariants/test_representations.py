@@ -119,6 +119,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
         800.0, 2.1e6, 42e3, 50.2, -0.009, -0.004, (41e3, 43e3), np.linspace(-0.01, 0.01, 500), np.linspace(-50, 50, 500)
     ),
     "identification.Nuisance": lambda made: next(iter(made.fit.nuisances.values())),
+    "identification.Profile": lambda made: dp.identification.profile(made.fit, "dahl.rho @ 1 V", points=7),
     "identification.PlasticRegion": lambda made: dp.identification.plastic_region(made.records[-1]),
     "identification.Point": lambda made: made.accepted.results[0].points[0],
     "identification.Residuals": lambda made: made.fit.residuals,
