@@ -43,6 +43,12 @@ def late_by_10_ms(made: Any) -> hybrid.HybridResult:
     return hybrid.delayed_result(dp.structures.two_storey(), made.shake, dp.studies.raminelli_2020.damper(), 0.010)
 
 
+def posterior_of(fit: dp.identification.Fit) -> dp.identification.Posterior:
+    """Samples of a fit, as few as show themselves."""
+    pytest.importorskip("emcee", reason="the extra bayes is not installed: pip install dampyr[bayes]")
+    return dp.identification.sample_posterior(fit, lengths=5.0, steps=250)
+
+
 def substructure(made: Any) -> hybrid.Substructure:
     """The computed part of a hybrid test."""
     return hybrid.Substructure(dp.structures.two_storey(), 1, made.shake.acceleration, made.shake.dt)
@@ -119,6 +125,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
         800.0, 2.1e6, 42e3, 50.2, -0.009, -0.004, (41e3, 43e3), np.linspace(-0.01, 0.01, 500), np.linspace(-50, 50, 500)
     ),
     "identification.Nuisance": lambda made: next(iter(made.fit.nuisances.values())),
+    "identification.Posterior": lambda made: posterior_of(made.fit),
     "identification.Profile": lambda made: dp.identification.profile(made.fit, "dahl.rho @ 1 V", points=7),
     "identification.PlasticRegion": lambda made: dp.identification.plastic_region(made.records[-1]),
     "identification.Point": lambda made: made.accepted.results[0].points[0],

@@ -17,6 +17,7 @@ from dampyr.identification.identify import Identified, IdentifyOptions, identify
 from dampyr.identification.leaderboard import Entry, Leaderboard, leaderboard
 from dampyr.identification.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.plastic_region import PlasticRegion, plastic_region
+from dampyr.identification.posterior import Posterior, sample_posterior
 from dampyr.identification.profile_likelihood import Profile, profile
 from dampyr.identification.residuals import Residuals, Trace, analyse
 from dampyr.identification.result import residuals
@@ -28,8 +29,8 @@ from dampyr.identification.validation import Fold, Validation, cross_validate
 __all__ = [
     "AcceptOptions", "Acceptance", "Accepted", "IdentifyOptions", "Identified", "ValidateOptions", "Validated",
     "accept_records", "identify", "validate",
-    "Profile",
-    "profile",
+    "Posterior", "Profile",
+    "profile", "sample_posterior",
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
     "accept", "analyse", "compare", "contradictions", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle",

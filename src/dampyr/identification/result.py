@@ -16,6 +16,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.data_sheet import SHEETS, contradictions
 from dampyr.identification.diagnostics import no_interval, notes, trouble_of
 from dampyr.identification.fit_data import Piece
+from dampyr.identification.law_coefficients import law_matrix
 from dampyr.identification.law_panels import law_panels
 from dampyr.identification.normal_equations import modelled_force
 from dampyr.identification.problem import Problem
@@ -474,13 +475,7 @@ def _damper(
 
 def _law_covariance(problem: Problem, covariance: Array) -> Array:
     """The covariance of the laws' own coefficients; fixed parameters are known."""
-    owners = [problem.columns[k] for k in problem.owners]
-    T = np.zeros((sum(max(c.size, 1) for c in owners), problem.size))
-    row = 0
-    for column, k in zip(owners, problem.owners, strict=True):
-        if column.size:
-            T[row : row + column.size, problem.slices[k]] = column.to_coefficients()
-        row += max(column.size, 1)
+    T = law_matrix(problem)
     finite = np.where(np.isfinite(covariance), covariance, 0.0)
     out = T @ finite @ T.T
     for place in np.flatnonzero(~np.isfinite(np.diag(covariance))):
