@@ -49,6 +49,17 @@ def posterior_of(fit: dp.identification.Fit) -> dp.identification.Posterior:
     return dp.identification.sample_posterior(fit, lengths=5.0, steps=250)
 
 
+def three_specimens(made: Any) -> dp.identification.Specimens:
+    """Three dampers that were tested alike."""
+    groups = {
+        f"damper {n}": [
+            sine(made.damper, 1.0, f"{n}-{k}", a, f, noise=8.0, seed=10 * n + k) for k, (a, f) in enumerate(MOTIONS)
+        ]
+        for n in range(3)
+    }
+    return dp.identification.fit_specimens("dahl", groups)
+
+
 def substructure(made: Any) -> hybrid.Substructure:
     """The computed part of a hybrid test."""
     return hybrid.Substructure(dp.structures.two_storey(), 1, made.shake.acceleration, made.shake.dt)
@@ -132,6 +143,8 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Residuals": lambda made: made.fit.residuals,
     "identification.Score": lambda made: made.fit.scores[made.records[0].name],
     "identification.Screened": lambda made: made.board.screened[0],
+    "identification.Specimens": lambda made: three_specimens(made),
+    "identification.Spread": lambda made: three_specimens(made).spreads["dahl.kw"],
     "identification.Tolerance": lambda made: dp.identification.Tolerance(),
     "identification.Trace": lambda made: trace_of(made.records[0]),
     "identification.Trend": lambda made: dp.identification.Trend("stroke", 1.0, 0.7, 0.01, 8, 0.2, True),

@@ -19,7 +19,7 @@ from dampyr.errors import InputError
 BUDGET = 240.0  # s: that of dampyr.identification.leaderboard, which is imported only when it runs
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, Identified, Validation
+    from dampyr.identification import Fit, Identified, Specimens, Validation
     from dampyr.records import Record
 
 
@@ -72,6 +72,9 @@ if TYPE_CHECKING:
     "--nested", is_flag=True, help="Without --model: repeat the search without a fifth of the records, 5 times."
 )
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
+@click.option(
+    "--by-specimen", is_flag=True, help="Fit every specimen by itself, and give mean and spread over the specimens."
+)
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
 @reading_options
@@ -93,6 +96,7 @@ def command(
     budget: float,
     nested: bool,
     each: bool,
+    by_specimen: bool,
     save: Path | None,
     report: Path | None,
     reading: Reading,
@@ -106,14 +110,22 @@ def command(
     not fitted on is taken: minutes, not seconds. --predict says how well a model predicts: five random parts of the records,
     one input left out at a time, five parts in the order of frequency or stroke, one kind of motion left out, or the last
     part of every record.
+
+    --by-specimen takes records of several dampers of one type, each record naming its own; --save writes the card of their
+    mean, with the covariance of a new specimen.
     """
     from dampyr.identification import IdentifyOptions, identify
-    from dampyr.identification.identify import identify_each
+    from dampyr.identification.identify import identify_by_specimen, identify_each
 
     if each and (save or report or splits or model is None):
         raise InputError(
             "--each makes one fit of the --model per record and no card; give --model, and leave out --save, --report "
             "and --predict, or leave out --each"
+        )
+    if by_specimen and (each or report or splits or model is None):
+        raise InputError(
+            "--by-specimen makes one fit of the --model per specimen; give --model, and leave out --each, --report and "
+            "--predict, or leave out --by-specimen"
         )
     options = IdentifyOptions(
         model=model,
@@ -135,10 +147,17 @@ def command(
     with stages() as progress:
         if each:
             fits = identify_each(records, options, progress)
+        elif by_specimen:
+            specimens = identify_by_specimen(records, options, progress)
         else:
             result = identify(records, options, progress, cores())
     if each:
         print_json([one.as_dict() for one in fits]) if as_json else _print_each(fits)
+        return
+    if by_specimen:
+        print_json(specimens.as_dict()) if as_json else _print_specimens(specimens)
+        if save:
+            specimens.damper().save(save)
         return
     if as_json:
         print_json(result.as_dict())
@@ -184,6 +203,12 @@ def _print(result: Identified, records: list[Record]) -> None:
         print_table(
             "Prediction of the validation records", ["record", "L1", ""], rows, ["", "%", ""], digits=3, notes=notes
         )
+
+
+def _print_specimens(specimens: Specimens) -> None:
+    model, names = next(iter(specimens.fits.values())).problem.composition, list(specimens.fits)
+    title = f"{model}, {len(names)} specimens ({', '.join(names)}): mean and spread between them"
+    print_table(title, *specimens.by_number(), notes=[f"{note}." for note in specimens.notes])
 
 
 def _print_fit(fit: Fit) -> None:

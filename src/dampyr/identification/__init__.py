@@ -23,14 +23,15 @@ from dampyr.identification.residuals import Residuals, Trace, analyse
 from dampyr.identification.result import residuals
 from dampyr.identification.score import Score, Window, compare, prediction, score
 from dampyr.identification.screening import Screened, Trial
+from dampyr.identification.specimens import Specimens, Spread, fit_specimens
 from dampyr.identification.validate import Validated, ValidateOptions, validate
 from dampyr.identification.validation import Fold, Validation, cross_validate
 
 __all__ = [
     "AcceptOptions", "Acceptance", "Accepted", "IdentifyOptions", "Identified", "ValidateOptions", "Validated",
     "accept_records", "identify", "validate",
-    "Posterior", "Profile",
-    "profile", "sample_posterior",
+    "Posterior", "Profile", "Specimens", "Spread",
+    "fit_specimens", "profile", "sample_posterior",
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
     "accept", "analyse", "compare", "contradictions", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle",

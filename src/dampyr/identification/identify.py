@@ -21,6 +21,7 @@ from dampyr.identification.motion_coverage import beyond_the_fitted
 from dampyr.identification.robust import LOSSES, check_loss
 from dampyr.identification.score import SETTLING, Score, check_settling, scorable, score
 from dampyr.identification.screening import held_in
+from dampyr.identification.specimens import Specimens, fit_specimens
 from dampyr.identification.splits import PARTS, split_tasks
 from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import Damper, available_parts, compose, part
@@ -233,6 +234,23 @@ def identify_each(records: Sequence[Record], options: IdentifyOptions, progress:
         fits.append(fit(options.model, record, **_held(options, options.model)))
     tell("identifying", 1.0)
     return fits
+
+
+def identify_by_specimen(
+    records: Sequence[Record], options: IdentifyOptions, progress: Progress | None = None
+) -> Specimens:
+    """Fits of ``options.model`` to the records of each specimen, and mean and spread over these: see `fit_specimens`.
+
+    Inputs that agree between specimens but for noise count as one (`dampyr.records.nominal_inputs`); records of the role
+    "validation" are left out.
+    """
+    if options.model is None:
+        raise InputError("fits by specimen need a model: without it every model is tried; name one, such as dahl")
+    nominal = nominal_inputs(records)
+    warn_of_marks(nominal)
+    fitted = [record for record in nominal if record.role != "validation"]
+    _check_bandwidth(fitted, options)
+    return fit_specimens(options.model, fitted, progress=progress, **_held(options, options.model))
 
 
 def marks_in_words(records: Sequence[Record]) -> list[str]:
