@@ -125,11 +125,13 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Acceptance": lambda made: made.accepted.results[0],
     "identification.Accepted": lambda made: made.accepted,
     "identification.Entry": lambda made: made.board.entries[0],
+    "identification.Finding": lambda made: dp.identification.identifiability(made.fit).findings[0],
     "identification.Fit": lambda made: made.fit,
     "identification.Fold": lambda made: made.validation.folds[0],
     "identification.Identified": lambda made: dp.identification.Identified(
         made.fit, (made.validation,), made.board, {"test": made.fit.scores[made.records[0].name]}
     ),
+    "identification.Identifiability": lambda made: dp.identification.identifiability(made.fit),
     "identification.IdentifyOptions": lambda made: dp.identification.IdentifyOptions(),
     "identification.Leaderboard": lambda made: made.board,
     "identification.LimitCycle": lambda made: dp.identification.LimitCycle(

@@ -191,7 +191,7 @@ def _numbers(given: tuple[str, ...]) -> dict[str, float]:
 def _print(result: Identified, records: list[Record]) -> None:
     if result.board:
         print_leaderboard(result.board)
-    _print_fit(result.fit)
+    _print_fit(result.fit, result.identifiability.lines)
     for check in result.validations:
         _print_prediction(check, records)
     if result.predicted:
@@ -211,8 +211,10 @@ def _print_specimens(specimens: Specimens) -> None:
     print_table(title, *specimens.by_number(), notes=[f"{note}." for note in specimens.notes])
 
 
-def _print_fit(fit: Fit) -> None:
+def _print_fit(fit: Fit, inseparable: Sequence[str]) -> None:
+    """Values, errors and goodness of fit; ``inseparable`` says what the records cannot separate, a line each."""
     notes = [f"The search {fit.reason}.", *(f"{note}." for note in fit.notes)]
+    notes += [f"Not separated: {line}." for line in inseparable]
     values = "value ± half of the 95 % interval"
     print_table(f"{fit.problem.composition}, {len(fit.records)} records: {values}", *fit.by_input(), notes=notes)
     print_table(

@@ -13,6 +13,7 @@ from dampyr.identification.acceptance import Acceptance, Point, Tolerance, accep
 from dampyr.identification.data_sheet import contradictions
 from dampyr.identification.diagnostics import Trend, findings, trends, warnings_of
 from dampyr.identification.fit import Fit, Nuisance, fit
+from dampyr.identification.identifiability import Finding, Identifiability, identifiability
 from dampyr.identification.identify import Identified, IdentifyOptions, identify
 from dampyr.identification.leaderboard import Entry, Leaderboard, leaderboard
 from dampyr.identification.limit_cycle import LimitCycle, limit_cycle
@@ -30,8 +31,8 @@ from dampyr.identification.validation import Fold, Validation, cross_validate
 __all__ = [
     "AcceptOptions", "Acceptance", "Accepted", "IdentifyOptions", "Identified", "ValidateOptions", "Validated",
     "accept_records", "identify", "validate",
-    "Posterior", "Profile", "Specimens", "Spread",
-    "fit_specimens", "profile", "sample_posterior",
+    "Finding", "Identifiability", "Posterior", "Profile", "Specimens", "Spread",
+    "fit_specimens", "identifiability", "profile", "sample_posterior",
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
     "accept", "analyse", "compare", "contradictions", "cross_validate", "findings", "fit", "leaderboard", "limit_cycle",

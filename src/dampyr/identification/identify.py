@@ -10,12 +10,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.fit_data import WEIGHTINGS
+from dampyr.identification.identifiability import Identifiability, identifiability
 from dampyr.identification.leaderboard import BUDGET, Leaderboard, leaderboard
 from dampyr.identification.motion_coverage import beyond_the_fitted
 from dampyr.identification.robust import LOSSES, check_loss
@@ -155,6 +157,11 @@ class Identified(Representation):
             return self.fit.damper
         return replace(self.fit.damper, provenance=dict(self.fit.damper.provenance) | reasons_of_choice(self.board))
 
+    @cached_property
+    def identifiability(self) -> Identifiability:
+        """What the fitted records cannot separate, and the test that would."""
+        return identifiability(self.fit)
+
     @property
     def card(self) -> Damper:
         """The `damper`, or an :class:`~dampyr.errors.InputError` that says why there is none."""
@@ -165,6 +172,7 @@ class Identified(Representation):
     def as_dict(self) -> dict[str, Any]:
         """All results for JSON, SI units."""
         data = self.fit.as_dict()
+        data["identifiability"] = self.identifiability.as_dict()["findings"]
         if self.validations:
             data["predictions"] = list(self.validations)
         if self.board is not None:
