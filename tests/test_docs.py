@@ -41,6 +41,7 @@ HOW_TO = [
         "control",
         "rig",
         "acceptance",
+        "posterior",
         "python",
         "hybrid-benchmark",
         "hybrid-test",
@@ -52,7 +53,7 @@ RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
 # Pages whose code compiles or runs for long: proofs.
 LONG = (
     "README", "first-damper", "your-own-structure", "ensembles", "control", "rig", "another-laboratory", "ground-motions",
-    "campaigns", "acceptance", "read-your-own-files",
+    "campaigns", "acceptance", "read-your-own-files", "posterior",
 )  # fmt: skip
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 

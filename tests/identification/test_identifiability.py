@@ -171,6 +171,11 @@ def test_on_the_campaign_it_names_what_is_known_of_it(campaign_folder: Path) -> 
     one = pairs["dahl.kx @ 3.212 V", "dahl.kw @ 3.212 V"]
     assert one.numbers["correlation"] == pytest.approx(-0.82, abs=0.02)
     assert min(one.numbers[f"wider {label}"] for label in one.labels) > 1.5
+    assert {label.split(" @ ")[1] for labels in pairs for label in labels} == {"0 V", "0.8712 V", "1.98 V", "3.212 V"}
+    for labels, each in pairs.items():  # what docs/explanations/identification.md says of them
+        assert all(0.675 <= each.numbers[f"narrower {label}"] <= 0.865 for label in labels)
+        assert 0.935 <= each.numbers["narrower by a repeat"] <= 0.955
+        assert 0.9e-3 <= each.numbers["amplitude"] <= 2.1e-3
     assert {each.kind for each in first.findings} == {"pair", "amplitude and frequency", "input and session"}
     begin = time.process_time()
     again = identifiability(fitted)

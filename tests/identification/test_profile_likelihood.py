@@ -120,6 +120,13 @@ def test_the_fit_that_stopped_early_is_named(records: list[Record]) -> None:
     assert any("had not ended at its lowest point" in note for note in notes), notes
 
 
+def test_a_number_that_is_known_to_no_power_of_ten_ends_within_its_allowed_values(records: list[Record]) -> None:
+    inverted = fit("dahl", [record.replace(note="turned", force=-record.force) for record in records])
+    one = profile(inverted, "dahl.rho")
+    assert one.closed != (True, True)
+    assert "open" in one.reason
+
+
 def test_as_dict_is_plain(linear: Fit) -> None:
     data = profile(linear, "dahl.kx").as_dict()
     assert data["closed"] == [True, True]

@@ -1,10 +1,11 @@
 r"""What the records of a fit cannot separate, and the test that would.
 
 *Pairs.* Two numbers whose effects on the force look alike on these motions trade against each other: in the information of
-the records (the nuisances eliminated) their correlation is beyond `ALIKE`. How much wider an interval is than if the other
-number were known is that of the fit's clustered errors with and without it. For each pair, motions that the same drive could
-make are tried: the information that the model expects from one more record of each, counted as the other records are, is
-added, and the motion that narrows both intervals most is proposed.
+the records (the nuisances eliminated) their correlation r is beyond `ALIKE`, and each interval is :math:`1/\sqrt{1 - r^2}`
+times as wide as if the other were known. The fit's clustered errors with and without the other say the same from how the
+records scatter; of few records that is rough. For each pair, motions that the same drive could make are tried: the
+information that the model expects from one more record of each, counted as the other records are, is added, and the motion
+that narrows both intervals most is proposed.
 
 *Amplitude and frequency* that go together leave open whether a residual, or a parameter, follows one or the other. *Voltage and
 measurement session* cannot be told apart where every input was measured in a session of its own: what changed between two days
@@ -239,18 +240,22 @@ def _pair(fit: Fit, r: float, looked: _Looked, i: int, j: int) -> Finding:
         _wider(fit, block, looked.point, (*held, fixed), k, labels[block.coefficients[k]])
         for k, fixed in ((a, b), (b, a))
     ]
+    alone = 1.0 / math.sqrt(max(1.0 - r**2, 1e-12))
     of_errors = f", {_signed(between)} by the records' scatter" if math.isfinite(between) else ""
     words = (
-        f"{one} and {other} trade against each other on these motions (correlation {_signed(r)}{of_errors}): their intervals "
-        f"are {wider[0]:.2g} and {wider[1]:.2g} times as wide as if the other were known"
+        f"{one} and {other} trade against each other on these motions (correlation {_signed(r)}{of_errors}): each interval is "
+        f"{alone:.2g} times as wide as if the other were known ({wider[0]:.2g} and {wider[1]:.2g} times by this fit's errors)"
     )
     numbers = {
         "correlation": r,
         "correlation_of_errors": between,
+        "wider": alone,
         f"wider {one}": wider[0],
         f"wider {other}": wider[1],
     }
-    brief = f"{one} and {other}: correlation {_signed(r)}, intervals {wider[0]:.2g} and {wider[1]:.2g} times as wide"
+    brief = (
+        f"{one} and {other}: correlation {_signed(r)}, each interval {alone:.2g} times as wide as with the other known"
+    )
     best = _best_test(looked, (i, j))
     if best is None:
         test = "no motion that was tried within the stroke and speed of these records would do more than a repeat"
@@ -375,7 +380,10 @@ def _amplitude_and_frequency(fit: Fit) -> list[Finding]:
     after = float(spearmanr(more[:, 0], more[:, 1])[0])
     where = f"{listing([f'{u:.4g}' for u in sorted(bound)], 8)} {unit}"
     rank = f"rank correlation {_signed(bound[worst])}"
-    words = f"amplitude and frequency go together at {where} ({rank} at {worst:.4g} {unit}): an effect of one may be of both"
+    words = (
+        f"amplitude and frequency go together at {where} ({rank} at {worst:.4g} {unit}): what looks like an effect of one may "
+        "be an effect of the other"
+    )
     at = f"a sine of ±{1e3 * amplitude:.3g} mm, {frequency:.3g} Hz, at {worst:.4g} {unit}"
     edge = "lowest" if bound[worst] < 0.0 else "highest"
     test = (
@@ -412,8 +420,8 @@ def _input_and_session(fit: Fit) -> list[Finding]:
         words = f"{apart}: {without}, so what changed between days {like_a_law}"
         sentinel = f"{_sentinel([record for record in records if _level(record) == low])} ({low:g} {unit})"
         repeat = f"repeat {sentinel} in the session of {high:g} {unit}"
-        test = f"name each record's (measurement_session); where each {word} has a session of its own, {repeat}"
-        brief = f"{word} and session: {without}; name it, and {repeat}"
+        test = f"state the session of each record (measurement_session); where each {word} has a session of its own, {repeat}"
+        brief = f"{word} and session: {without}; state it, and {repeat}"
         return [
             Finding(kind, labels, words, test, brief, {"inputs": float(len(inputs)), "without": float(len(silent))})
         ]

@@ -290,7 +290,7 @@ def sample_posterior(
         held=held,
         converged=not poor,
         reason=poor[0].trouble if poor else f"converged: every chain is {lengths:g} autocorrelation times or longer",
-        notes=tuple(notes),
+        notes=tuple(dict.fromkeys(notes)),
         autocorrelation_time=by_label["time"],
         r_hat=by_label["r_hat"],
         acceptance=by_label["acceptance"],
@@ -345,6 +345,8 @@ class _Target:
                 f"{listing(self.labels, 3)}: {records} records show no variance between them in {lacking} of {self.size} "
                 "directions, which have that of independent samples"
             )
+        if any(one.second_weight is not None for one in self.problem.pieces):
+            notes.append("the weights of the robust loss stay as they are at the optimum")
         self.freedom = min(fit.freedom[label] for label in self.labels) if tails == "t" else math.inf
 
     def _coordinates(self, values: Array) -> Array:

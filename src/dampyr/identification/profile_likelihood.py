@@ -230,7 +230,7 @@ class _Path:
             return
         self.freedom = freedoms[self.k]
         self.error = error / (float(fit.parameters[label]) if self.log else 1.0)
-        curvature = self._curvature(SHORT * self.error)
+        curvature = self._curvature(min(SHORT * self.error, 1.0) if self.log else SHORT * self.error)
         if not curvature > 0.0:
             curvature = 1.0 / float(scaled_inverse(information)[self.k, self.k])
             self.notes.append(
@@ -260,8 +260,8 @@ class _Path:
     def follow(self, side: float, half_width: float, points: int) -> float | None:
         """The coordinate where the rise crosses ``half_width`` squared on one side; None where it does not."""
         threshold, end = half_width**2, self.ends[0 if side < 0 else 1]
-        step, reach = half_width * self.error / points, half_width * self.error
-        farthest = min(max(FAR * reach, FACTOR), FACTOR + reach) if self.log else FAR * reach
+        reach = min(half_width * self.error, FACTOR) if self.log else half_width * self.error
+        step, farthest = reach / points, FACTOR if self.log else FAR * reach
         here, last = self.best, self.best
         crossed: tuple[float, float] | None = None
         for _ in range(MAX_POINTS):
