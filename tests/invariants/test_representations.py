@@ -43,6 +43,23 @@ def late_by_10_ms(made: Any) -> hybrid.HybridResult:
     return hybrid.delayed_result(dp.structures.two_storey(), made.shake, dp.studies.raminelli_2020.damper(), 0.010)
 
 
+def posterior_of(fit: dp.identification.Fit) -> dp.identification.Posterior:
+    """Samples of a fit, as few as show themselves."""
+    pytest.importorskip("emcee", reason="the extra bayes is not installed: pip install dampyr[bayes]")
+    return dp.identification.sample_posterior(fit, lengths=5.0, steps=250)
+
+
+def three_specimens(made: Any) -> dp.identification.Specimens:
+    """Three dampers that were tested alike."""
+    groups = {
+        f"damper {n}": [
+            sine(made.damper, 1.0, f"{n}-{k}", a, f, noise=8.0, seed=10 * n + k) for k, (a, f) in enumerate(MOTIONS)
+        ]
+        for n in range(3)
+    }
+    return dp.identification.fit_specimens("dahl", groups)
+
+
 def substructure(made: Any) -> hybrid.Substructure:
     """The computed part of a hybrid test."""
     return hybrid.Substructure(dp.structures.two_storey(), 1, made.shake.acceleration, made.shake.dt)
@@ -111,22 +128,28 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Interval": lambda made: made.band.peak,
     "identification.Levels": lambda made: made.fit.levels,
     "identification.Entry": lambda made: made.board.entries[0],
+    "identification.Finding": lambda made: dp.identification.identifiability(made.fit).findings[0],
     "identification.Fit": lambda made: made.fit,
     "identification.Fold": lambda made: made.validation.folds[0],
     "identification.Identified": lambda made: dp.identification.Identified(
         made.fit, (made.validation,), made.board, {"test": made.fit.scores[made.records[0].name]}
     ),
+    "identification.Identifiability": lambda made: dp.identification.identifiability(made.fit),
     "identification.IdentifyOptions": lambda made: dp.identification.IdentifyOptions(),
     "identification.Leaderboard": lambda made: made.board,
     "identification.LimitCycle": lambda made: dp.identification.LimitCycle(
         800.0, 2.1e6, 42e3, 50.2, -0.009, -0.004, (41e3, 43e3), np.linspace(-0.01, 0.01, 500), np.linspace(-50, 50, 500)
     ),
     "identification.Nuisance": lambda made: next(iter(made.fit.nuisances.values())),
+    "identification.Posterior": lambda made: posterior_of(made.fit),
+    "identification.Profile": lambda made: dp.identification.profile(made.fit, "dahl.rho @ 1 V", points=7),
     "identification.PlasticRegion": lambda made: dp.identification.plastic_region(made.records[-1]),
     "identification.Point": lambda made: made.accepted.results[0].points[0],
     "identification.Residuals": lambda made: made.fit.residuals,
     "identification.Score": lambda made: made.fit.scores[made.records[0].name],
     "identification.Screened": lambda made: made.board.screened[0],
+    "identification.Specimens": lambda made: three_specimens(made),
+    "identification.Spread": lambda made: three_specimens(made).spreads["dahl.kw"],
     "identification.Tolerance": lambda made: dp.identification.Tolerance(),
     "identification.Trace": lambda made: trace_of(made.records[0]),
     "identification.Trend": lambda made: dp.identification.Trend("stroke", 1.0, 0.7, 0.01, 8, 0.2, True),

@@ -21,7 +21,7 @@ from dampyr.errors import InputError
 BUDGET = 240.0  # s: that of dampyr.identification.leaderboard, which is imported only when it runs
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, Identified, Score, Validation
+    from dampyr.identification import Fit, Identified, Score, Specimens, Validation
     from dampyr.records import Record
 
 
@@ -86,6 +86,9 @@ if TYPE_CHECKING:
     help="How much the force differs from one measurement session to another, where the records do not tell.",
 )
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
+@click.option(
+    "--by-specimen", is_flag=True, help="Fit every specimen by itself, and give mean and spread over the specimens."
+)
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
 @reading_options
@@ -108,6 +111,7 @@ def command(
     nested: bool,
     session_prior: str,
     each: bool,
+    by_specimen: bool,
     save: Path | None,
     report: Path | None,
     reading: Reading,
@@ -121,14 +125,22 @@ def command(
     not fitted on is taken: minutes, not seconds. --predict says how well a model predicts: five random parts of the records,
     one input left out at a time, five parts in the order of frequency or stroke, one kind of motion left out, or the last
     part of every record.
+
+    --by-specimen takes records of several dampers of one type, each record naming its own; --save writes the card of their
+    mean, with the covariance of a new specimen.
     """
     from dampyr.identification import IdentifyOptions, identify
-    from dampyr.identification.identify import identify_each
+    from dampyr.identification.identify import identify_by_specimen, identify_each
 
     if each and (save or report or splits or model is None):
         raise InputError(
             "--each makes one fit of the --model per record and no card; give --model, and leave out --save, --report "
             "and --predict, or leave out --each"
+        )
+    if by_specimen and (each or report or splits or model is None):
+        raise InputError(
+            "--by-specimen makes one fit of the --model per specimen; give --model, and leave out --each, --report and "
+            "--predict, or leave out --by-specimen"
         )
     options = IdentifyOptions(
         model=model,
@@ -151,10 +163,17 @@ def command(
     with stages() as progress:
         if each:
             fits = identify_each(records, options, progress)
+        elif by_specimen:
+            specimens = identify_by_specimen(records, options, progress)
         else:
             result = identify(records, options, progress, cores())
     if each:
         print_json([one.as_dict() for one in fits]) if as_json else _print_each(fits)
+        return
+    if by_specimen:
+        print_json(specimens.as_dict()) if as_json else _print_specimens(specimens)
+        if save:
+            specimens.damper().save(save)
         return
     if as_json:
         print_json(result.as_dict())
@@ -188,7 +207,7 @@ def _numbers(given: tuple[str, ...]) -> dict[str, float]:
 def _print(result: Identified, records: list[Record]) -> None:
     if result.board:
         print_leaderboard(result.board)
-    _print_fit(result.fit)
+    _print_fit(result.fit, result.identifiability.lines)
     for check in result.validations:
         _print_prediction(check, records)
     if result.predicted:
@@ -207,8 +226,16 @@ def _print(result: Identified, records: list[Record]) -> None:
         )
 
 
-def _print_fit(fit: Fit) -> None:
+def _print_specimens(specimens: Specimens) -> None:
+    model, names = next(iter(specimens.fits.values())).problem.composition, list(specimens.fits)
+    title = f"{model}, {len(names)} specimens ({', '.join(names)}): mean and spread between them"
+    print_table(title, *specimens.by_number(), notes=[f"{note}." for note in specimens.notes])
+
+
+def _print_fit(fit: Fit, inseparable: Sequence[str]) -> None:
+    """Values, errors and goodness of fit; ``inseparable`` says what the records cannot separate, a line each."""
     notes = [f"The search {fit.reason}.", *(f"{note}." for note in fit.notes)]
+    notes += [f"Not separated: {line}." for line in inseparable]
     values = "value ± half of the 95 % interval"
     print_table(f"{fit.problem.composition}, {len(fit.records)} records: {values}", *fit.by_input(), notes=notes)
     if fit.levels is not None:

@@ -10,18 +10,21 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.fit_data import WEIGHTINGS
+from dampyr.identification.identifiability import Identifiability, identifiability
 from dampyr.identification.leaderboard import BUDGET, Leaderboard, leaderboard
 from dampyr.identification.levels import PRIOR_SESSION, check_prior
 from dampyr.identification.motion_coverage import beyond_the_fitted
 from dampyr.identification.robust import LOSSES, check_loss
 from dampyr.identification.score import SETTLING, Score, check_settling, scorable, score
 from dampyr.identification.screening import held_in
+from dampyr.identification.specimens import Specimens, fit_specimens
 from dampyr.identification.splits import PARTS, split_tasks
 from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import Damper, available_parts, compose, part
@@ -159,6 +162,11 @@ class Identified(Representation):
             return self.fit.damper
         return replace(self.fit.damper, provenance=dict(self.fit.damper.provenance) | reasons_of_choice(self.board))
 
+    @cached_property
+    def identifiability(self) -> Identifiability:
+        """What the fitted records cannot separate, and the test that would."""
+        return identifiability(self.fit)
+
     @property
     def card(self) -> Damper:
         """The `damper`, or an :class:`~dampyr.errors.InputError` that says why there is none."""
@@ -169,6 +177,7 @@ class Identified(Representation):
     def as_dict(self) -> dict[str, Any]:
         """All results for JSON, SI units."""
         data = self.fit.as_dict()
+        data["identifiability"] = self.identifiability.as_dict()["findings"]
         if self.validations:
             data["predictions"] = list(self.validations)
         if self.board is not None:
@@ -238,6 +247,23 @@ def identify_each(records: Sequence[Record], options: IdentifyOptions, progress:
         fits.append(fit(options.model, record, **_held(options, options.model)))
     tell("identifying", 1.0)
     return fits
+
+
+def identify_by_specimen(
+    records: Sequence[Record], options: IdentifyOptions, progress: Progress | None = None
+) -> Specimens:
+    """Fits of ``options.model`` to the records of each specimen, and mean and spread over these: see `fit_specimens`.
+
+    Inputs that agree between specimens but for noise count as one (`dampyr.records.nominal_inputs`); records of the role
+    "validation" are left out.
+    """
+    if options.model is None:
+        raise InputError("fits by specimen need a model: without it every model is tried; name one, such as dahl")
+    nominal = nominal_inputs(records)
+    warn_of_marks(nominal)
+    fitted = [record for record in nominal if record.role != "validation"]
+    _check_bandwidth(fitted, options)
+    return fit_specimens(options.model, fitted, progress=progress, **_held(options, options.model))
 
 
 def marks_in_words(records: Sequence[Record]) -> list[str]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -209,6 +210,10 @@ class Point:
         log = problem.is_logarithmic
         return np.where(log, np.log(np.where(log, self.theta, 1.0)), self.theta)
 
+    def in_block(self, block: Block) -> Point:
+        """The part of this point that belongs to a block of its problem."""
+        return Point(self.theta[block.coefficients], self.local[block.records])
+
 
 def has_lag(problem: Problem) -> bool:
     """Whether inputs lag behind their commands: the composition has a lag, and an input varies."""
@@ -262,6 +267,22 @@ def independent_blocks(problem: Problem) -> list[Block]:
         pieces = [problem.pieces[r] for r in records]
         blocks.append(Block(Problem(problem.composition, columns, pieces, problem.nuisances), own, records))
     return blocks
+
+
+def with_held(problem: Problem, values: Mapping[int, float]) -> Problem:
+    """The problem with some coefficients (place -> value) held: their limits leave no step, all others stay free.
+
+    A search must begin at these values. A held coefficient is no longer logarithmic, as the step of one has limits of its own.
+    """
+    held = copy.copy(problem)
+    places, numbers = list(values), list(values.values())
+    for name in ("limits", "inner_limits"):
+        low, high = (side.copy() for side in getattr(problem, name))
+        low[places] = high[places] = numbers
+        setattr(held, name, (low, high))
+    held.is_logarithmic = problem.is_logarithmic.copy()
+    held.is_logarithmic[places] = False
+    return held
 
 
 def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Sequence[str]) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.data_sheet import SHEETS, contradictions
 from dampyr.identification.diagnostics import no_interval, notes, trouble_of
 from dampyr.identification.fit_data import Piece
+from dampyr.identification.law_coefficients import law_matrix
 from dampyr.identification.law_panels import law_panels
 from dampyr.identification.levels import PRIOR_SESSION, Levels, levels_and_error
 from dampyr.identification.normal_equations import modelled_force
@@ -374,7 +375,7 @@ def build_fit(
     forces = [modelled_force(problem, outcome.point, r) for r in range(len(records))]
     if damper is not None and all(np.all(np.isfinite(force)) for force in forces):
         levels, error = levels_and_error(
-            problem, outcome.point, forces, uncertainties, records, _to_laws(problem), session_prior
+            problem, outcome.point, forces, uncertainties, records, law_matrix(problem), session_prior
         )
         damper = replace(damper, prediction_error=error)
     trouble = trouble or trouble_of(problem, outcome)
@@ -506,21 +507,9 @@ def _damper(
     return damper, ""
 
 
-def _to_laws(problem: Problem) -> Array:
-    """The matrix (m, G) from the fitted values to the coefficients of the laws; fixed parameters have rows of zeros."""
-    owners = [problem.columns[k] for k in problem.owners]
-    T = np.zeros((sum(max(c.size, 1) for c in owners), problem.size))
-    row = 0
-    for column, k in zip(owners, problem.owners, strict=True):
-        if column.size:
-            T[row : row + column.size, problem.slices[k]] = column.to_coefficients()
-        row += max(column.size, 1)
-    return T
-
-
 def _law_covariance(problem: Problem, covariance: Array) -> Array:
     """The covariance of the laws' own coefficients; fixed parameters are known."""
-    T = _to_laws(problem)
+    T = law_matrix(problem)
     finite = np.where(np.isfinite(covariance), covariance, 0.0)
     out = T @ finite @ T.T
     for place in np.flatnonzero(~np.isfinite(np.diag(covariance))):

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from dampyr.identification import Fit, Identified, Validation, findings, warnings_of
+from dampyr.identification import Fit, Identified, Validation, findings, identifiability, warnings_of
 from dampyr.identification.fit_verdict import fit_verdict
 from dampyr.report.best_and_worst import best_and_worst_sections, extremes
 from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, sentence
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks
 from dampyr.report.html_page import page, write_page
+from dampyr.report.identifiability_section import identifiability_section
 from dampyr.report.leaderboard_section import leaderboard_section
 from dampyr.report.level_sections import levels_section
 from dampyr.report.origin import files_of, people_and_parts
@@ -31,17 +32,17 @@ def write_fit_page(
     """Write the page of a fit, or of the result of `dampyr.identification.identify`, and return its path.
 
     It holds a summary; the leaderboard, if any, and ``sections`` of the caller's; parameters with intervals, laws and
-    correlations; the calibrated range; how well the fit describes its records; with ``validation`` (one or several), how well
-    it predicts others; the analysis of residuals; the best and the worst record.
+    correlations; what the records cannot separate; the calibrated range; how well the fit describes its records; with
+    ``validation`` (one or several), how well it predicts others; the analysis of residuals; the best and the worst record.
     """
     checks = [validation] if isinstance(validation, Validation) else list(validation or ())
     if isinstance(fit, Identified):
         checks = [*fit.validations, *checks]
         sections = [*([leaderboard_section(fit.board)] if fit.board else []), *sections]
-        beyond = list(fit.beyond.values())
+        beyond, inseparable = list(fit.beyond.values()), fit.identifiability
         damper, fit = fit.damper, fit.fit
     else:
-        damper, beyond = fit.damper, []
+        damper, beyond, inseparable = fit.damper, [], identifiability(fit)
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
     if damper is not None:
@@ -56,6 +57,7 @@ def write_fit_page(
             Section("Parameters", fit_blocks(fit)),
             Section("Correlation of the parameters", correlation_blocks(fit)),
             *([levels] if (levels := levels_section(fit)) is not None else []),
+            identifiability_section(inseparable),
             range_section(fit),
             *([measured] if (measured := uncertainty_section(fit.records)) is not None else []),
             Section("Goodness of fit", score_blocks(fit)),

@@ -1,0 +1,238 @@
+"""Mean and spread over specimens: closed forms, what is left out and why, and how often intervals hold the truth."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.signal import lfilter
+from scipy.stats import chi2, t
+
+import dampyr as dp
+from dampyr.cli import cli
+from dampyr.errors import InputError
+from dampyr.identification import Specimens, fit_specimens
+from dampyr.identification.random_effects import random_effects
+from dampyr.models import Damper
+from dampyr.records import Record, write
+
+TRUTH = {"dahl.kx": 1300.0, "dahl.kw": 210.0, "dahl.rho": 6000.0}
+SPREAD = 0.1
+DT = 0.01  # s
+
+
+def specimen(
+    name: str, truth: dict[str, float], rng: np.random.Generator, count: int = 8, voltage: float = 0.0
+) -> list[Record]:
+    """A small campaign on one damper: sines, noise that is correlated over 0.33 s, 3 % of gain of each record."""
+    damper, t_, records = Damper("dahl", truth), np.arange(0.0, 6.0, DT), []
+    for k in range(count):
+        amplitude, frequency = rng.uniform(0.004, 0.012), rng.uniform(0.6, 1.4)
+        run = np.maximum(t_ - 0.5, 0.0)
+        x = amplitude * np.minimum(run * frequency, 1.0) * np.sin(2 * np.pi * frequency * run)
+        v = np.gradient(x, t_)
+        force = damper.force(t_, x, voltage=0.0, velocity=v, state0=[rng.uniform(-0.8, 0.8)])
+        keep = float(np.exp(-DT / 0.33))
+        spread = 0.04 * float(np.std(force)) * np.sqrt(1.0 - keep**2)
+        noise = lfilter([1.0], [1.0, -keep], rng.normal(0.0, spread, t_.size + 200))[200:]
+        force = (1.0 + 0.03 * rng.standard_normal()) * force + noise + rng.normal(100.0, 10.0)
+        records.append(Record(t_, x, force, velocity=v, voltage=voltage, name=f"{name}-{k}", specimen=name))
+    return records
+
+
+def specimens(seed: int, spread: float = SPREAD, number: int = 10, count: int = 8) -> list[Record]:
+    """Records of several dampers of one type, each parameter lognormal."""
+    rng = np.random.default_rng(seed)
+    records: list[Record] = []
+    for n in range(number):
+        truth = {name: value * float(np.exp(spread * rng.standard_normal())) for name, value in TRUTH.items()}
+        records += specimen(f"damper {n + 1}", truth, rng, count)
+    return records
+
+
+@pytest.fixture(scope="module")
+def five() -> Specimens:
+    return fit_specimens("dahl", specimens(0, number=5, count=4))
+
+
+def test_of_equal_errors_everything_has_a_closed_form() -> None:
+    y, s, k = np.array([1.0, 1.4, 0.7, 1.9, 1.2, 0.8]), 0.15, 6
+    one = random_effects(y, np.full(k, s))
+    variance = float(np.var(y, ddof=1))
+    assert one.mean == pytest.approx(y.mean())
+    assert one.spread == pytest.approx(np.sqrt(variance - s**2), rel=1e-5)
+    assert one.mean_error == pytest.approx(np.sqrt(variance / k))
+    reach = t.ppf(0.975, k - 1) * np.sqrt(variance / k)
+    np.testing.assert_allclose(one.mean_interval, (y.mean() - reach, y.mean() + reach))
+    ends = np.sqrt((k - 1) * variance / chi2.ppf([0.975, 0.025], k - 1) - s**2)
+    np.testing.assert_allclose(one.spread_interval, ends, rtol=1e-6)
+    share = one.spread**2 / (one.spread**2 + s**2)
+    np.testing.assert_allclose(one.shrunken, y.mean() + share * (y - y.mean()))
+
+
+def test_of_unequal_errors_q_is_at_its_quantiles_and_the_likelihood_at_its_top() -> None:
+    rng = np.random.default_rng(1)
+    s = rng.uniform(0.05, 0.4, 9)
+    y = 2.0 + 0.8 * rng.standard_normal(9) + s * rng.standard_normal(9)
+    one = random_effects(y, s)
+    for end, share in zip(one.spread_interval, (0.975, 0.025), strict=True):
+        w = 1.0 / (end**2 + s**2)
+        assert w @ (y - w @ y / w.sum()) ** 2 == pytest.approx(chi2.ppf(share, 8))
+
+    def likelihood(spread: float) -> float:
+        w = 1.0 / (spread**2 + s**2)
+        return float(0.5 * (np.log(w).sum() - np.log(w.sum()) - w @ (y - w @ y / w.sum()) ** 2))
+
+    assert all(likelihood(one.spread) >= likelihood(other) for other in np.linspace(0.0, 2.0, 500))
+
+
+def test_without_spread_its_lower_end_is_zero() -> None:
+    rng, s = np.random.default_rng(2), np.full(10, 0.05)
+    ends = [random_effects(s * rng.standard_normal(10), s).spread_interval for _ in range(200)]
+    share = np.mean([low == 0.0 for low, _ in ends])
+    assert share > 0.94  # 97.5 % of them are expected
+    assert np.mean([high >= 0.0 for _, high in ends]) == 1.0
+
+
+def test_of_records_without_spread_too() -> None:
+    result = fit_specimens("dahl", specimens(3, spread=0.0, number=6))
+    for one in result.spreads.values():
+        assert one.spread_interval[0] == 0.0, one
+        assert one.spread < 0.05
+
+
+def test_the_table_is_relative_where_a_parameter_is_positive(five: Specimens) -> None:
+    for label, one in five.spreads.items():
+        assert one.relative
+        values = np.log(list(one.estimates.values()))
+        assert np.log(one.mean) == pytest.approx(values.mean(), abs=0.05)
+        assert one.spread_interval[0] <= one.spread <= one.spread_interval[1]
+        assert one.new_specimen[0] < one.mean_interval[0] < one.mean < one.mean_interval[1] < one.new_specimen[1]
+        for name, shrunken in one.shrunken.items():
+            assert min(one.mean, one.estimates[name]) - 1e-9 <= shrunken <= max(one.mean, one.estimates[name]) + 1e-9
+        assert one.unit == five.fits["damper 1"].units[label]
+    heads, rows = five.by_number()
+    assert len(heads) == len(rows[0])
+    assert rows[1][4].endswith(" %")
+    assert list(five.to_dataframe().index) == list(five.spreads)
+    assert five.notes == ()
+
+
+def test_pooled_errors_share_what_records_differ_by_and_not_the_motions(five: Specimens) -> None:
+    own = fit_specimens("dahl", specimens(0, number=5, count=4), errors="own")
+    for label, one in own.spreads.items():
+        assert one.errors == pytest.approx({name: fitted.stderr[label] for name, fitted in own.fits.items()})
+        pooled = np.array(list(five.spreads[label].errors.values()))
+        assert np.std(np.log(pooled)) < np.std(np.log(list(one.errors.values())))
+
+
+def test_the_damper_of_the_mean_and_new_ones(five: Specimens) -> None:
+    damper = five.damper()
+    assert damper.values(0.0) == pytest.approx([one.mean for one in five.spreads.values()])
+    widths = np.sqrt(np.diag(damper.covariance)) / damper.coefficients
+    expected = [
+        np.hypot(one.spread, effect.mean_error)
+        for one, effect in zip(five.spreads.values(), five.effects.values(), strict=True)
+    ]
+    np.testing.assert_allclose(widths, expected)
+    assert np.linalg.eigvalsh(damper.covariance / np.outer(damper.coefficients, damper.coefficients)).min() > -1e-12
+    many = five.new_specimens(2000, seed=1)
+    table = np.array([one.values(0.0) for one in many])
+    for column, one in zip(table.T, five.spreads.values(), strict=True):
+        np.testing.assert_allclose(np.quantile(np.log(column), [0.025, 0.975]), np.log(one.new_specimen), atol=0.08)
+    assert np.array_equal(table[:5], [one.values(0.0) for one in five.new_specimens(5, seed=1)])
+
+
+def test_what_goes_together_between_specimens_is_seen() -> None:
+    rng, records = np.random.default_rng(5), []
+    for n in range(8):
+        factor = float(np.exp(0.15 * rng.standard_normal()))
+        truth = {"dahl.kx": 1300.0 * factor, "dahl.kw": 210.0 * factor, "dahl.rho": 6000.0}
+        records += specimen(f"damper {n}", truth, rng, 5)
+    result = fit_specimens("dahl", records)
+    assert result.between[0, 1] > 0.5  # of eight specimens, with kx known to 7 %
+
+
+def test_specimens_and_numbers_that_cannot_be_used_are_named() -> None:
+    rng = np.random.default_rng(6)
+    groups = {f"damper {n}": specimen(f"damper {n}", TRUTH, rng, 4) for n in range(4)}
+    groups["damper 3"] = groups["damper 3"][:2]
+    turned = [r.replace(note="turned", force=-r.force) for r in specimen("damper 4", TRUTH, rng, 4)]
+    result = fit_specimens("dahl", groups | {"damper 4": turned})
+    assert set(result.left_out) == {"damper 4"}
+    assert "sign is inverted" in result.left_out["damper 4"]
+    for one in result.spreads.values():
+        assert one.left_out == {"damper 3": "between-record variance is not estimated from 2 records"}
+        assert set(one.estimates) == {"damper 0", "damper 1", "damper 2"}
+    assert len(result.notes) == 4
+    few = {name: some[:2] for name, some in groups.items() if name != "damper 0"}
+    with pytest.raises(InputError, match="no number is determined in 3 specimens"):
+        fit_specimens("dahl", few)
+
+
+def test_an_input_of_two_specimens_has_no_spread() -> None:
+    rng = np.random.default_rng(7)
+    groups = {f"damper {n}": specimen(f"damper {n}", TRUTH, rng, 4) for n in range(3)}
+    for n in range(2):
+        groups[f"damper {n}"] += [
+            record.replace(note="another input", voltage=1.0, name=f"{record.name} at 1 V")
+            for record in specimen(f"damper {n}", TRUTH, rng, 4)
+        ]
+    with pytest.raises(InputError, match="no number is determined"):
+        fit_specimens("dahl", groups)  # labels of one input alone differ from those of two
+    rest = fit_specimens("dahl", groups, laws="constant")
+    assert set(rest.spreads) == set(TRUTH)
+
+
+def test_wrong_calls_say_what_is_wrong() -> None:
+    records = specimens(8, number=2, count=3)
+    with pytest.raises(InputError, match=r"2 specimens \(damper 1, damper 2\) cannot give a spread"):
+        fit_specimens("dahl", records)
+    with pytest.raises(InputError, match="damper 1-0 names no specimen; give it in a column specimen"):
+        fit_specimens("dahl", [records[0].replace(note="unnamed", specimen=None), *records[1:]])
+    with pytest.raises(InputError, match="'best' is an unknown kind of errors"):
+        fit_specimens("dahl", records, errors="best")
+    with pytest.raises(InputError, match="level = 0"):
+        fit_specimens("dahl", records, level=0.0)
+    for wrong in (([1.0, 2.0], [0.1, 0.1]), ([1.0, 2.0, 3.0], [0.1, 0.0, 0.1]), ([1.0, 2.0, np.nan], [0.1, 0.1, 0.1])):
+        with pytest.raises(InputError):
+            random_effects(*wrong)
+
+
+def written(records: Sequence[Record], folder: Path) -> Path:
+    for record in records:
+        write(record, folder / f"{record.name}.h5")
+    return folder
+
+
+def test_the_command_prints_mean_and_spread(tmp_path: Path) -> None:
+    folder = written(specimens(9, number=3, count=4), tmp_path)
+    run = CliRunner()
+    card = tmp_path / "type.toml"
+    done = run.invoke(cli, ["identify", str(folder), "--model", "dahl", "--by-specimen", "--save", str(card)])
+    assert done.exit_code == 0, done.output
+    assert "3 specimens (damper 1, damper 2, damper 3): mean and spread between them" in done.stdout
+    assert dp.models.Damper.load(card).provenance["covariance"] == "of a new specimen"
+    done = run.invoke(cli, ["identify", str(folder), "--model", "dahl", "--by-specimen", "--json"])
+    data = json.loads(done.stdout)
+    assert set(data["parameters"]) == set(TRUTH)
+    assert data["parameters"]["dahl.kw"]["relative"] is True
+    refused = run.invoke(cli, ["identify", str(folder), "--by-specimen"])
+    assert refused.exit_code == 2
+    assert "--by-specimen makes one fit of the --model per specimen" in refused.output
+
+
+@pytest.mark.prove
+def test_intervals_hold_the_spread_and_the_mean_as_often_as_they_say() -> None:
+    """Ten specimens of eight records, 100 repeats: the share of 95 % intervals that hold the truth, by parameter."""
+    repeats = 100
+    spreads, means = dict.fromkeys(TRUTH, 0), dict.fromkeys(TRUTH, 0)
+    for seed in range(repeats):
+        for label, one in fit_specimens("dahl", specimens(1000 + seed)).spreads.items():
+            spreads[label] += one.spread_interval[0] <= SPREAD <= one.spread_interval[1]
+            means[label] += one.mean_interval[0] <= TRUTH[label] <= one.mean_interval[1]
+    print("held the spread", spreads, "held the mean", means)
+    assert min(spreads.values()) >= 0.90 * repeats
+    assert min(means.values()) >= 0.90 * repeats
