@@ -100,6 +100,15 @@ def test_draws_have_the_levels_of_the_sessions_and_of_the_record_in_them() -> No
     np.testing.assert_allclose(np.std([one.coefficients for one in plain], axis=0), [1, 1, 0.1, 0.1, 10], rtol=0.05)
 
 
+def test_draws_take_the_covariance_within_sessions_where_there_is_one(tmp_path: Path) -> None:
+    small = damper(within_sessions=np.diag([1.0, 1.0, 0.01, 0.01, 1.0]))
+    assert np.std([one.coefficients[4] for one in small.draws(2000, seed=1)]) == pytest.approx(1.0, rel=0.1)
+    again = Damper.load(small.save(tmp_path / "card.toml"))
+    assert again.prediction_error is not None
+    np.testing.assert_array_equal(again.prediction_error.within_sessions, np.diag([1.0, 1.0, 0.01, 0.01, 1.0]))
+    assert small.on_brace(1e6).prediction_error.within_sessions.shape == (6, 6)  # type: ignore[union-attr]
+
+
 def test_few_degrees_of_freedom_widen_the_draws() -> None:
     few = damper(session_freedom=3.0).draws(4000, seed=2)
     many = damper().draws(4000, seed=2)
@@ -147,6 +156,8 @@ def test_the_directions_follow_the_coefficients() -> None:
         replace(one, laws=one.all_laws | {"dahl.kw": 50.0}, covariance=np.eye(4))
     with pytest.raises(InputError, match="needs the covariance"):
         replace(one, covariance=None)
+    with pytest.raises(InputError, match="within_sessions must be a finite matrix of 5 rows"):
+        damper(within_sessions=np.eye(4))
     braced = one.on_brace(1e6)
     assert braced.prediction_error is not None
     assert braced.prediction_error.directions[:, -1].tolist() == [0.0, 0.0]

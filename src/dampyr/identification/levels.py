@@ -175,8 +175,26 @@ def levels_and_error(
         session_levels=tuple(map(float, own * (members.T @ y) / counts)),
         session_errors=tuple(map(float, spread.record * np.sqrt(own / counts))),
         shapes=_shapes(fitted),
+        within_sessions=_within_sessions(uncertainty, members, own * (members.T @ y) / counts, to_laws)
+        if repeats
+        else None,
     )
     return levels, error
+
+
+def _within_sessions(uncertainty: Uncertainty, members: Array, levels: Array, to_laws: Array) -> Array | None:
+    """The covariance (m, m) of the laws' coefficients without what the levels of the sessions have added between records.
+
+    Each record's influence less that of its session's level; None where a coefficient has no finite variance.
+    """
+    covariance = uncertainty.covariance
+    if not np.all(np.isfinite(covariance)):
+        return None
+    left = uncertainty.influence - (members @ levels)[:, None] * uncertainty.by_level
+    whole = covariance - uncertainty.influence.T @ uncertainty.influence + left.T @ left
+    values, vectors = np.linalg.eigh(0.5 * (whole + whole.T))
+    positive = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    return np.asarray(to_laws @ positive @ to_laws.T)
 
 
 def _freedom(uncertainty: Uncertainty) -> float:

@@ -48,7 +48,8 @@ class Uncertainty:
 
     ``by_level`` (R, m) is the change of the coefficients with the logarithm of the level of each record (of the pieces of one
     that was cut, together), a factor on its dynamic force; ``absorbed`` (R, R) how much of the level of a record (column) the
-    fit takes up in the level that it has at another (row): the rest shows in that one's residual.
+    fit takes up in the level that it has at another (row): the rest shows in that one's residual. ``influence`` (R, m)
+    is what each record has moved the coefficients by: the sum of its products is the covariance where records are the clusters.
     """
 
     covariance: Array
@@ -61,6 +62,7 @@ class Uncertainty:
     within: Bools
     by_level: Array
     absorbed: Array
+    influence: Array
 
 
 def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> Uncertainty:
@@ -85,8 +87,9 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
     # One stack of influences, so that the matrix is positive semidefinite whatever each coefficient is clustered by: over the
     # cycles of a record its influence as a whole is spread evenly, which keeps the sum of its squares.
     sizes = [one.scores.shape[0] for one in reduced]
-    even = np.repeat((records.scores @ bread) / np.sqrt(sizes)[:, None], sizes, axis=0)
-    influence = np.where(within, cycles.scores @ bread, even) * np.sqrt((inflation + 1.0) / inflation)
+    by_record, wide = records.scores @ bread, np.sqrt((inflation + 1.0) / inflation)
+    even = np.repeat(by_record / np.sqrt(sizes)[:, None], sizes, axis=0)
+    influence = np.where(within, cycles.scores @ bread, even) * wide
     covariance = influence.T @ influence
     few = tuple(k for k in map(int, np.flatnonzero(counts < MIN_CYCLES)) if k not in (*held, *unidentifiable))
     unknown = (*unidentifiable, *few)
@@ -100,6 +103,7 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
         records.counts,
         within,
         *_of_levels(problem, point, whole, bread),
+        by_record * wide,
     )
 
 

@@ -332,7 +332,7 @@ class Damper(Representation):
         if self.covariance is not None:
             covariance = _mixed(self.covariance, mixed)
         if error is not None:
-            error = error.with_directions(error.directions @ block_diagonal(mixed).T)
+            error = error.mapped(block_diagonal(mixed))
         provenance = dict(self.provenance) | {"temperature": f"{given:g} °C"}
         return replace(self, laws=laws, covariance=covariance, provenance=provenance, prediction_error=error)
 
@@ -362,8 +362,8 @@ class Damper(Representation):
         """The prediction error of some of the coefficients; -1 stands for one that the sessions' levels do not move."""
         if self.prediction_error is None:
             return None
-        padded = np.pad(self.prediction_error.directions, ((0, 0), (0, 1)))
-        return self.prediction_error.with_directions(padded[:, columns])
+        size = self.coefficients.size
+        return self.prediction_error.mapped(np.eye(size + 1)[columns, :size])
 
     def at_level(self, level: float) -> Damper:
         """The damper with ``level`` times the dynamic force, such as 0.9 where a session came out 10 % weaker."""

@@ -76,7 +76,9 @@ class PredictionError:
     session and between sessions, with their degrees of freedom, infinite where the number is stated and not estimated;
     ``session_source`` says which. ``sessions`` are those that were fitted, ``directions`` (S, m) the change of the damper's
     coefficients with the logarithm of each one's level, ``session_levels`` their levels' logarithms against the fit and
-    ``session_errors`` how well these are known. ``freedom`` are the degrees of freedom of the covariance. ``shapes`` are the
+    ``session_errors`` how well these are known. ``freedom`` are the degrees of freedom of the covariance;
+    ``within_sessions`` (m, m) is the covariance that is left of it once the levels of the fitted sessions have been
+    taken out of its records, None where it is the same. ``shapes`` are the
     residuals by input; ``inputs`` the inputs at which each session was measured.
     """
 
@@ -91,6 +93,7 @@ class PredictionError:
     session_levels: tuple[float, ...]
     session_errors: tuple[float, ...]
     shapes: tuple[ShapeError, ...]
+    within_sessions: Array | None = None
 
     def __post_init__(self) -> None:
         for name in ("record_sd", "session_sd"):
@@ -108,6 +111,14 @@ class PredictionError:
             )
         if len(self.session_levels) != count or len(self.session_errors) != count:
             raise InputError(f"session_levels and session_errors must hold {count} numbers, one for each session")
+        if self.within_sessions is not None:
+            matrix = np.array(self.within_sessions, dtype=float)
+            if matrix.shape != (directions.shape[1],) * 2 or not np.all(np.isfinite(matrix)):
+                raise InputError(
+                    f"within_sessions must be a finite matrix of {directions.shape[1]} rows and columns, as directions has"
+                )
+            matrix.setflags(write=False)
+            object.__setattr__(self, "within_sessions", matrix)
         directions.setflags(write=False)
         object.__setattr__(self, "directions", directions)
         object.__setattr__(self, "sessions", tuple(self.sessions))
@@ -117,10 +128,11 @@ class PredictionError:
         """Whether the level between sessions was estimated, and not stated."""
         return math.isfinite(self.session_freedom)
 
-    def with_directions(self, directions: Array) -> PredictionError:
-        """The same for a damper with other coefficients, ``directions`` being (S, m) of these."""
+    def mapped(self, matrix: Array) -> PredictionError:
+        """The same for a damper whose coefficients are ``matrix`` (k, m) times these."""
         given = {one.name: getattr(self, one.name) for one in fields(self)}
-        return PredictionError(**(given | {"directions": directions}))
+        within = None if self.within_sessions is None else matrix @ self.within_sessions @ matrix.T
+        return PredictionError(**(given | {"directions": self.directions @ matrix.T, "within_sessions": within}))
 
     def shape_at(self, u: float) -> ShapeError:
         """The residual at the input that is nearest to ``u``."""
@@ -128,7 +140,9 @@ class PredictionError:
 
     def card(self) -> dict[str, Any]:
         """The table of a card."""
-        table = {one.name: getattr(self, one.name) for one in fields(self)}
+        table = {one.name: getattr(self, one.name) for one in fields(self) if getattr(self, one.name) is not None}
+        if self.within_sessions is not None:
+            table["within_sessions"] = self.within_sessions.tolist()
         table["directions"] = self.directions.tolist()
         for name in ("sessions", "session_levels", "session_errors"):
             table[name] = list(table[name])
@@ -145,7 +159,7 @@ def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
     for name in table:
         if name not in allowed:
             raise InputError(f"prediction_error has {name!r}, which is unknown; it holds {', '.join(allowed)}")
-    missing = [name for name in allowed if name not in table]
+    missing = [name for name in allowed if name not in table and name != "within_sessions"]
     if missing:
         raise InputError(f"prediction_error lacks {missing[0]!r}; add it, or leave the table out")
     try:
@@ -216,7 +230,8 @@ def draws_of(
 
     In a fitted session the sessions' levels are those of the fit, so that only what is not known of that session's counts.
     """
-    values, vectors = np.linalg.eigh(damper.finite_covariance())
+    covariance = damper.finite_covariance()
+    values, vectors = np.linalg.eigh(covariance if error.within_sessions is None else error.within_sessions)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     fitted = None if session is None else error.sessions.index(session)
     for _ in range(n):
