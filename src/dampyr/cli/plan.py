@@ -119,7 +119,7 @@ def command(
         raise InputError(
             "records and --card are both given; a card stands in place of records, so leave one of them out"
         )
-    known: Any = published.card_or_published(str(card), Path()) if card else None
+    evidence: Any = published.card_or_published(str(card), Path()) if card else None
     options = campaigns.PlanOptions(
         model=model,
         laws=pairs(laws),
@@ -135,16 +135,16 @@ def command(
         seconds=seconds,
     )
     if records:
-        known = gather(records, "fit", Reading({}))
+        evidence = gather(records, "fit", Reading({}))
     if perform and out is None:
         raise InputError("--out is missing; give a folder for the rounds of tests")
     if perform:
-        _perform(known, rig, out, options, per_round, in_process, figure, as_json)
+        _perform(evidence, rig, out, options, per_round, in_process, figure, as_json)
         return
     if out is not None and out.exists():
         raise InputError(f"{out} is there already; give another --out, or remove it")
     with stages() as show:
-        proposal = campaigns.propose(known, rig, options, show)
+        proposal = campaigns.propose(evidence, rig, options, show)
     if out is not None:
         proposal.save(out)
     if figure is not None:
@@ -182,7 +182,7 @@ def _peak(
 
 
 def _perform(
-    known: Any,
+    evidence: Any,
     rig: Path | None,
     out: Path | None,
     options: PlanOptions,
@@ -203,7 +203,7 @@ def _perform(
             show(f"testing, {now.name}" if now.total > 1 else "testing", now.fraction)
 
         planned = campaigns.plan_and_perform(
-            known, opened, out, options, per_round=per_round, progress=show, watcher=watch
+            evidence, opened, out, options, per_round=per_round, progress=show, watcher=watch
         )
     if planned.fit.damper is not None:
         planned.fit.damper.save(out / "damper.toml")

@@ -182,13 +182,13 @@ def _shares(
     frequencies: Array, limits: Array, rig: RigSettings, made: Callable[[float, float], Candidate]
 ) -> list[Candidate]:
     """Candidates at each frequency with shares of the largest amplitude there, to three digits, rounded down."""
-    found = []
+    candidates = []
     for f, limit in zip(frequencies, limits, strict=True):
         for share in SHARES:
             a = _three_digits(share * limit)
             if a >= _least(rig):
-                found.append(made(float(f), a))
-    return found
+                candidates.append(made(float(f), a))
+    return candidates
 
 
 def _three_digits(value: float) -> float:
@@ -229,9 +229,9 @@ def _placed(name: str, step: Any, frequency: float, amplitude: float) -> Candida
 
 def _bands(rig: RigSettings, damper: Damper, wanted: list[Candidate]) -> list[Candidate]:
     """Tests over a band of frequencies with the largest amplitude that passes, where that is enough."""
-    found = []
+    candidates = []
     for each in wanted:
         a = each.amplitude if not findings(each.step, rig, damper) else largest(each.step, "amplitude", rig, damper)
         if a is not None and a >= _least(rig):
-            found.append(replace(each, step=replace(each.step, amplitude=a), amplitude=a))
-    return found
+            candidates.append(replace(each, step=replace(each.step, amplitude=a), amplitude=a))
+    return candidates

@@ -50,6 +50,7 @@ LEARNED_FROM = 4  # records; of fewer, how they differ is assumed
 ROUNDS = 60  # of expectation and maximisation: it changes by less than a per cent after thirty
 MEMORY = 4.0  # s up to which residuals are correlated at most
 RELATIVE_STEP = 1e-5  # of the differences that give derivatives
+LEVEL = 0.05  # of a record's samples that an input needs to count as one of its levels
 MAX_RATE = 500.0  # samples/s along an expected path
 RIDGE = 1e-6  # of the information of a whole record, so that the first tests of a design can be compared
 
@@ -68,15 +69,15 @@ class Spread:
     lag: float
     records: int = 0
 
-    def residual(self, spread: float) -> float:
-        """The standard deviation [N] of the residual of a record whose force has this one."""
-        return float(np.hypot(self.noise, self.share * spread))
+    def residual(self, spread: Array) -> Array:
+        """The standard deviation (n,) N of the residual where the force has this one."""
+        return np.asarray(np.hypot(self.noise, self.share * spread))
 
     def correlation_at(self, dt: float, n: int) -> Array:
         """The autocorrelation (k,), k <= n, at lags of ``dt``."""
-        known = self.lag * np.arange(self.autocorrelation.size)
-        lags = dt * np.arange(min(n, int(known[-1] / dt) + 1))
-        return np.interp(lags, known, self.autocorrelation)
+        lags_estimated = self.lag * np.arange(self.autocorrelation.size)
+        lags = dt * np.arange(min(n, int(lags_estimated[-1] / dt) + 1))
+        return np.interp(lags, lags_estimated, self.autocorrelation)
 
 
 @dataclass(frozen=True)
@@ -189,26 +190,28 @@ def expected_information(plan: Layout, record: Record, spread: Spread) -> Inform
     problem = plan.problem(one)
     point = Point(plan.theta, np.zeros((1, problem.locals)))
     J = _eliminated(plan, problem, point)
-    sd = spread.residual(one.spread)
-    noise = _noise(J, spread, float(np.median(np.diff(one.t))), sd / one.spread)
+    sizes = _by_level(one, one.force)[one.comparable]
+    noise = _noise(J, spread, float(np.median(np.diff(one.t))), spread.residual(sizes) / one.spread)
     A = J.T @ J
     return Information(record.name, A, noise, np.zeros(len(A)))
 
 
 @dataclass(frozen=True)
 class _Seen:
-    """A record of a fit: its weighted derivatives (n, G) and residual (n,), and what its own deviations leave of it, N."""
+    """A record of a fit: its weighted derivatives (n, G) and residual (n,), what its own deviations leave of it (n,) N, and the
+    standard deviation (n,) N of the force at the input of each sample."""
 
     name: str
     J: Array
     e: Array
     left: Array
+    sizes: Array
     spread: float
     dt: float
 
 
 def _seen(fit: Fit, plan: Layout) -> list[_Seen]:
-    found = []
+    seen = []
     for r, (one, record) in enumerate(zip(fit.problem.pieces, fit.records, strict=True)):
         problem = plan.problem(one)
         own = problem.locals
@@ -222,20 +225,23 @@ def _seen(fit: Fit, plan: Layout) -> list[_Seen]:
         J = _eliminated(plan, problem, point)
         own_part = J @ (np.linalg.pinv(J.T @ J, rcond=1e-6, hermitian=True) @ (J.T @ e))
         dt = float(np.median(np.diff(one.t)))
-        found.append(_Seen(record.name, J, e, (e - own_part) * scale, one.spread, dt))
-    return found
+        sizes = _by_level(one, fit.forces[r])[one.comparable]
+        seen.append(_Seen(record.name, J, e, (e - own_part) * scale, sizes, one.spread, dt))
+    return seen
 
 
 def learned(fit: Fit, plan: Layout) -> tuple[Spread, list[Information]]:
     """How the records of a fit differ from its damper and from one another, and what each of them tells."""
     seen = _seen(fit, plan)
-    noise, share = _sizes(np.array([np.std(s.left) for s in seen]), np.array([s.spread for s in seen]))
+    levels = [(float(np.std(s.left[s.sizes == size])), float(size)) for s in seen for size in np.unique(s.sizes)]
+    noise, share = _sizes(*np.array(levels).T)
     lag = float(np.median([s.dt for s in seen]))
-    rho = _autocorrelation([s.left for s in seen if abs(s.dt - lag) < 1e-3 * lag], lag)
+    standardised = [s.left / np.hypot(noise, share * s.sizes) for s in seen if abs(s.dt - lag) < 1e-3 * lag]
+    rho = _autocorrelation(standardised, lag)
     assumed = assumed_spread(plan)
     spread = Spread(plan.names, assumed.deviations, noise, share, rho, lag, len(seen))
     records = [
-        Information(s.name, s.J.T @ s.J, _noise(s.J, spread, s.dt, spread.residual(s.spread) / s.spread), s.J.T @ s.e)
+        Information(s.name, s.J.T @ s.J, _noise(s.J, spread, s.dt, spread.residual(s.sizes) / s.spread), s.J.T @ s.e)
         for s in seen
     ]
     if len(seen) >= LEARNED_FROM:
@@ -273,9 +279,26 @@ def _eliminated(plan: Layout, problem: Problem, point: Point) -> Array:
     return J
 
 
-def _noise(J: Array, spread: Spread, dt: float, relative: float) -> Array:
-    """J'CJ of noise with this standard deviation over the force's spread."""
+def _by_level(one: Piece, force: Array) -> Array:
+    """The standard deviation (n,) N of the force at each sample's input: a misfit at 0 V is not that at 3 V.
+
+    Inputs that a record passes for less than a twentieth of its time count as the nearest other one.
+    """
+    if not np.ndim(one.u):
+        return np.full(force.size, float(np.std(force)))
+    u = np.round(np.asarray(one.u), 3)
+    levels, counts = np.unique(u, return_counts=True)
+    levels = levels[counts >= LEVEL * u.size]
+    if not levels.size:
+        return np.full(force.size, float(np.std(force)))
+    which = np.argmin(np.abs(u[:, None] - levels), axis=1)
+    return np.array([float(np.std(force[which == k])) for k in range(levels.size)])[which]
+
+
+def _noise(J: Array, spread: Spread, dt: float, relative: Array) -> Array:
+    """J'CJ of noise with this standard deviation (n,) over the force's spread."""
     n = len(J)
+    J = J * relative[:, None]
     rho = spread.correlation_at(dt, n)
     size = 1 << (2 * n - 1).bit_length()
     ring = np.zeros(size)
@@ -286,7 +309,7 @@ def _noise(J: Array, spread: Spread, dt: float, relative: float) -> Array:
     weights = np.full(power.size, 2.0)
     weights[[0, -1]] = 1.0
     out = (F.conj().T * (weights * power)) @ F
-    return np.asarray(relative**2 / n * out.real / size)
+    return np.asarray(out.real / n / size)
 
 
 def assumed_spread(plan: Layout) -> Spread:

@@ -150,7 +150,7 @@ class Planned(Representation):
 
 
 def plan_and_perform(
-    known: Damper | Fit | Record | Sequence[Record] | None,
+    evidence: Damper | Fit | Record | Sequence[Record] | None,
     rig: Rig,
     folder: str | Path,
     options: PlanOptions | None = None,
@@ -164,7 +164,7 @@ def plan_and_perform(
 
     Parameters
     ----------
-    known
+    evidence
         As in `propose`; the records take part in every fit. None: the card that the rig names.
     rig
         A connected rig, real or simulated; each round is a campaign that is checked as a whole before anything moves.
@@ -190,24 +190,24 @@ def plan_and_perform(
     options = options or PlanOptions(**given)
     if per_round < 1:
         raise InputError(f"per_round = {per_round} is not allowed; give at least 1 test")
-    known = specimen(rig.settings, rig.folder) if known is None else known
-    known, model = _started(known, options, progress)
+    evidence = specimen(rig.settings, rig.folder) if evidence is None else evidence
+    evidence, model = _started(evidence, options, progress)
     options = _with_model(options, model)
     folder = Path(folder)
-    loop = _Loop(known, rig, folder, options, per_round, progress, watcher, control)
+    loop = _Loop(evidence, rig, folder, options, per_round, progress, watcher, control)
     loop.begin()
     return loop.run()
 
 
-def _started(known: Any, options: PlanOptions, progress: Progress) -> tuple[Damper | Fit, str]:
+def _started(evidence: Any, options: PlanOptions, progress: Progress) -> tuple[Damper | Fit, str]:
     """What is known, as a damper or a fit, and the model of the fits to come."""
-    if known is None:
+    if evidence is None:
         raise InputError("nothing is known of the damper, not even a card; give a card or records")
-    if not isinstance(known, Damper | Fit):
-        known = fitted(known, options, progress)
-    composition = known.composition if isinstance(known, Damper) else known.problem.composition
+    if not isinstance(evidence, Damper | Fit):
+        evidence = fitted(evidence, options, progress)
+    composition = evidence.composition if isinstance(evidence, Damper) else evidence.problem.composition
     parts = [name for name in composition.names if name != "lag"]
-    return known, options.model or " + ".join(parts)
+    return evidence, options.model or " + ".join(parts)
 
 
 def _with_model(options: PlanOptions, model: str) -> PlanOptions:
@@ -218,7 +218,7 @@ def _with_model(options: PlanOptions, model: str) -> PlanOptions:
 class _Loop:
     """One plan under way."""
 
-    known: Damper | Fit
+    evidence: Damper | Fit
     rig: Rig
     folder: Path
     options: PlanOptions
@@ -233,7 +233,7 @@ class _Loop:
         given = {f.name: getattr(self.options, f.name) for f in fields(self.options) if f.name != "peak"}
         peak = self.options.peak
         given["peak"] = None if peak is None else [peak.words, float(np.sum(np.square(peak.motion.acceleration)))]
-        names = [record.name for record in self.known.records] if isinstance(self.known, Fit) else []
+        names = [record.name for record in self.evidence.records] if isinstance(self.evidence, Fit) else []
         given |= {"schema": SCHEMA, "per_round": self.per_round, "records": names}
         plain_text: dict[str, Any] = json.loads(json.dumps(plain(given)))
         return plain_text
@@ -256,14 +256,16 @@ class _Loop:
             return
         if self.folder.is_dir() and any(self.folder.iterdir()):
             raise InputError(f"{self.folder} is not empty and holds no plan; choose another folder")
-        self.first = self._next(self.known, self._left([]))  # refuses what cannot be planned before there is a folder
+        self.first = self._next(
+            self.evidence, self._left([])
+        )  # refuses what cannot be planned before there is a folder
         self.folder.mkdir(parents=True, exist_ok=True)
         write_whole(path, json.dumps(self.identity, indent=2) + "\n")
 
     first: Proposal | None = None
 
     @property
-    def most(self) -> int | None:
+    def max_tests(self) -> int | None:
         """Tests of all rounds together, None where only time or a target ends them."""
         o = self.options
         if o.tests is not None:
@@ -273,48 +275,52 @@ class _Loop:
     def _left(self, rounds: list[Round]) -> tuple[int, float]:
         """How many tests, and how many s of them, the next round may have."""
         done = sum(len(one.tests) for one in rounds)
-        number = self.per_round if self.most is None else min(self.per_round, self.most - done)
+        number = self.per_round if self.max_tests is None else min(self.per_round, self.max_tests - done)
         used = sum(one.duration for one in rounds)
         return number, np.inf if self.options.duration is None else self.options.duration - used
 
-    def _next(self, known: Damper | Fit, left: tuple[int, float]) -> Proposal:
+    def _next(self, evidence: Damper | Fit, left: tuple[int, float]) -> Proposal:
         duration = None if np.isinf(left[1]) else left[1]
-        return propose(known, self.rig.settings, replace(self.options, tests=left[0], duration=duration), self.progress)
+        return propose(
+            evidence, self.rig.settings, replace(self.options, tests=left[0], duration=duration), self.progress
+        )
 
     def run(self) -> Planned:
         """All rounds."""
         rounds: list[Round] = []
-        known: Damper | Fit = self.known
+        evidence: Damper | Fit = self.evidence
         while True:
             number = len(rounds) + 1
             own = self.folder / f"round-{number:02d}"
             if not (own / CAMPAIGN).is_file():
-                reason, reached = self._verdict(known, rounds)
+                reason, reached = self._verdict(evidence, rounds)
                 proposal = None
                 if not reason:
-                    proposal = self.first if number == 1 and self.first is not None else self._proposal(known, rounds)
+                    proposal = (
+                        self.first if number == 1 and self.first is not None else self._proposal(evidence, rounds)
+                    )
                     reason = (
                         "" if proposal is not None else "what is left of the duration is too short for another test"
                     )
                 if not reason and proposal is not None and rounds and self._gains_little(proposal):
                     reason = f"another round is expected to improve the intervals by less than {100 * NO_GAIN:g} %"
                 if reason or proposal is None:
-                    if not isinstance(known, Fit):
+                    if not isinstance(evidence, Fit):
                         raise InputError(f"nothing was performed: {reason}")
-                    return Planned(self.folder, tuple(rounds), known, reached, reason, self._goal())
+                    return Planned(self.folder, tuple(rounds), evidence, reached, reason, self._goal())
                 self._write(own, proposal)
             perform(own / CAMPAIGN, self.rig, own, self.watcher, self.control)
-            known = self._fit(number)
-            rounds.append(self._round(number, own, known))
+            evidence = self._fit(number)
+            rounds.append(self._round(number, own, evidence))
 
     def _goal(self) -> str:
         if self.options.peak is not None:
             return self.options.peak.words
         return f"the parameters {', '.join(self.options.targets)}" if self.options.targets else "all parameters"
 
-    def _proposal(self, known: Damper | Fit, rounds: list[Round]) -> Proposal | None:
+    def _proposal(self, evidence: Damper | Fit, rounds: list[Round]) -> Proposal | None:
         try:
-            return self._next(known, self._left(rounds))
+            return self._next(evidence, self._left(rounds))
         except InputError as problem:
             if self.options.duration is not None and str(problem).startswith("duration ="):
                 return None
@@ -333,66 +339,66 @@ class _Loop:
 
     def _fit(self, last: int) -> Fit:
         """The fit to the records that were known and those of all rounds so far."""
-        records = list(self.known.records) if isinstance(self.known, Fit) else []
+        records = list(self.evidence.records) if isinstance(self.evidence, Fit) else []
         for number in range(1, last + 1):
             for record in read_campaign(self.folder / f"round-{number:02d}", role="fit"):
                 name = f"round {number}, {record.name}"
                 records.append(record.replace(note=f"named {name} among the rounds of a plan", name=name))
         return fitted(records, self.options, self.progress)
 
-    def _round(self, number: int, own: Path, known: Fit) -> Round:
+    def _round(self, number: int, own: Path, evidence: Fit) -> Round:
         promise = json.loads((own / EXPECTED).read_text("utf-8"))
-        spans = known.intervals()
+        spans = evidence.intervals()
         achieved = {}
-        for label, value in known.parameters.items():
+        for label, value in evidence.parameters.items():
             half = 0.5 * (spans[label][1] - spans[label][0])
             if value and not np.isnan(half):
                 achieved[label] = float(half / abs(value))
         promised = {label: np.inf if half is None else float(half) for label, half in promise["half_width"].items()}
         tests = tuple(test.name for test in read(own / CAMPAIGN).tests)
-        peak = self._peak_half(known)
+        peak = self._peak_half(evidence)
         return Round(
             number, own, tests, float(promise["duration_s"]), promised, achieved, promise["peak_half_width"], peak
         )
 
-    def _peak_half(self, known: Fit) -> float | None:
+    def _peak_half(self, evidence: Fit) -> float | None:
         """The half width of the peak's 95 % interval over the peak, by the covariance of the fit."""
-        if self.options.peak is None or known.damper is None:
+        if self.options.peak is None or evidence.damper is None:
             return None
-        plan = layout(known.damper, [p.u for p in known.problem.pieces], self.options.laws, self.options.fixed)
+        plan = layout(evidence.damper, [p.u for p in evidence.problem.pieces], self.options.laws, self.options.fixed)
         goal, _ = peak_goal(plan, self.options.peak)
         scale = np.outer(plan.theta, plan.theta)
-        sd = np.array([known.stderr[label] for label in plan.labels])
-        covariance = np.outer(sd, sd) * known.correlation / np.where(scale == 0.0, np.inf, scale)
-        spread, present = learned(known, plan)
+        sd = np.array([evidence.stderr[label] for label in plan.labels])
+        covariance = np.outer(sd, sd) * evidence.correlation / np.where(scale == 0.0, np.inf, scale)
+        spread, present = learned(evidence, plan)
         base = expected(plan, present, spread, open_ends=True)
-        freedom = np.array([known.freedom[label] for label in plan.labels])
+        freedom = np.array([evidence.freedom[label] for label in plan.labels])
         return PeakGoal(goal.gradient).half(replace(base, covariance=np.nan_to_num(covariance), freedom=freedom))
 
-    def _verdict(self, known: Damper | Fit, rounds: list[Round]) -> tuple[str, bool]:
+    def _verdict(self, evidence: Damper | Fit, rounds: list[Round]) -> tuple[str, bool]:
         """Why no further round is performed, empty where one is; and whether the targets are met."""
-        if isinstance(known, Fit) and known.damper is None:
-            return f"the fit gives no damper to plan from: {known.reason}", False
-        reached = self._reached(known, rounds)
+        if isinstance(evidence, Fit) and evidence.damper is None:
+            return f"the fit gives no damper to plan from: {evidence.reason}", False
+        reached = self._reached(evidence, rounds)
         if reached:
             return "the targets are reached", True
         done = sum(len(one.tests) for one in rounds)
-        if self.most is not None and done >= self.most:
-            return f"all {self.most} tests are performed", False
+        if self.max_tests is not None and done >= self.max_tests:
+            return f"all {self.max_tests} tests are performed", False
         used = sum(one.duration for one in rounds)
         if self.options.duration is not None and used >= self.options.duration:
             return f"the {self.options.duration:g} s of tests are used", False
         return "", False
 
-    def _reached(self, known: Damper | Fit, rounds: list[Round]) -> bool:
-        if not isinstance(known, Fit) or not self.options.aimed:
+    def _reached(self, evidence: Damper | Fit, rounds: list[Round]) -> bool:
+        if not isinstance(evidence, Fit) or not self.options.aimed:
             return False
         if self.options.peak_target is not None:
-            half = rounds[-1].peak_achieved if rounds else self._peak_half(known)
+            half = rounds[-1].peak_achieved if rounds else self._peak_half(evidence)
             return half is not None and half <= self.options.peak_target
-        spans = known.intervals()
+        spans = evidence.intervals()
         for name, target in self.options.targets.items():
-            for label, value in known.parameters.items():
+            for label, value in evidence.parameters.items():
                 if name not in (label, label.partition(" @ ")[0]):
                     continue
                 half = 0.5 * (spans[label][1] - spans[label][0])

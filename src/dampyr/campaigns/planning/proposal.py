@@ -96,7 +96,7 @@ class PlanOptions:
         return bool(self.targets) or self.peak_target is not None
 
     @property
-    def most(self) -> int:
+    def max_tests(self) -> int:
         """How many tests there are at most."""
         if self.tests is not None:
             return self.tests
@@ -255,7 +255,7 @@ def _percent(half: float | None) -> str:
 
 
 def propose(
-    known: Damper | Fit | Record | Sequence[Record] | None = None,
+    evidence: Damper | Fit | Record | Sequence[Record] | None = None,
     rig: RigSettings | str | Path | None = None,
     options: PlanOptions | None = None,
     progress: Progress = lambda stage, done: None,
@@ -265,7 +265,7 @@ def propose(
 
     Parameters
     ----------
-    known
+    evidence
         What is known of the damper: its records, or a fit to them, or a card. After a card the intervals are those of the new
         tests alone, since a card brings no records; after records those of all together. None: the card that the rig names, or
         the simulated rig's own.
@@ -280,19 +280,19 @@ def propose(
     if options is not None and given:
         raise InputError(f"options and {next(iter(given))} are both given; put all into one of the two")
     options = options or PlanOptions(**given)
-    known = specimen(settings, folder) if known is None else known
-    if known is None:
+    evidence = specimen(settings, folder) if evidence is None else evidence
+    if evidence is None:
         raise InputError(
             "nothing is known of the damper, not even a card, so no motion can be checked against its force; give a card or "
             "records, or name a card in the rig's file (specimen.card)"
         )
-    if isinstance(known, Damper):
-        return _proposed(known, None, settings, options, progress)
-    if not isinstance(known, Fit):
-        known = fitted(known, options, progress)
-    if known.damper is None:
-        raise InputError(f"the records give no damper to plan from: {known.reason}; try another model")
-    return _proposed(known.damper, known, settings, options, progress)
+    if isinstance(evidence, Damper):
+        return _proposed(evidence, None, settings, options, progress)
+    if not isinstance(evidence, Fit):
+        evidence = fitted(evidence, options, progress)
+    if evidence.damper is None:
+        raise InputError(f"the records give no damper to plan from: {evidence.reason}; try another model")
+    return _proposed(evidence.damper, evidence, settings, options, progress)
 
 
 def _settings(rig: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:
@@ -318,9 +318,9 @@ def fitted(
     def show(step: int, _: float) -> None:
         progress("fitting the model", step / (step + 20.0))
 
-    found = fit(model, listed, options.laws, options.fixed or None, bandwidth=options.bandwidth, progress=show)
+    result = fit(model, listed, options.laws, options.fixed or None, bandwidth=options.bandwidth, progress=show)
     progress("fitting the model", 1.0)
-    return found
+    return result
 
 
 def _has_lag(model: str) -> bool:
@@ -328,14 +328,14 @@ def _has_lag(model: str) -> bool:
 
 
 def _proposed(
-    damper: Damper, known: Fit | None, rig: RigSettings, options: PlanOptions, progress: Progress
+    damper: Damper, evidence: Fit | None, rig: RigSettings, options: PlanOptions, progress: Progress
 ) -> Proposal:
     notes: list[str] = []
     kinds = _kinds(rig, options, notes)
     bare = damper.without("lag") if "lag" in damper.composition.names else damper
     if options.peak is not None:
         damper.check_input(options.peak.voltage)
-    chosen_voltages = options.voltages if options.voltages is not None or known is None else _levels(known)
+    chosen_voltages = options.voltages if options.voltages is not None or evidence is None else _levels(evidence)
     levels = voltages_of(damper, rig, chosen_voltages)
     candidates_of = envelope(
         rig, bare, levels, kinds, options.seconds, lambda p: progress("finding what the rig can do", p)
@@ -345,13 +345,13 @@ def _proposed(
     for k, each in enumerate(candidates):
         records.append(expected_record(each.step.drive(rig), bare, rig, f"candidate {k + 1}"))
         progress("weighing the candidates", 0.3 * (k + 1) / len(candidates))
-    study = _Study(damper, bare, known, rig, options)
+    study = _Study(damper, bare, evidence, rig, options)
     pool = study.of(records, lambda p: progress("weighing the candidates", 0.3 + 0.7 * p))
     enough = _enough(options)
     places = best_tests(
         pool.plan,
         pool_of(pool.plan, pool.present, pool.candidates, pool.spread, pool.factors),
-        options.most,
+        options.max_tests,
         pool.goal,
         [each.duration for each in candidates],
         np.inf if options.duration is None else options.duration,
@@ -367,7 +367,7 @@ def _proposed(
     last = study.of([records[k] for k in places])
     after = expected(last.plan, [*last.present, *last.candidates], last.spread, factors=last.factors)
     tests = tuple(ProposedTest(candidates[k], last.improved_by(place, after)) for place, k in enumerate(places))
-    before, peak_before = _before(damper, known, last, notes)
+    before, peak_before = _before(damper, evidence, last, notes)
     peak_after = last.goal.half(after) if isinstance(last.goal, PeakGoal) else None
     return Proposal(
         tests=tests,
@@ -409,9 +409,9 @@ def _kinds(rig: RigSettings, options: PlanOptions, notes: list[str]) -> tuple[st
     return tuple(each for each in options.kinds if each != "voltage_steps")
 
 
-def _levels(known: Fit) -> tuple[float, ...]:
+def _levels(evidence: Fit) -> tuple[float, ...]:
     """The inputs of a fit's records: its knots."""
-    return tuple(sorted({u for c in known.problem.columns for u in c.knots}))
+    return tuple(sorted({u for c in evidence.problem.columns for u in c.knots}))
 
 
 def _goal_words(options: PlanOptions) -> str:
@@ -456,18 +456,20 @@ class _Study:
 
     damper: Damper
     bare: Damper
-    known: Fit | None
+    evidence: Fit | None
     rig: RigSettings
     options: PlanOptions
 
     def of(self, records: Sequence[Record], progress: Callable[[float], None] = lambda done: None) -> _Pool:
         """The information of the present records and of these."""
         inputs: list[float | Array] = [r.voltage for r in records if r.voltage is not None]
-        inputs += [p.u for p in self.known.problem.pieces] if self.known else []
+        inputs += [p.u for p in self.evidence.problem.pieces] if self.evidence else []
         damper = self._with_lag() if any(np.ndim(u) for u in inputs) else self.bare
         plan = layout(damper, inputs, self.options.laws, self.options.fixed)
-        spread, present = (assumed_spread(plan), []) if self.known is None else learned(self.known, plan)
-        factors = np.ones(len(plan.labels)) if self.known is None else calibration(self.known, plan, present, spread)
+        spread, present = (assumed_spread(plan), []) if self.evidence is None else learned(self.evidence, plan)
+        factors = (
+            np.ones(len(plan.labels)) if self.evidence is None else calibration(self.evidence, plan, present, spread)
+        )
         informations = []
         for k, record in enumerate(records):
             informations.append(expected_information(plan, record, spread))
@@ -490,20 +492,22 @@ class _Study:
         return Damper((*self.bare.composition.names, "lag"), laws, input=self.bare.input, ranges=self.bare.ranges)
 
 
-def _before(damper: Damper, known: Fit | None, last: _Pool, notes: list[str]) -> tuple[dict[str, float], float | None]:
+def _before(
+    damper: Damper, evidence: Fit | None, last: _Pool, notes: list[str]
+) -> tuple[dict[str, float], float | None]:
     """The half widths over the values now, by the labels of the plan, and that of the peak."""
-    if known is not None:
-        spans = known.intervals()
+    if evidence is not None:
+        spans = evidence.intervals()
         halves = {
             label: 0.5 * (spans[label][1] - spans[label][0]) / abs(value)
-            for label, value in known.parameters.items()
+            for label, value in evidence.parameters.items()
             if value and label in last.plan.labels
         }
-        found = {label: half if np.isfinite(half) else np.inf for label, half in halves.items()}
+        halves_by_label = {label: half if np.isfinite(half) else np.inf for label, half in halves.items()}
         peak = None
         if isinstance(last.goal, PeakGoal):
             peak = last.goal.half(expected(last.plan, last.present, last.spread, True, last.factors))
-        return found, peak
+        return halves_by_label, peak
     if damper.covariance is None:
         notes.append("the card has no covariance, so how well it is known before these tests is not known")
         return {}, None
@@ -515,7 +519,7 @@ def _of_card(damper: Damper, plan: Layout) -> dict[str, float]:
     """1.96 standard errors of a card's values at the knots of a plan, over the values."""
     base, covariance = damper.coefficients, damper.covariance
     assert covariance is not None
-    found, place = {}, 0
+    halves_by_label, place = {}, 0
     for column in plan.columns:
         if not column.size:
             continue
@@ -535,5 +539,5 @@ def _of_card(damper: Damper, plan: Layout) -> dict[str, float]:
             variance = float(gradient @ np.where(np.isfinite(covariance), covariance, 0.0) @ gradient)
             lost = np.any((gradient != 0.0) & ~np.isfinite(np.diag(covariance)))
             if value:
-                found[label] = np.inf if lost else 1.96 * np.sqrt(max(variance, 0.0)) / abs(value)
-    return found
+                halves_by_label[label] = np.inf if lost else 1.96 * np.sqrt(max(variance, 0.0)) / abs(value)
+    return halves_by_label
