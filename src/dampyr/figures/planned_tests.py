@@ -57,5 +57,5 @@ def planned_tests(
             axis.set_major_formatter("{x:g}")
             axis.set_minor_formatter(NullFormatter())
         style.name_axes(panel, FREQUENCY, AMPLITUDE)
-        style.legend(fig, panel, columns=4, min_entries=1)
+        style.legend(fig, panel, columns=2, min_entries=1)
     return fig

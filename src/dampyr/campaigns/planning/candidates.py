@@ -26,8 +26,9 @@ from dampyr.units import round_trip
 Array = NDArray[np.float64]
 KINDS = ("sine", "voltage_steps", "sweep", "random")
 SECONDS = 20.0  # of steady motion: as long as the median record of the published campaign
-LOWEST = 0.4  # Hz: below it a test of twenty seconds has fewer than eight cycles
-HIGHEST = 4.0  # Hz: above it the original rig's motor, with its lag, does less than 2 mm
+LOWEST = 0.41  # Hz: below it a test of twenty seconds has fewer than eight cycles
+HIGHEST = 3.83  # Hz: above it the original rig's motor, with its lag, does less than 2 mm; no whole number of samples a cycle,
+# or every reversal would lie at the same place between two samples
 FREQUENCIES = 6
 SHARES = (1.0, 0.5, 0.25)  # of the largest amplitude at a frequency
 LEAST = 100.0  # counts of the encoder in an amplitude: below it they are a per cent of the motion
@@ -204,9 +205,14 @@ def _sine(f: float, a: float, u: float, seconds: float) -> Candidate:
 
 
 def _voltage_steps(f: float, a: float, levels: tuple[float, ...], seconds: float) -> Candidate:
-    """Each level once, for whole cycles and as long as all others."""
-    hold = max(1, round(seconds * f / len(levels))) / f
-    step = kind("voltage_steps")(amplitude=a, frequency=f, voltages=levels, hold=round(hold, 3), rest_before=1.0)
+    """Up through all levels and down again, each for whole cycles and as long as all others.
+
+    From the highest level straight to 0 V the current would pass all levels between, and what the model of its lag misses there
+    would be the largest error of the record.
+    """
+    hold = max(1, round(seconds * f / len(levels) / 2)) / f
+    both = (*levels, *levels[::-1])
+    step = kind("voltage_steps")(amplitude=a, frequency=f, voltages=both, hold=round(hold, 3), rest_before=1.0)
     return _placed("voltage_steps", step, f, a)
 
 
