@@ -46,13 +46,14 @@ HOW_TO = [
         "hybrid-test",
         "export",
         "opensees",
+        "plan-tests",
     )
 ]
 RUN = [ROOT / "README.md", *sorted((DOCS / "tutorials").glob("*.md")), *HOW_TO]
 # Pages whose code compiles or runs for long: proofs.
 LONG = (
     "README", "first-damper", "your-own-structure", "ensembles", "control", "rig", "another-laboratory", "ground-motions",
-    "campaigns", "acceptance", "read-your-own-files",
+    "campaigns", "acceptance", "read-your-own-files", "plan-tests",
 )  # fmt: skip
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 

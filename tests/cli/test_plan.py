@@ -9,6 +9,7 @@ from tests.campaigns.planning.laboratory import DAHL
 
 from dampyr import campaigns
 from dampyr.cli import cli
+from dampyr.rig import RigSettings
 
 QUICK = ("--seconds", "4", "--at", "0", "--at", "1.98", "--kind", "voltage_steps", "--tests", "2")
 
@@ -35,7 +36,7 @@ def test_a_plan_is_a_table_and_a_campaign_that_runs(card, tmp_path):
     assert "2 tests for all parameters" in done.stdout
     assert "intervals that would be wider without it" in done.stdout
     assert f"next: dampyr run {out}" in done.stdout
-    assert campaigns.planned(out).refusals == ()
+    assert campaigns.plan(campaigns.read(out), RigSettings(), DAHL).refusals == ()
     assert (tmp_path / "tests.png").stat().st_size > 10_000
     again = plan("--card", card, *QUICK, "--out", out)
     assert again.exit_code == 2

@@ -22,6 +22,8 @@ ACHIEVED = Axis("achieved half width", "%", 100.0)
 
 def expected_widths(pairs: Mapping[str, Sequence[tuple[float, float]]], title: str = "") -> Figure:
     """``pairs`` name -> the expected and the achieved half width of each coefficient over its value; the band is 30 %."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
     fig, axes = style.figure(3.6, 1, 1, title)
     panel = axes[0, 0]
     with style.style():
@@ -49,7 +51,9 @@ def expected_widths(pairs: Mapping[str, Sequence[tuple[float, float]]], title: s
         panel.set_yscale("log")
         panel.set_xlim(low, high)
         for axis in (panel.xaxis, panel.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter(NullFormatter())
         style.name_axes(panel, EXPECTED, ACHIEVED)
         style.legend(fig, panel, columns=4, min_entries=1)
     return fig

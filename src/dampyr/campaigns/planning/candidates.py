@@ -30,7 +30,8 @@ LOWEST = 0.41  # Hz: below it a test of twenty seconds has fewer than eight cycl
 HIGHEST = 3.83  # Hz: above it the original rig's motor, with its lag, does less than 2 mm; no whole number of samples a cycle,
 # or every reversal would lie at the same place between two samples
 FREQUENCIES = 6
-SHARES = (1.0, 0.5, 0.25)  # of the largest amplitude at a frequency
+MARGIN = 0.95  # of the largest amplitude: a damper that is stronger than its card is tested, too
+SHARES = (MARGIN, 0.5, 0.25)  # of the largest amplitude at a frequency
 LEAST = 100.0  # counts of the encoder in an amplitude: below it they are a per cent of the motion
 LEVELS = 4  # inputs at which a law of a card without knots is tested: a cubic law needs as many
 SEEDS = (0, 1)  # of random motions
@@ -239,5 +240,6 @@ def _bands(rig: RigSettings, damper: Damper, wanted: list[Candidate]) -> list[Ca
     for each in wanted:
         a = each.amplitude if not findings(each.step, rig, damper) else largest(each.step, "amplitude", rig, damper)
         if a is not None and a >= _least(rig):
+            a = _three_digits(MARGIN * a)
             candidates.append(replace(each, step=replace(each.step, amplitude=a), amplitude=a))
     return candidates

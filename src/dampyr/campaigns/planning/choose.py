@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as students_t
 
 from dampyr.campaigns.planning.expected_information import Expected, Information, Layout, Spread, expected_from
 
@@ -55,11 +54,13 @@ class PeakGoal:
 
     def half(self, errors: Expected) -> float:
         """The half width over the peak, with the freedom of the coefficients that it depends on most."""
+        from scipy.special import stdtrit
+
         c = np.where(np.isfinite(self.gradient), self.gradient, 0.0)
         parts = np.abs(c) * np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
         freedom = float(parts @ errors.freedom / max(parts.sum(), 1e-300))
         variance = max(float(c @ errors.covariance @ c), 0.0)
-        return float(students_t.ppf(0.975, max(freedom, 1.0)) * np.sqrt(variance))
+        return float(stdtrit(max(freedom, 1.0), 0.975) * np.sqrt(variance))
 
 
 @dataclass(frozen=True, eq=False)

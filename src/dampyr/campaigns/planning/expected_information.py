@@ -27,8 +27,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.stats import t as students_t
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import Fit
@@ -171,6 +169,8 @@ def layout(
 
 def expected_record(drive: Drive, damper: Damper, rig: RigSettings, name: str) -> Record:
     """The record that a test would give, were the table to follow its set points and the damper its card."""
+    from scipy.interpolate import CubicSpline
+
     rate = min(rig.board.rate, MAX_RATE)
     points = np.arange(drive.n) * drive.period
     t = np.arange(int(points[-1] * rate) + 1) / rate
@@ -419,6 +419,8 @@ def expected_from(
 ) -> Expected:
     """As `expected`, from A and M (n, G, G) of each record; ``linear`` and ``free`` (G,) say which a gain multiplies, and which
     are not held."""
+    from scipy.special import stdtrit
+
     n, G = len(A), A.shape[1]
     ridge = np.where(free, RIDGE, 1.0)
     B = np.linalg.inv(A.sum(axis=0) + np.diag(ridge))
@@ -428,7 +430,7 @@ def expected_from(
     cov = B @ M.sum(axis=0) @ B + B @ np.diag(ridge**2) @ B
     grown = np.sqrt((inflation + 1.0) / inflation)
     cov = cov * np.outer(grown, grown)
-    half = students_t.ppf(0.975, np.maximum(freedom, 1.0)) * np.sqrt(by_record.sum(axis=0) * grown**2 + prior)
+    half = stdtrit(np.maximum(freedom, 1.0), 0.975) * np.sqrt(by_record.sum(axis=0) * grown**2 + prior)
     if factors is not None:
         half, cov = half * factors, cov * np.outer(factors, factors)
     half = np.where(free, half, np.nan)

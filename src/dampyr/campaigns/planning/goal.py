@@ -15,6 +15,7 @@ from dampyr.campaigns.planning.expected_information import Layout
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper
+from dampyr.representation import Representation, Summary
 from dampyr.structures import Building, respond
 
 Array = NDArray[np.float64]
@@ -23,8 +24,8 @@ PEAKS = ("drift", "displacement", "acceleration")
 STEP = 0.02  # of a coefficient, to either side: well above the 1e-3 to which peaks are computed
 
 
-@dataclass(frozen=True, eq=False)
-class Peak:
+@dataclass(frozen=True, eq=False, repr=False)
+class Peak(Representation):
     """The largest peak ``of`` a structure, over its storeys or floors, with the damper in storey 1 at a ``voltage`` in V.
 
     ``of`` is "drift", "displacement" or "acceleration".
@@ -38,6 +39,9 @@ class Peak:
     def __post_init__(self) -> None:
         if self.of not in PEAKS:
             raise InputError(f"{self.of!r} is no peak of a structure; choose {', '.join(PEAKS)}")
+
+    def _summary(self) -> Summary:
+        return f"Peak, {self.words}", [("motion", self.motion.name)]
 
     @property
     def words(self) -> str:

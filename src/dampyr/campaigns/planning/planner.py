@@ -114,7 +114,7 @@ class Planned(Representation):
                 if np.isfinite(half)
             ],
         ]
-        return f"Plan in {self.folder}", rows
+        return f"Planned in {self.folder}", rows
 
     def _table(self) -> Table:
         rows = [

@@ -103,12 +103,16 @@ class PlanOptions:
         return MAX_TESTS if self.aimed or self.duration is not None else TESTS
 
 
-@dataclass(frozen=True)
-class ProposedTest:
+@dataclass(frozen=True, repr=False)
+class ProposedTest(Representation):
     """A test of a proposal; ``improves`` says by how much intervals would be wider without it, the most first."""
 
     candidate: Candidate
     improves: Mapping[str, float]
+
+    def _summary(self) -> Summary:
+        rows = [("duration", f"{self.candidate.duration:.4g} s"), ("wider without it", self.why)]
+        return f"ProposedTest {self.candidate.words!r}", rows
 
     @property
     def why(self) -> str:
