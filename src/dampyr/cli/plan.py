@@ -226,7 +226,9 @@ def _draw(drawn: Any, path: Path) -> None:
 
 def percent(half: float | None) -> str:
     """A half width in words; a dash where there is no interval."""
-    return "–" if half is None or not 0.0 <= half < float("inf") else f"± {100 * half:.2g} %"
+    if half is None or not 0.0 <= half < float("inf"):
+        return "–"
+    return f"± {100 * half:.0f} %" if half >= 1.0 else f"± {100 * half:.2g} %"
 
 
 def _print(proposal: Proposal, out: Path | None) -> None:

@@ -74,8 +74,10 @@ def left_out(model: str, records: Sequence[Record], volts: Array) -> Array:
 
 @pytest.mark.prove
 @pytest.mark.filterwarnings("ignore::dampyr.errors.DampyrWarning")  # strokes beyond those of the eight
-@pytest.mark.parametrize(("model", "draws"), [(MODELS[0], 200), (MODELS[1], 60)])
-def test_eight_chosen_records_predict_the_rest(model: str, draws: int, campaign_folder: Path) -> None:
+@pytest.mark.parametrize(("model", "draws", "stated"), [(MODELS[0], 200, [0.905, 0.935]), (MODELS[1], 60, [0.95, 1.0])])
+def test_eight_chosen_records_predict_the_rest(
+    model: str, draws: int, stated: list[float], campaign_folder: Path
+) -> None:
     """Of the 38 published records, against fits to all others and against random choices.
 
     Random choices leave other records to be predicted, some of them easier; so each counts over what fits to all others do on
@@ -110,4 +112,6 @@ def test_eight_chosen_records_predict_the_rest(model: str, draws: int, campaign_
         f"{np.quantile(every[:, 1], [0.05, 0.5, 0.95]).round(3)}"
     )
     assert ours[1] <= RATIO
-    assert worse[1] >= 0.90
+    # docs/how-to/plan-tests.md and decision 37 say so
+    assert ours[1] == pytest.approx(0.99, abs=0.006)
+    assert worse.tolist() == pytest.approx(stated, abs=0.011)

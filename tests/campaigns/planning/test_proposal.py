@@ -42,8 +42,8 @@ def test_a_proposal_says_what_is_expected_and_why(proposal: Proposal) -> None:
     assert "4 of" in repr(proposal)
     assert plain(proposal.as_dict())["tests"][0]["kind"] in ("sine", "voltage_steps")
     assert proposal.envelope_figure().axes[0].get_xlabel() == "frequency [Hz]"
-    known = propose(replace(DAHL, covariance=np.diag((0.01 * DAHL.coefficients) ** 2)), RIG, tests=2, **QUICK)
-    assert known.before["dahl.kw @ 0 V"] == pytest.approx(0.0196, rel=0.01)
+    of_card = propose(replace(DAHL, covariance=np.diag((0.01 * DAHL.coefficients) ** 2)), RIG, tests=2, **QUICK)
+    assert of_card.before["dahl.kw @ 0 V"] == pytest.approx(0.0196, rel=0.01)
 
 
 def test_laws_by_interpolation_leave_steps_of_voltage_out() -> None:
