@@ -58,7 +58,7 @@ NOT_RUN = {
 LONG = (
     "README", "first-damper", "your-own-structure", "ensembles", "control", "rig", "another-laboratory", "ground-motions",
     "campaigns", "acceptance", "read-your-own-files", "hybrid-test", "slurm", "raminelli-2020", "simulated-rig", "export",
-    "posterior",
+    "posterior", "plan-tests",
 )  # fmt: skip
 
 

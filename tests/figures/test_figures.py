@@ -10,6 +10,8 @@ from matplotlib.figure import Figure
 
 from dampyr import report
 from dampyr.errors import InputError
+from dampyr.figures.expected_widths import expected_widths
+from dampyr.figures.planned_tests import planned_tests
 from dampyr.figures.style import ACCELERATION, Axis
 from dampyr.report.svg import inline_svg
 
@@ -46,6 +48,13 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "history": lambda: report.history(T, F, 0.9 * F, name="Dahl"),
     "history_measured_only": lambda: report.history(T, F),
     "laws": lambda: report.parameters_against_input(LAWS, (0.0, 3.212)),
+    "planned_tests": lambda: planned_tests(
+        [0.4, 4.0],
+        {"0 V": [0.03, 0.002], "3.2 V": [0.02, 0.001]},
+        [(0.4, 0.01), (1.0, 0.005)],
+        {"sine": [(1.0, 0.005), (1.0, 0.005)], "voltage steps": [(0.4, 0.01)]},
+    ),
+    "expected_widths": lambda: expected_widths({"round 1": [(0.02, 0.022), (0.01, 0.008)], "round 2": [(0.01, 0.012)]}),
     "one_law": lambda: report.parameters_against_input(LAWS[:1]),
     "building": lambda: report.building_response(T, {"no damper": X, "0 V": 0.5 * X}),
     "controlled": lambda: report.controlled(T, {"0 V": X, "on_off": 0.5 * X}, {"on_off": 1.5 + np.sign(V)}),

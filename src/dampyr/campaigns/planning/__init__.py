@@ -1,0 +1,22 @@
+"""The next tests: proposed by what they are expected to tell, performed on a rig, until the answer is known well enough.
+
+`propose` chooses tests inside a rig's limits; `plan_and_perform` performs them round by round, fits and stops with a reason;
+`choose_records` chooses among records that exist, by their motion alone.
+"""
+
+from dampyr.campaigns.planning.choose_records import choose_records
+from dampyr.campaigns.planning.goal import Peak
+from dampyr.campaigns.planning.planner import Planned, Round, plan_and_perform
+from dampyr.campaigns.planning.proposal import PlanOptions, Proposal, ProposedTest, propose
+
+__all__ = [
+    "Peak",
+    "PlanOptions",
+    "Planned",
+    "Proposal",
+    "ProposedTest",
+    "Round",
+    "choose_records",
+    "plan_and_perform",
+    "propose",
+]

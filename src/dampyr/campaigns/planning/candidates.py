@@ -1,0 +1,245 @@
+"""Candidate tests: what a rig could be asked to do with a damper, each inside all of the rig's limits.
+
+The plane of amplitude and frequency is divided evenly in both logarithms. At each frequency the largest amplitude that passes
+the check before motion with the force that the damper's card predicts is found, and shares of it are candidates too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.campaigns.check import STROKE_MARGIN, findings, largest
+from dampyr.campaigns.kinds import kind
+from dampyr.campaigns.step import quantity_of, words
+from dampyr.errors import InputError
+from dampyr.models import Damper, Interpolation
+from dampyr.rig import RigSettings
+from dampyr.units import round_trip
+
+Array = NDArray[np.float64]
+KINDS = ("sine", "voltage_steps", "sweep", "random")
+SECONDS = 20.0  # of steady motion: as long as the median record of the published campaign
+LOWEST = 0.41  # Hz: below it a test of twenty seconds has fewer than eight cycles
+HIGHEST = 3.83  # Hz: above it the original rig's motor, with its lag, does less than 2 mm; no whole number of samples a cycle,
+# or every reversal would lie at the same place between two samples
+FREQUENCIES = 6
+MARGIN = 0.95  # of the largest amplitude: a damper that is stronger than its card is tested, too
+SHARES = (MARGIN, 0.5, 0.25)  # of the largest amplitude at a frequency
+LEAST = 100.0  # counts of the encoder in an amplitude: below it they are a per cent of the motion
+LEVELS = 4  # inputs at which a law of a card without knots is tested: a cubic law needs as many
+SEEDS = (0, 1)  # of random motions
+MAX_LEVELS = 8  # inputs of a design; more are most likely readings that should have been one
+SHORTEST = 4.0  # s of steady motion: scores begin 2 s after a motion starts
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A step that the rig can do; ``frequency`` [Hz] and ``amplitude`` [m] place it in the envelope, a band by its middle."""
+
+    kind: str
+    step: Any
+    frequency: float
+    amplitude: float
+    duration: float
+
+    @property
+    def words(self) -> str:
+        """What it does, such as ``sine 20 mm at 2 Hz, 0.8712 V``."""
+        return words(self.kind, self.step)
+
+    @property
+    def table(self) -> dict[str, Any]:
+        """The ``[[step]]`` of a campaign file: what differs from the kind's defaults, numbers with their units."""
+        table: dict[str, Any] = {"kind": self.kind}
+        for each in fields(self.step):
+            value = getattr(self.step, each.name)
+            if value != each.default:
+                table[each.name] = _written(self.step, each.name, value)
+        return table
+
+
+def _written(step: Any, name: str, value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_written(step, name, one) for one in value]
+    if isinstance(value, bool | int | str):
+        return value
+    unit = quantity_of(step, name).unit
+    if unit == "m":
+        return f"{round_trip(1e3 * value)} mm"
+    return f"{value} {unit}" if unit else value
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """The candidates, and the largest amplitude [m] (n,) of a sine at each frequency [Hz] (n,), by voltage."""
+
+    candidates: tuple[Candidate, ...]
+    frequencies: Array
+    limits: dict[float, Array]
+    voltages: tuple[float, ...]
+
+
+def voltages_of(damper: Damper, rig: RigSettings, wanted: Sequence[float] | None = None) -> tuple[float, ...]:
+    """The voltages of a design: those ``wanted``, else the knots of the card's laws, else four from end to end.
+
+    Raises :class:`~dampyr.errors.InputError` for a damper over the current and a voltage that neither rig nor card allow.
+    """
+    if damper.input != "V":
+        raise InputError(
+            "this card is over the current in A, and a rig is told voltages; give a card over the voltage, such as one "
+            "identified from this rig's records"
+        )
+    low, high = damper.range
+    high = min(high, rig.limits.voltage)
+    if wanted is not None:
+        chosen = sorted({float(u) for u in wanted})
+        for u in chosen:
+            if not low - 1e-9 <= u <= high + 1e-9:
+                raise InputError(
+                    f"voltage = {u:g} V is outside of {low:.4g} to {high:.4g} V, for which the card and the rig allow a test; "
+                    "leave it out"
+                )
+    else:
+        knots = {u for law in damper.all_laws.values() if isinstance(law, Interpolation) for u in law.knots}
+        chosen = sorted(u for u in knots if low <= u <= high) or np.unique(np.linspace(low, high, LEVELS)).tolist()
+    if not 0 < len(chosen) <= MAX_LEVELS:
+        raise InputError(f"{len(chosen)} voltages are no design; give 1 to {MAX_LEVELS} of them")
+    return tuple(chosen)
+
+
+def envelope(
+    rig: RigSettings,
+    damper: Damper,
+    voltages: Sequence[float] | None = None,
+    kinds: Sequence[str] = KINDS,
+    seconds: float = SECONDS,
+    progress: Callable[[float], None] = lambda done: None,
+) -> Envelope:
+    """All candidates of these ``kinds`` with about ``seconds`` of steady motion.
+
+    Raises :class:`~dampyr.errors.InputError` where there is none.
+    """
+    unplanned = [name for name in kinds if name not in KINDS]
+    if unplanned or not kinds:
+        raise InputError(
+            f"kinds {'names ' + repr(unplanned[0]) if unplanned else 'is empty'}; choose among {', '.join(KINDS)}"
+        )
+    if not SHORTEST <= seconds <= 600.0:
+        raise InputError(f"seconds = {seconds:g} is not allowed; give {SHORTEST:g} to 600 s of steady motion")
+    levels = voltages_of(damper, rig, voltages)
+    frequencies = np.array([round(float(f), 3) for f in np.geomspace(LOWEST, HIGHEST, FREQUENCIES)])
+    limits, made, rounds = {}, [], len(levels) + 2
+    for k, u in enumerate(levels):
+        limits[u] = np.array([_largest_sine(f, u, rig, damper) for f in frequencies])
+        progress((k + 1) / rounds)
+        if "sine" in kinds:
+            made += _shares(frequencies, limits[u], rig, partial(_sine, u=u, seconds=seconds))
+    if "voltage_steps" in kinds and len(levels) > 1:
+        steps = partial(_voltage_steps, levels=levels, seconds=seconds)
+        made += _shares(frequencies, limits[max(levels)], rig, steps)
+    progress((rounds - 1) / rounds)
+    for u in levels:
+        if "sweep" in kinds:
+            made += _bands(
+                rig, damper, [_sweep(start, stop, u, seconds, rig) for start, stop in ((0.3, 1.5), (0.8, 4.0))]
+            )
+        if "random" in kinds:
+            made += _bands(rig, damper, [_random(0.2, top, u, seconds, s, rig) for top in (1.5, 4.0) for s in SEEDS])
+    passed = tuple(each for each in made if not findings(each.step, rig, damper))
+    progress(1.0)
+    if not passed:
+        raise InputError(
+            f"the rig {rig.name!r} can do none of {len(made)} candidate tests with this damper at {min(levels):.4g} to "
+            f"{max(levels):.4g} V: with at least {1e3 * _least(rig):.3g} mm none is within its limits; lower the voltages, or "
+            "check actuator and limits in the rig's file"
+        )
+    return Envelope(passed, frequencies, limits, levels)
+
+
+def _least(rig: RigSettings) -> float:
+    return LEAST * rig.encoder.count
+
+
+def _far(rig: RigSettings) -> float:
+    """The farthest amplitude that the stroke allows, m."""
+    return max(round(rig.travel - STROKE_MARGIN, 9), 1e-6)
+
+
+def _largest_sine(frequency: float, voltage: float, rig: RigSettings, damper: Damper) -> float:
+    """The largest amplitude [m] of a short sine there; 0 where none passes."""
+    step = kind("sine")(amplitude=_far(rig), frequency=float(frequency), voltage=voltage, cycles=2, rest_before=0.0)
+    if not findings(step, rig, damper):
+        return float(step.amplitude)
+    return largest(step, "amplitude", rig, damper) or 0.0
+
+
+def _shares(
+    frequencies: Array, limits: Array, rig: RigSettings, made: Callable[[float, float], Candidate]
+) -> list[Candidate]:
+    """Candidates at each frequency with shares of the largest amplitude there, to three digits, rounded down."""
+    candidates = []
+    for f, limit in zip(frequencies, limits, strict=True):
+        for share in SHARES:
+            a = _three_digits(share * limit)
+            if a >= _least(rig):
+                candidates.append(made(float(f), a))
+    return candidates
+
+
+def _three_digits(value: float) -> float:
+    if value <= 0.0:
+        return 0.0
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return round_trip(math.floor(value / unit + 2e-3) * unit)
+
+
+def _sine(f: float, a: float, u: float, seconds: float) -> Candidate:
+    step = kind("sine")(amplitude=a, frequency=f, voltage=u, cycles=max(1, round(seconds * f)), rest_before=1.0)
+    return _placed("sine", step, f, a)
+
+
+def _voltage_steps(f: float, a: float, levels: tuple[float, ...], seconds: float) -> Candidate:
+    """Up through all levels and down again, each for whole cycles and as long as all others.
+
+    From the highest level straight to 0 V the current would pass all levels between, and what the model of its lag misses there
+    would be the largest error of the record.
+    """
+    hold = max(1, round(seconds * f / len(levels) / 2)) / f
+    both = (*levels, *levels[::-1])
+    step = kind("voltage_steps")(amplitude=a, frequency=f, voltages=both, hold=round(hold, 3), rest_before=1.0)
+    return _placed("voltage_steps", step, f, a)
+
+
+def _sweep(start: float, stop: float, u: float, seconds: float, rig: RigSettings) -> Candidate:
+    step = kind("sweep")(amplitude=_far(rig), start=start, stop=stop, duration=seconds, voltage=u, rest_before=1.0)
+    return _placed("sweep", step, math.sqrt(start * stop), _far(rig))
+
+
+def _random(low: float, high: float, u: float, seconds: float, seed: int, rig: RigSettings) -> Candidate:
+    taper = min(2.0, 0.25 * seconds)
+    step = kind("random")(
+        amplitude=_far(rig), low=low, high=high, duration=seconds, voltage=u, seed=seed, taper=taper, rest_before=1.0
+    )
+    return _placed("random", step, math.sqrt(low * high), _far(rig))
+
+
+def _placed(name: str, step: Any, frequency: float, amplitude: float) -> Candidate:
+    return Candidate(name, step, frequency, amplitude, step.drive(RigSettings()).duration)
+
+
+def _bands(rig: RigSettings, damper: Damper, wanted: list[Candidate]) -> list[Candidate]:
+    """Tests over a band of frequencies with the largest amplitude that passes, where that is enough."""
+    candidates = []
+    for each in wanted:
+        a = each.amplitude if not findings(each.step, rig, damper) else largest(each.step, "amplitude", rig, damper)
+        if a is not None and a >= _least(rig):
+            a = _three_digits(MARGIN * a)
+            candidates.append(replace(each, step=replace(each.step, amplitude=a), amplitude=a))
+    return candidates

@@ -1,0 +1,111 @@
+"""What a plan is after: the damper's parameters, or the peak of a structure in an earthquake."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.campaigns.planning.choose import ParameterGoal, PeakGoal
+from dampyr.campaigns.planning.expected_information import Layout
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.ground_motions import GroundMotion
+from dampyr.models import Damper
+from dampyr.representation import Representation, Summary
+from dampyr.structures import Building, respond
+
+Array = NDArray[np.float64]
+GOALS = ("parameters", "peak")
+PEAKS = ("drift", "displacement", "acceleration")
+STEP = 0.02  # of a coefficient, to either side: well above the 1e-3 to which peaks are computed
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Peak(Representation):
+    """The largest peak ``of`` a structure, over its storeys or floors, with the damper in storey 1 at a ``voltage`` in V.
+
+    ``of`` is "drift", "displacement" or "acceleration".
+    """
+
+    building: Building
+    motion: GroundMotion
+    voltage: float
+    of: str = "drift"
+
+    def __post_init__(self) -> None:
+        if self.of not in PEAKS:
+            raise InputError(f"{self.of!r} is no peak of a structure; choose {', '.join(PEAKS)}")
+
+    def _summary(self) -> Summary:
+        return f"Peak, {self.words}", [("motion", self.motion.name)]
+
+    @property
+    def words(self) -> str:
+        """Such as ``the largest drift at 1.98 V``."""
+        return f"the largest {self.of} at {self.voltage:.4g} V"
+
+    def value(self, damper: Damper) -> float:
+        """The peak, in m or m/s2."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DampyrWarning)  # an earthquake goes beyond the tests: a prediction says so
+            response = respond(self.building, self.motion, damper, voltage=self.voltage, accuracy="fast")
+        return float(np.max(np.abs(getattr(response, f"peak_{self.of}"))))
+
+    def gradient(self, plan: Layout) -> tuple[Array, float]:
+        """The derivatives (G,) of the peak's logarithm by the relative coefficients, and the peak."""
+
+        def of(theta: Array) -> float:
+            damper = plan.damper(theta)
+            return self.value(damper.without("lag") if "lag" in damper.composition.names else damper)
+
+        out = np.zeros(plan.theta.size)
+        for k in np.flatnonzero(~plan.held):
+            sides = []
+            for sign in (1.0, -1.0):
+                theta = plan.theta.copy()
+                theta[k] *= 1.0 + sign * STEP
+                sides.append(math.log(of(theta)))
+            out[k] = (sides[0] - sides[1]) / (2.0 * STEP)
+        return out, of(plan.theta)
+
+
+def parameter_goal(plan: Layout, targets: Mapping[str, float]) -> ParameterGoal:
+    """The goal of all free parameters alike, or of ``targets``: a parameter, or its value at one input, and the half width of
+    its 95 % interval over its value.
+
+    Raises :class:`~dampyr.errors.InputError` for one that the damper does not have or that is held.
+    """
+    if not targets:
+        return ParameterGoal(np.where(plan.held, 0.0, 1.0))
+    aims = np.full(len(plan.labels), np.inf)
+    for name, target in targets.items():
+        places = [k for k, label in enumerate(plan.labels) if label == name or label.partition(" @ ")[0] == name]
+        if not places:
+            names = [*dict.fromkeys(label.partition(" @ ")[0] for label in plan.labels)]
+            at = next((f", also at one input as in {label!r}" for label in plan.labels if "@" in label), "")
+            raise InputError(f"target names {name!r}; choose among {', '.join(names)}{at}")
+        if not 0.0 < target < 1.0:
+            raise InputError(
+                f"the target of {name} is {target:g}; give a half width over the value, such as 5% or 0.05"
+            )
+        open_ones = [k for k in places if not plan.held[k]]
+        if not open_ones:
+            raise InputError(
+                f"{name} is 0 or at its limit, so that nothing is a share of it; leave it out of the targets"
+            )
+        aims[open_ones] = np.minimum(aims[open_ones], target)
+    return ParameterGoal(np.where(np.isfinite(aims), 1.0, 0.0), aims)
+
+
+def peak_goal(plan: Layout, peak: Peak) -> tuple[PeakGoal, float]:
+    """The goal of a peak, and the peak. Raises :class:`~dampyr.errors.InputError` where no parameter changes it."""
+    gradient, value = peak.gradient(plan)
+    if not np.any(np.abs(gradient) > 1e-6):
+        raise InputError(
+            f"no parameter of the damper changes {peak.words}; choose a voltage or a structure that it acts on"
+        )
+    return PeakGoal(gradient), value

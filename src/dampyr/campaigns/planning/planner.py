@@ -1,0 +1,420 @@
+"""The loop of a plan: propose, perform, fit, judge, and stop with a reason.
+
+A folder holds one round of tests after the other, each a campaign of its own that goes on where it stopped, and beside it what
+was expected of it::
+
+    plan.json           what is planned for; another plan is refused in this folder
+    round-01/           campaign.toml, expected.json, and the records and the journal of `dampyr.campaigns.perform`
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dampyr.atomic_write import write_whole
+from dampyr.campaigns.campaign import read
+from dampyr.campaigns.force_prediction import specimen
+from dampyr.campaigns.perform import Watcher, perform
+from dampyr.campaigns.planning.choose import PeakGoal
+from dampyr.campaigns.planning.expected_information import expected, layout, learned
+from dampyr.campaigns.planning.goal import peak_goal
+from dampyr.campaigns.planning.proposal import PlanOptions, Proposal, fitted, propose
+from dampyr.campaigns.run_control import Control
+from dampyr.errors import InputError
+from dampyr.identification import Fit
+from dampyr.models import Damper
+from dampyr.records import Record, read_campaign
+from dampyr.representation import Representation, Summary, Table, counted
+from dampyr.rig import Rig
+from dampyr.to_json import plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Progress = Callable[[str, float], None]
+PLAN, CAMPAIGN, EXPECTED = "plan.json", "campaign.toml", "expected.json"
+SCHEMA = 1
+BY_DEFAULT = 12  # tests at most, where there is neither number, duration nor target
+ROUND = 4  # tests between two looks at the records
+NO_GAIN = 0.02  # by which a round must be expected to improve what is aimed at
+
+
+@dataclass(frozen=True, repr=False)
+class Round(Representation):
+    """One round: its tests, and the half widths of 95 % intervals over the values by coefficient, as expected before it and as
+    the fit to all records gave them after it."""
+
+    number: int
+    folder: Path
+    tests: tuple[str, ...]
+    duration: float
+    expected: Mapping[str, float]
+    achieved: Mapping[str, float]
+    peak_expected: float | None = None
+    peak_achieved: float | None = None
+
+    @property
+    def ratios(self) -> dict[str, float]:
+        """What was achieved over what was expected, by coefficient, where both are intervals."""
+        both = {label: (self.expected.get(label), half) for label, half in self.achieved.items()}
+        return {
+            label: half / promised
+            for label, (promised, half) in both.items()
+            if promised and np.isfinite(promised) and np.isfinite(half)
+        }
+
+    def _summary(self) -> Summary:
+        ratios = list(self.ratios.values())
+        rows = [("tests", f"{len(self.tests)}, {self.duration / 60:.3g} min")]
+        if ratios:
+            rows.append(
+                ("intervals", f"{np.exp(np.mean(np.log(ratios))):.2f} of what was expected, in the geometric mean")
+            )
+        return f"Round {self.number}", rows
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Planned(Representation):
+    """The outcome of a plan: its rounds, the fit to all records, and why it stopped; ``reached``: the targets are met."""
+
+    folder: Path
+    rounds: tuple[Round, ...]
+    fit: Fit
+    reached: bool
+    reason: str
+    goal: str
+
+    def widths_figure(self) -> Figure:
+        """Expected against achieved half widths of every round, one marker a coefficient."""
+        from dampyr.figures.expected_widths import expected_widths
+
+        pairs = {
+            f"round {one.number}": [(one.expected[label], one.achieved[label]) for label in one.ratios]
+            for one in self.rounds
+        }
+        return expected_widths({name: some for name, some in pairs.items() if some})
+
+    def _small_figure(self) -> Figure:
+        return self.widths_figure()
+
+    def _summary(self) -> Summary:
+        rows = [
+            ("stopped", self.reason),
+            ("tests", f"{sum(len(one.tests) for one in self.rounds)} in {counted(len(self.rounds), 'round')}"),
+            ("goal", self.goal),
+            *[
+                (label, f"± {100 * half:.2g} %")
+                for label, half in self.rounds[-1].achieved.items()
+                if np.isfinite(half)
+            ],
+        ]
+        return f"Planned in {self.folder}", rows
+
+    def _table(self) -> Table:
+        rows = [
+            [one.number, label, 100 * one.expected.get(label, np.nan), 100 * half]
+            for one in self.rounds
+            for label, half in one.achieved.items()
+        ]
+        return ("round", "coefficient", "expected [%]", "achieved [%]"), rows
+
+    def as_dict(self) -> dict[str, Any]:
+        """Rounds, fit and reason by name, for `dampyr.to_json`, SI units."""
+        return {
+            "folder": str(self.folder),
+            "goal": self.goal,
+            "reached": self.reached,
+            "reason": self.reason,
+            "rounds": [
+                {
+                    "number": one.number,
+                    "folder": str(one.folder),
+                    "tests": one.tests,
+                    "duration_s": one.duration,
+                    "half_width_expected": dict(one.expected),
+                    "half_width_achieved": dict(one.achieved),
+                    "peak_half_width_expected": one.peak_expected,
+                    "peak_half_width_achieved": one.peak_achieved,
+                }
+                for one in self.rounds
+            ],
+            "parameters": self.fit.parameters,
+            "stderr": self.fit.stderr,
+        }
+
+
+def plan_and_perform(
+    evidence: Damper | Fit | Record | Sequence[Record] | None,
+    rig: Rig,
+    folder: str | Path,
+    options: PlanOptions | None = None,
+    per_round: int = ROUND,
+    progress: Progress = lambda stage, done: None,
+    watcher: Watcher | None = None,
+    control: Control | None = None,
+    **given: Any,
+) -> Planned:
+    """Propose, perform and fit, round after round, until the answer is known well enough; goes on where it stopped.
+
+    Parameters
+    ----------
+    evidence
+        As in `propose`; the records take part in every fit. None: the card that the rig names.
+    rig
+        A connected rig, real or simulated; each round is a campaign that is checked as a whole before anything moves.
+    folder
+        Where the rounds go. A plan that was begun there goes on; another one is refused.
+    options
+        `PlanOptions`, or its fields by name. ``tests`` and ``duration`` are those of all rounds together; without these and
+        without a target there are twelve tests.
+    per_round
+        How many tests are performed before the records are looked at.
+    watcher, control
+        Those of `dampyr.campaigns.perform`.
+
+    Returns
+    -------
+    Planned
+        also where the targets are not reached: ``reached`` and ``reason`` say so.
+
+    Raises what `propose` and `perform` raise.
+    """
+    if options is not None and given:
+        raise InputError(f"options and {next(iter(given))} are both given; put all into one of the two")
+    options = options or PlanOptions(**given)
+    if per_round < 1:
+        raise InputError(f"per_round = {per_round} is not allowed; give at least 1 test")
+    evidence = specimen(rig.settings, rig.folder) if evidence is None else evidence
+    evidence, model = _started(evidence, options, progress)
+    options = _with_model(options, model)
+    folder = Path(folder)
+    loop = _Loop(evidence, rig, folder, options, per_round, progress, watcher, control)
+    loop.begin()
+    return loop.run()
+
+
+def _started(evidence: Any, options: PlanOptions, progress: Progress) -> tuple[Damper | Fit, str]:
+    """What is known, as a damper or a fit, and the model of the fits to come."""
+    if evidence is None:
+        raise InputError("nothing is known of the damper, not even a card; give a card or records")
+    if not isinstance(evidence, Damper | Fit):
+        evidence = fitted(evidence, options, progress)
+    composition = evidence.composition if isinstance(evidence, Damper) else evidence.problem.composition
+    parts = [name for name in composition.names if name != "lag"]
+    return evidence, options.model or " + ".join(parts)
+
+
+def _with_model(options: PlanOptions, model: str) -> PlanOptions:
+    return replace(options, model=model)
+
+
+@dataclass
+class _Loop:
+    """One plan under way."""
+
+    evidence: Damper | Fit
+    rig: Rig
+    folder: Path
+    options: PlanOptions
+    per_round: int
+    progress: Progress
+    watcher: Watcher | None
+    control: Control | None
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What makes this plan another one than the next."""
+        given = {f.name: getattr(self.options, f.name) for f in fields(self.options) if f.name != "peak"}
+        peak = self.options.peak
+        given["peak"] = None if peak is None else [peak.words, float(np.sum(np.square(peak.motion.acceleration)))]
+        names = [record.name for record in self.evidence.records] if isinstance(self.evidence, Fit) else []
+        given |= {"schema": SCHEMA, "per_round": self.per_round, "records": names}
+        plain_text: dict[str, Any] = json.loads(json.dumps(plain(given)))
+        return plain_text
+
+    def begin(self) -> None:
+        """Begin the folder, or go on with it; :class:`InputError` where it holds another plan or something else."""
+        path = self.folder / PLAN
+        if path.is_file():
+            try:
+                saved = json.loads(path.read_text("utf-8"))
+            except ValueError:
+                raise InputError(f"{path} cannot be read; choose another folder") from None
+            wanted = self.identity
+            differ = [name for name in wanted if saved.get(name) != wanted[name]]
+            if differ:
+                raise InputError(
+                    f"{self.folder} holds another plan, which differs in {', '.join(differ)}; choose another folder, or repeat "
+                    "its arguments to go on with it"
+                )
+            return
+        if self.folder.is_dir() and any(self.folder.iterdir()):
+            raise InputError(f"{self.folder} is not empty and holds no plan; choose another folder")
+        self.first = self._next(
+            self.evidence, self._left([])
+        )  # refuses what cannot be planned before there is a folder
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_whole(path, json.dumps(self.identity, indent=2) + "\n")
+
+    first: Proposal | None = None
+
+    @property
+    def max_tests(self) -> int | None:
+        """Tests of all rounds together, None where only time or a target ends them."""
+        o = self.options
+        if o.tests is not None:
+            return o.tests
+        return None if o.aimed or o.duration is not None else BY_DEFAULT
+
+    def _left(self, rounds: list[Round]) -> tuple[int, float]:
+        """How many tests, and how many s of them, the next round may have."""
+        done = sum(len(one.tests) for one in rounds)
+        number = self.per_round if self.max_tests is None else min(self.per_round, self.max_tests - done)
+        used = sum(one.duration for one in rounds)
+        return number, np.inf if self.options.duration is None else self.options.duration - used
+
+    def _next(self, evidence: Damper | Fit, left: tuple[int, float]) -> Proposal:
+        duration = None if np.isinf(left[1]) else left[1]
+        return propose(
+            evidence, self.rig.settings, replace(self.options, tests=left[0], duration=duration), self.progress
+        )
+
+    def run(self) -> Planned:
+        """All rounds."""
+        rounds: list[Round] = []
+        evidence: Damper | Fit = self.evidence
+        while True:
+            number = len(rounds) + 1
+            own = self.folder / f"round-{number:02d}"
+            if not (own / CAMPAIGN).is_file():
+                reason, reached = self._verdict(evidence, rounds)
+                proposal = None
+                if not reason:
+                    proposal = (
+                        self.first if number == 1 and self.first is not None else self._proposal(evidence, rounds)
+                    )
+                    reason = (
+                        "" if proposal is not None else "what is left of the duration is too short for another test"
+                    )
+                if not reason and proposal is not None and rounds and self._gains_little(proposal):
+                    reason = f"another round is expected to improve the intervals by less than {100 * NO_GAIN:g} %"
+                if reason or proposal is None:
+                    if not isinstance(evidence, Fit):
+                        raise InputError(f"nothing was performed: {reason}")
+                    return Planned(self.folder, tuple(rounds), evidence, reached, reason, self._goal())
+                self._write(own, proposal)
+            perform(own / CAMPAIGN, self.rig, own, self.watcher, self.control)
+            evidence = self._fit(number)
+            rounds.append(self._round(number, own, evidence))
+
+    def _goal(self) -> str:
+        if self.options.peak is not None:
+            return self.options.peak.words
+        return f"the parameters {', '.join(self.options.targets)}" if self.options.targets else "all parameters"
+
+    def _proposal(self, evidence: Damper | Fit, rounds: list[Round]) -> Proposal | None:
+        try:
+            return self._next(evidence, self._left(rounds))
+        except InputError as problem:
+            if self.options.duration is not None and str(problem).startswith("duration ="):
+                return None
+            raise
+
+    def _write(self, own: Path, proposal: Proposal) -> None:
+        """The promise first: a round with a campaign has it."""
+        own.mkdir(exist_ok=True)
+        promise = {
+            "half_width": dict(proposal.after),
+            "peak_half_width": proposal.peak_after,
+            "duration_s": proposal.duration,
+        }
+        write_whole(own / EXPECTED, json.dumps(plain(promise), indent=2) + "\n")
+        write_whole(own / CAMPAIGN, proposal.text)
+
+    def _fit(self, last: int) -> Fit:
+        """The fit to the records that were known and those of all rounds so far."""
+        records = list(self.evidence.records) if isinstance(self.evidence, Fit) else []
+        for number in range(1, last + 1):
+            for record in read_campaign(self.folder / f"round-{number:02d}", role="fit"):
+                name = f"round {number}, {record.name}"
+                records.append(record.replace(note=f"named {name} among the rounds of a plan", name=name))
+        return fitted(records, self.options, self.progress)
+
+    def _round(self, number: int, own: Path, evidence: Fit) -> Round:
+        promise = json.loads((own / EXPECTED).read_text("utf-8"))
+        spans = evidence.intervals()
+        achieved = {}
+        for label, value in evidence.parameters.items():
+            half = 0.5 * (spans[label][1] - spans[label][0])
+            if value and not np.isnan(half):
+                achieved[label] = float(half / abs(value))
+        promised = {label: np.inf if half is None else float(half) for label, half in promise["half_width"].items()}
+        tests = tuple(test.name for test in read(own / CAMPAIGN).tests)
+        peak = self._peak_half(evidence)
+        return Round(
+            number, own, tests, float(promise["duration_s"]), promised, achieved, promise["peak_half_width"], peak
+        )
+
+    def _peak_half(self, evidence: Fit) -> float | None:
+        """The half width of the peak's 95 % interval over the peak, by the covariance of the fit."""
+        if self.options.peak is None or evidence.damper is None:
+            return None
+        plan = layout(evidence.damper, [p.u for p in evidence.problem.pieces], self.options.laws, self.options.fixed)
+        goal, _ = peak_goal(plan, self.options.peak)
+        scale = np.outer(plan.theta, plan.theta)
+        sd = np.array([evidence.stderr[label] for label in plan.labels])
+        covariance = np.outer(sd, sd) * evidence.correlation / np.where(scale == 0.0, np.inf, scale)
+        spread, present = learned(evidence, plan)
+        base = expected(plan, present, spread, open_ends=True)
+        freedom = np.array([evidence.freedom[label] for label in plan.labels])
+        return PeakGoal(goal.gradient).half(replace(base, covariance=np.nan_to_num(covariance), freedom=freedom))
+
+    def _verdict(self, evidence: Damper | Fit, rounds: list[Round]) -> tuple[str, bool]:
+        """Why no further round is performed, empty where one is; and whether the targets are met."""
+        if isinstance(evidence, Fit) and evidence.damper is None:
+            return f"the fit gives no damper to plan from: {evidence.reason}", False
+        reached = self._reached(evidence, rounds)
+        if reached:
+            return "the targets are reached", True
+        done = sum(len(one.tests) for one in rounds)
+        if self.max_tests is not None and done >= self.max_tests:
+            return f"all {self.max_tests} tests are performed", False
+        used = sum(one.duration for one in rounds)
+        if self.options.duration is not None and used >= self.options.duration:
+            return f"the {self.options.duration:g} s of tests are used", False
+        return "", False
+
+    def _reached(self, evidence: Damper | Fit, rounds: list[Round]) -> bool:
+        if not isinstance(evidence, Fit) or not self.options.aimed:
+            return False
+        if self.options.peak_target is not None:
+            half = rounds[-1].peak_achieved if rounds else self._peak_half(evidence)
+            return half is not None and half <= self.options.peak_target
+        spans = evidence.intervals()
+        for name, target in self.options.targets.items():
+            for label, value in evidence.parameters.items():
+                if name not in (label, label.partition(" @ ")[0]):
+                    continue
+                half = 0.5 * (spans[label][1] - spans[label][0])
+                if not half <= target * abs(value):
+                    return False
+        return True
+
+    def _gains_little(self, proposal: Proposal) -> bool:
+        """Whether the intervals are expected to become narrower by next to nothing."""
+        if proposal.peak_after is not None and proposal.peak_before is not None:
+            return proposal.peak_after > (1.0 - NO_GAIN) * proposal.peak_before
+        both = [
+            (proposal.before[label], half)
+            for label, half in proposal.after.items()
+            if label in proposal.before and np.isfinite(half)
+        ]
+        if not both or any(not np.isfinite(before) for before, _ in both):
+            return False
+        return float(np.mean([np.log(after / before) for before, after in both])) > np.log(1.0 - NO_GAIN)

@@ -1,0 +1,547 @@
+"""A proposal: the next tests, what each is good for, and which intervals are expected once they are performed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.atomic_write import whole_file
+from dampyr.campaigns.campaign import Campaign, campaign_of
+from dampyr.campaigns.force_prediction import specimen
+from dampyr.campaigns.planning.candidates import KINDS, SECONDS, Candidate, Envelope, envelope, voltages_of
+from dampyr.campaigns.planning.choose import ParameterGoal, PeakGoal, best_tests, pool_of
+from dampyr.campaigns.planning.expected_information import (
+    Expected,
+    Information,
+    Layout,
+    Spread,
+    assumed_spread,
+    calibration,
+    expected,
+    expected_information,
+    expected_record,
+    layout,
+    learned,
+)
+from dampyr.campaigns.planning.goal import GOALS, Peak, parameter_goal, peak_goal
+from dampyr.errors import InputError
+from dampyr.identification import Fit, fit
+from dampyr.models import Constant, Damper
+from dampyr.records import Record, nominal_inputs
+from dampyr.representation import Representation, Summary, Table, counted, listing
+from dampyr.rig import RigSettings, load_settings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, float], None]
+TESTS = 6  # where nobody says how many: three records are the least that give an interval, and twice as many halve it
+MAX_TESTS = 60
+CAUSES = 2  # parameters that are named as why a test is there
+TINY_GAIN = 0.005  # by which an interval would be wider without a test: below it nothing is said
+
+
+@dataclass(frozen=True)
+class PlanOptions:
+    """What to plan for.
+
+    ``model``, ``laws``, ``fixed``, ``bandwidth`` are those of `dampyr.identification.fit`; only records need a ``model``.
+    ``tests`` is how many at most, ``duration`` s how long they may take together, ``targets`` (parameter -> half width of its
+    95 % interval over its value) when the intervals are narrow enough. ``goal`` is "parameters", or "peak" for the ``peak`` of
+    a structure, to ``peak_target`` of it. ``voltages`` (V), ``kinds`` of step and ``seconds`` of steady motion say which tests
+    are candidates.
+
+    Raises :class:`~dampyr.errors.InputError` for a value that is not allowed.
+    """
+
+    model: str | None = None
+    laws: str | Mapping[str, str] | None = None
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    bandwidth: float | None = None
+    tests: int | None = None
+    duration: float | None = None
+    targets: Mapping[str, float] = field(default_factory=dict)
+    goal: str = "parameters"
+    peak: Peak | None = None
+    peak_target: float | None = None
+    voltages: tuple[float, ...] | None = None
+    kinds: tuple[str, ...] = KINDS
+    seconds: float = SECONDS
+
+    def __post_init__(self) -> None:
+        if self.goal not in GOALS:
+            raise InputError(f"{self.goal!r} is an unknown goal; choose {' or '.join(GOALS)}")
+        if (self.goal == "peak") != (self.peak is not None):
+            raise InputError("the goal peak needs a structure, a motion and a voltage, and no other goal takes them")
+        if self.goal == "peak" and self.targets:
+            raise InputError(
+                "targets are of parameters, and the goal is a peak; give its own target, or the goal parameters"
+            )
+        if self.peak_target is not None and (self.peak is None or not 0.0 < self.peak_target < 1.0):
+            raise InputError("the target of a peak is a share of it, such as 0.02, and needs the goal peak")
+        if self.tests is not None and not 1 <= self.tests <= MAX_TESTS:
+            raise InputError(f"tests = {self.tests} is not allowed; give 1 to {MAX_TESTS}")
+        if self.duration is not None and not self.duration > 0.0:
+            raise InputError(f"duration = {self.duration:g} s is not allowed; give a time above 0")
+
+    @property
+    def aimed(self) -> bool:
+        """Whether there is a target, after which nothing more need be tested."""
+        return bool(self.targets) or self.peak_target is not None
+
+    @property
+    def max_tests(self) -> int:
+        """How many tests there are at most."""
+        if self.tests is not None:
+            return self.tests
+        return MAX_TESTS if self.aimed or self.duration is not None else TESTS
+
+
+@dataclass(frozen=True, repr=False)
+class ProposedTest(Representation):
+    """A test of a proposal; ``improves`` says by how much intervals would be wider without it, the most first."""
+
+    candidate: Candidate
+    improves: Mapping[str, float]
+
+    def _summary(self) -> Summary:
+        rows = [("duration", f"{self.candidate.duration:.4g} s"), ("wider without it", self.why)]
+        return f"ProposedTest {self.candidate.words!r}", rows
+
+    @property
+    def why(self) -> str:
+        """Which intervals would be wider without it, in words."""
+        wider = [
+            f"{label} {100 * share:.0f} %" for label, share in list(self.improves.items())[:CAUSES] if share > TINY_GAIN
+        ]
+        return listing(wider) if wider else "one record more for all"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Proposal(Representation):
+    """The next tests.
+
+    ``before`` and ``after`` are the half widths of 95 % intervals over the values by coefficient, now and as expected after the
+    tests: ``before`` is empty where nothing is known yet, infinite values mean that there is no interval. ``peak_before`` and
+    ``peak_after`` are those of the peak, None for other goals. A level that differs from day to day is in no interval.
+    """
+
+    tests: tuple[ProposedTest, ...]
+    values: Mapping[str, float]
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+    goal: str
+    model: str
+    rig: RigSettings
+    damper: Damper
+    envelope: Envelope
+    spread: Spread
+    reached: bool
+    peak: float | None = None
+    peak_before: float | None = None
+    peak_after: float | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def duration(self) -> float:
+        """s of all tests, without the rests between them."""
+        return sum(test.candidate.duration for test in self.tests)
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The campaign as TOML has it."""
+        note = f"planned for {self.goal}, model {self.model}"
+        return {"name": "planned", "note": note, "step": [test.candidate.table for test in self.tests]}
+
+    def campaign(self) -> Campaign:
+        """The tests as a campaign, for `dampyr.campaigns.plan` and `perform`."""
+        return replace(campaign_of(self.document), source=self.text)
+
+    @property
+    def text(self) -> str:
+        """The campaign file."""
+        import tomli_w
+
+        lines = [
+            f"# Planned by dampyr for {self.goal}; half widths of 95 % intervals that are expected after these tests:"
+        ]
+        lines += [f"#   {label}: {_percent(half)}" for label, half in self.after.items()]
+        return "\n".join(lines) + "\n" + tomli_w.dumps(self.document)
+
+    def save(self, path: str | Path) -> Path:
+        """Write a campaign file, which `dampyr run` performs; :class:`~dampyr.errors.FileError` where there is one."""
+        path = Path(path)
+        with whole_file(path, new=True) as temporary:
+            temporary.write_text(self.text, encoding="utf-8", newline="\n")
+        return path
+
+    def envelope_figure(self) -> Figure:
+        """Amplitude against frequency: the limits of a sine at each voltage, the candidates and what was chosen."""
+        from dampyr.figures.planned_tests import planned_tests
+
+        at = [(c.frequency, c.amplitude) for c in self.envelope.candidates]
+        chosen: dict[str, list[tuple[float, float]]] = {}
+        for test in self.tests:
+            chosen.setdefault(test.candidate.kind.replace("_", " "), []).append(
+                (test.candidate.frequency, test.candidate.amplitude)
+            )
+        limits = {f"{u:.4g} V": amplitudes for u, amplitudes in self.envelope.limits.items()}
+        return planned_tests(self.envelope.frequencies, limits, at, chosen)
+
+    def _small_figure(self) -> Figure:
+        return self.envelope_figure()
+
+    def _summary(self) -> Summary:
+        minutes = self.duration / 60
+        rows = [
+            ("goal", self.goal),
+            (
+                "tests",
+                f"{len(self.tests)} of {len(self.envelope.candidates)} candidates, {minutes:.3g} min without rests",
+            ),
+            ("model", self.model),
+            *[
+                (label, f"{_percent(self.before.get(label))} -> {_percent(half)}")
+                for label, half in self.after.items()
+                if np.isfinite(half)
+            ],
+        ]
+        if self.peak_after is not None:
+            rows.append(("peak", f"{_percent(self.peak_before)} -> {_percent(self.peak_after)}"))
+        return f"Proposal of {counted(len(self.tests), 'test')}", [*rows, *(("note", note) for note in self.notes)]
+
+    def _table(self) -> Table:
+        return ("test", "time [s]", "without it wider"), [
+            [test.candidate.words, test.candidate.duration, test.why] for test in self.tests
+        ]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Tests and intervals by name, for `dampyr.to_json`, SI units."""
+        return {
+            "goal": self.goal,
+            "model": self.model,
+            "rig": self.rig.name,
+            "tests": [
+                {
+                    "kind": test.candidate.kind,
+                    "words": test.candidate.words,
+                    "step": test.candidate.table,
+                    "duration_s": test.candidate.duration,
+                    "frequency_Hz": test.candidate.frequency,
+                    "amplitude_m": test.candidate.amplitude,
+                    "wider_without": dict(test.improves),
+                }
+                for test in self.tests
+            ],
+            "candidates": len(self.envelope.candidates),
+            "duration_s": self.duration,
+            "values": dict(self.values),
+            "half_width_before": dict(self.before),
+            "half_width_after": dict(self.after),
+            "peak": self.peak,
+            "peak_half_width_before": self.peak_before,
+            "peak_half_width_after": self.peak_after,
+            "reached": self.reached,
+            "notes": self.notes,
+        }
+
+
+def _percent(half: float | None) -> str:
+    if half is None or not np.isfinite(half):
+        return "none"
+    return f"{100 * half:.2g} %"
+
+
+def propose(
+    evidence: Damper | Fit | Record | Sequence[Record] | None = None,
+    rig: RigSettings | str | Path | None = None,
+    options: PlanOptions | None = None,
+    progress: Progress = lambda stage, done: None,
+    **given: Any,
+) -> Proposal:
+    """The next tests on a rig, by what they are expected to tell of a damper.
+
+    Parameters
+    ----------
+    evidence
+        What is known of the damper: its records, or a fit to them, or a card. After a card the intervals are those of the new
+        tests alone, since a card brings no records; after records those of all together. None: the card that the rig names, or
+        the simulated rig's own.
+    rig
+        A rig or its ``rig.toml``; the original rig where nothing is given.
+    options
+        `PlanOptions`; or its fields by name, such as ``tests=6`` or ``targets={"dahl.rho": 0.05}``.
+
+    Raises :class:`~dampyr.errors.InputError` before anything moves, see `PlanOptions`, `envelope` and `layout`.
+    """
+    settings, folder = _settings(rig)
+    if options is not None and given:
+        raise InputError(f"options and {next(iter(given))} are both given; put all into one of the two")
+    options = options or PlanOptions(**given)
+    evidence = specimen(settings, folder) if evidence is None else evidence
+    if evidence is None:
+        raise InputError(
+            "nothing is known of the damper, not even a card, so no motion can be checked against its force; give a card or "
+            "records, or name a card in the rig's file (specimen.card)"
+        )
+    if isinstance(evidence, Damper):
+        return _proposed(evidence, None, settings, options, progress)
+    if not isinstance(evidence, Fit):
+        evidence = fitted(evidence, options, progress)
+    if evidence.damper is None:
+        raise InputError(f"the records give no damper to plan from: {evidence.reason}; try another model")
+    return _proposed(evidence.damper, evidence, settings, options, progress)
+
+
+def _settings(rig: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:
+    if rig is None or isinstance(rig, RigSettings):
+        return rig or RigSettings(), None
+    return load_settings(rig), Path(rig).parent
+
+
+def fitted(
+    records: Record | Sequence[Record], options: PlanOptions, progress: Progress = lambda stage, done: None
+) -> Fit:
+    """The fit that a plan is judged by: with a lag of the input where it varies within a test.
+
+    The coil's current follows its voltage late, and without the lag every step of the voltage would count as misfit.
+    """
+    listed = [records] if isinstance(records, Record) else nominal_inputs(list(records))
+    if options.model is None:
+        raise InputError("records are given without a model; name one, such as dahl")
+    model = options.model
+    if any(np.ndim(r.voltage) and np.ptp(r.voltage) for r in listed if r.voltage is not None) and not _has_lag(model):
+        model = f"{model} + lag"
+
+    def show(step: int, _: float) -> None:
+        progress("fitting the model", step / (step + 20.0))
+
+    result = fit(model, listed, options.laws, options.fixed or None, bandwidth=options.bandwidth, progress=show)
+    progress("fitting the model", 1.0)
+    return result
+
+
+def _has_lag(model: str) -> bool:
+    return "lag" in [part.strip() for part in model.split("+")]
+
+
+def _proposed(
+    damper: Damper, evidence: Fit | None, rig: RigSettings, options: PlanOptions, progress: Progress
+) -> Proposal:
+    notes: list[str] = []
+    kinds = _kinds(rig, options, notes)
+    bare = damper.without("lag") if "lag" in damper.composition.names else damper
+    if options.peak is not None:
+        damper.check_input(options.peak.voltage)
+    chosen_voltages = options.voltages if options.voltages is not None or evidence is None else _levels(evidence)
+    levels = voltages_of(damper, rig, chosen_voltages)
+    candidates_of = envelope(
+        rig, bare, levels, kinds, options.seconds, lambda p: progress("finding what the rig can do", p)
+    )
+    candidates = candidates_of.candidates
+    records = []
+    for k, each in enumerate(candidates):
+        records.append(expected_record(each.step.drive(rig), bare, rig, f"candidate {k + 1}"))
+        progress("weighing the candidates", 0.3 * (k + 1) / len(candidates))
+    study = _Study(damper, bare, evidence, rig, options)
+    pool = study.of(records, lambda p: progress("weighing the candidates", 0.3 + 0.7 * p))
+    enough = _enough(options)
+    places = best_tests(
+        pool.plan,
+        pool_of(pool.plan, pool.present, pool.candidates, pool.spread, pool.factors),
+        options.max_tests,
+        pool.goal,
+        [each.duration for each in candidates],
+        np.inf if options.duration is None else options.duration,
+        enough=enough,
+        progress=lambda p: progress("choosing tests", p),
+    )
+    if not places:
+        shortest = min(each.duration for each in candidates)
+        raise InputError(
+            f"duration = {options.duration:g} s is shorter than the shortest candidate, {shortest:.3g} s; give more, or fewer "
+            "seconds of motion"
+        )
+    last = study.of([records[k] for k in places])
+    after = expected(last.plan, [*last.present, *last.candidates], last.spread, factors=last.factors)
+    tests = tuple(ProposedTest(candidates[k], last.improved_by(place, after)) for place, k in enumerate(places))
+    before, peak_before = _before(damper, evidence, last, notes)
+    peak_after = last.goal.half(after) if isinstance(last.goal, PeakGoal) else None
+    return Proposal(
+        tests=tests,
+        values=dict(zip(last.plan.labels, map(float, last.plan.theta), strict=True)),
+        before=before,
+        after=dict(zip(last.plan.labels, map(float, after.half), strict=True)),
+        goal=_goal_words(options),
+        model=str(last.plan.composition),
+        rig=rig,
+        damper=damper,
+        envelope=candidates_of,
+        spread=last.spread,
+        reached=options.aimed and last.goal(after) <= enough,
+        peak=last.peak,
+        peak_before=peak_before,
+        peak_after=peak_after,
+        notes=(*notes, *_spread_notes(last.spread)),
+    )
+
+
+def _enough(options: PlanOptions) -> float:
+    """The value of the criterion at which the targets are met."""
+    if options.peak_target is not None:
+        return float(np.log(options.peak_target))
+    return 0.0 if options.targets else -np.inf
+
+
+def _kinds(rig: RigSettings, options: PlanOptions, notes: list[str]) -> tuple[str, ...]:
+    """The kinds of step to plan with; tests of varying voltage only where a fit can take them."""
+    laws = options.laws
+    kinds_of_law = [laws] if isinstance(laws, str) else [*(laws or {}).values()]
+    at_values = any(str(each).startswith("interpolation") for each in kinds_of_law)
+    why = "laws by interpolation need one voltage in each test" if at_values else ""
+    if not why and rig.wires.coil_voltage:
+        why = "the coil's voltage is read back here, and its noise would count as voltages that differ"
+    if not why or "voltage_steps" not in options.kinds:
+        return options.kinds
+    notes.append(f"no steps of voltage within a test: {why}")
+    return tuple(each for each in options.kinds if each != "voltage_steps")
+
+
+def _levels(evidence: Fit) -> tuple[float, ...]:
+    """The inputs of a fit's records: its knots."""
+    return tuple(sorted({u for c in evidence.problem.columns for u in c.knots}))
+
+
+def _goal_words(options: PlanOptions) -> str:
+    if options.peak is not None:
+        return options.peak.words
+    return f"the parameters {', '.join(options.targets)}" if options.targets else "all parameters"
+
+
+def _spread_notes(spread: Spread) -> tuple[str, ...]:
+    if spread.records == 0:
+        return (
+            "how records differ is assumed (3 % of gain, 3 % of each parameter, residuals of 5 %): after a first fit it is "
+            "estimated",
+        )
+    return ()
+
+
+@dataclass(frozen=True, eq=False)
+class _Pool:
+    """Present records and candidates in one layout, with the spread and the goal."""
+
+    plan: Layout
+    present: list[Information]
+    candidates: list[Information]
+    spread: Spread
+    goal: ParameterGoal | PeakGoal
+    peak: float | None
+    factors: Array
+
+    def improved_by(self, place: int, after: Expected) -> dict[str, float]:
+        """By how much each interval would be wider without the candidate at ``place``, the most first."""
+        others = [c for k, c in enumerate(self.candidates) if k != place]
+        without = expected(self.plan, [*self.present, *others], self.spread, True, self.factors)
+        wider = without.half / after.half - 1.0
+        order = [int(k) for k in np.argsort(-np.nan_to_num(wider, nan=-1.0, posinf=-1.0))]
+        return {self.plan.labels[k]: float(wider[k]) for k in order if np.isfinite(wider[k]) and wider[k] > 0.0}
+
+
+@dataclass(frozen=True, eq=False)
+class _Study:
+    """What is known, and how a fit with further records would be laid out."""
+
+    damper: Damper
+    bare: Damper
+    evidence: Fit | None
+    rig: RigSettings
+    options: PlanOptions
+
+    def of(self, records: Sequence[Record], progress: Callable[[float], None] = lambda done: None) -> _Pool:
+        """The information of the present records and of these."""
+        inputs: list[float | Array] = [r.voltage for r in records if r.voltage is not None]
+        inputs += [p.u for p in self.evidence.problem.pieces] if self.evidence else []
+        damper = self._with_lag() if any(np.ndim(u) for u in inputs) else self.bare
+        plan = layout(damper, inputs, self.options.laws, self.options.fixed)
+        spread, present = (assumed_spread(plan), []) if self.evidence is None else learned(self.evidence, plan)
+        factors = (
+            np.ones(len(plan.labels)) if self.evidence is None else calibration(self.evidence, plan, present, spread)
+        )
+        informations = []
+        for k, record in enumerate(records):
+            informations.append(expected_information(plan, record, spread))
+            progress((k + 1) / len(records))
+        peak = None
+        goal: ParameterGoal | PeakGoal
+        if self.options.peak is None:
+            goal = parameter_goal(plan, self.options.targets)
+        else:
+            goal, peak = peak_goal(plan, self.options.peak)
+        return _Pool(plan, present, informations, spread, goal, peak, factors)
+
+    def _with_lag(self) -> Damper:
+        """The damper with a lag of its input, that of the rig's coil where it has none."""
+        if "lag" in self.damper.composition.names:
+            return self.damper
+        tau = self.rig.supply.inductance / self.rig.supply.resistance
+        low, high = self.bare.range
+        laws = {**self.bare.all_laws, "lag.tau": Constant(max(tau, 1e-4), low, high)}
+        return Damper((*self.bare.composition.names, "lag"), laws, input=self.bare.input, ranges=self.bare.ranges)
+
+
+def _before(
+    damper: Damper, evidence: Fit | None, last: _Pool, notes: list[str]
+) -> tuple[dict[str, float], float | None]:
+    """The half widths over the values now, by the labels of the plan, and that of the peak."""
+    if evidence is not None:
+        spans = evidence.intervals()
+        halves = {
+            label: 0.5 * (spans[label][1] - spans[label][0]) / abs(value)
+            for label, value in evidence.parameters.items()
+            if value and label in last.plan.labels
+        }
+        halves_by_label = {label: half if np.isfinite(half) else np.inf for label, half in halves.items()}
+        peak = None
+        if isinstance(last.goal, PeakGoal):
+            peak = last.goal.half(expected(last.plan, last.present, last.spread, True, last.factors))
+        return halves_by_label, peak
+    if damper.covariance is None:
+        notes.append("the card has no covariance, so how well it is known before these tests is not known")
+        return {}, None
+    notes.append("the card brings no records: after these tests the intervals are those of the tests alone")
+    return _of_card(damper, last.plan), None
+
+
+def _of_card(damper: Damper, plan: Layout) -> dict[str, float]:
+    """1.96 standard errors of a card's values at the knots of a plan, over the values."""
+    base, covariance = damper.coefficients, damper.covariance
+    assert covariance is not None
+    halves_by_label, place = {}, 0
+    for column in plan.columns:
+        if not column.size:
+            continue
+        labels = plan.labels[place : place + column.size]
+        place += column.size
+        if column.name not in damper.all_laws:
+            continue
+        for label, u in zip(labels, column.knots, strict=True):
+            value = float(damper.all_laws[column.name](u))
+            gradient = np.zeros(base.size)
+            for k in range(base.size):
+                step = 1e-4 * max(abs(base[k]), 1e-9)
+                moved = base.copy()
+                moved[k] += step
+                with_it = damper.with_coefficients(moved).all_laws[column.name]
+                gradient[k] = (float(with_it(u)) - value) / step
+            variance = float(gradient @ np.where(np.isfinite(covariance), covariance, 0.0) @ gradient)
+            lost = np.any((gradient != 0.0) & ~np.isfinite(np.diag(covariance)))
+            if value:
+                halves_by_label[label] = np.inf if lost else 1.96 * np.sqrt(max(variance, 0.0)) / abs(value)
+    return halves_by_label

@@ -1,0 +1,92 @@
+"""A proposal: a campaign file that runs, with what it promises; and what is refused before anything moves."""
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.campaigns.planning.laboratory import DAHL
+
+from dampyr import campaigns, ground_motions, structures
+from dampyr.campaigns import Peak, Proposal, propose
+from dampyr.errors import FileError, InputError, RangeError
+from dampyr.rig import RigSettings
+from dampyr.to_json import plain
+
+QUICK = {"seconds": 4.0, "voltages": (0.0, 1.98), "kinds": ("sine", "voltage_steps")}
+RIG = RigSettings()
+
+
+@pytest.fixture(scope="module")
+def proposal() -> Proposal:
+    return propose(DAHL, RIG, tests=4, **QUICK)
+
+
+def test_a_proposal_is_a_campaign_that_the_rig_can_do(proposal: Proposal, tmp_path: Path) -> None:
+    path = proposal.save(tmp_path / "next.toml")
+    plan = campaigns.plan(campaigns.read(path), RIG, DAHL)
+    assert plan.refusals == ()
+    assert [test.step for test in plan.campaign.tests] == [test.candidate.step for test in proposal.tests]
+    assert plan.campaign.digest == proposal.campaign().digest
+    assert tomllib.loads(proposal.text)["name"] == "planned"
+    with pytest.raises(FileError, match="next"):
+        proposal.save(path)
+
+
+def test_a_proposal_says_what_is_expected_and_why(proposal: Proposal) -> None:
+    assert set(proposal.after) >= {"dahl.kx @ 0 V", "dahl.rho @ 1.98 V"}
+    assert all(0.0 < half < 1.0 for label, half in proposal.after.items() if label.startswith("dahl.kw"))
+    assert "%" in proposal.tests[0].why
+    assert any("no covariance" in note for note in proposal.notes)
+    assert "4 of" in repr(proposal)
+    assert plain(proposal.as_dict())["tests"][0]["kind"] in ("sine", "voltage_steps")
+    assert proposal.envelope_figure().axes[0].get_xlabel() == "frequency [Hz]"
+    of_card = propose(replace(DAHL, covariance=np.diag((0.01 * DAHL.coefficients) ** 2)), RIG, tests=2, **QUICK)
+    assert of_card.before["dahl.kw @ 0 V"] == pytest.approx(0.0196, rel=0.01)
+
+
+def test_laws_by_interpolation_leave_steps_of_voltage_out() -> None:
+    plain_laws = propose(DAHL, RIG, tests=3, laws="interpolation", **QUICK)
+    assert {test.candidate.kind for test in plain_laws.tests} == {"sine"}
+    assert any("no steps of voltage" in note for note in plain_laws.notes)
+
+
+@pytest.mark.prove
+def test_a_peak_is_planned_for_by_its_gradient() -> None:
+    peak = Peak(structures.two_storey(), ground_motions.el_centro().scaled(0.3), 1.98)
+    planned = propose(DAHL, RIG, goal="peak", peak=peak, tests=3, **QUICK)
+    assert planned.goal == "the largest drift at 1.98 V"
+    assert planned.peak == pytest.approx(peak.value(DAHL), rel=0.05)
+    assert planned.peak_after is not None
+    assert 0.0 < planned.peak_after < 1.0
+    with pytest.raises(RangeError, match="outside"):
+        propose(DAHL, RIG, goal="peak", peak=replace(peak, voltage=3.5), tests=3, **QUICK)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"goal": "speed"}, "'speed' is an unknown goal; choose parameters or peak"),
+        ({"goal": "peak"}, "the goal peak needs a structure, a motion and a voltage"),
+        ({"targets": {"dahl.kz": 0.05}}, "target names 'dahl.kz'; choose among dahl.kx, dahl.kw, dahl.rho"),
+        ({"targets": {"dahl.rho": 5.0}}, "the target of dahl.rho is 5; give a half width over the value"),
+        ({"tests": 0}, "tests = 0 is not allowed; give 1 to 60"),
+        ({"duration": 3.0}, "duration = 3 s is shorter than the shortest candidate"),
+        ({"voltages": (0.0, 5.0)}, "voltage = 5 V is outside of 0 to 3.212 V"),
+        ({"peak_target": 0.1}, "the target of a peak is a share of it"),
+    ],
+)
+def test_what_cannot_be_planned_for_is_one_line(given: dict, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        propose(DAHL, RIG, **{**QUICK, **given})
+
+
+def test_records_need_a_model_and_a_real_rig_needs_a_card() -> None:
+    from tests.identification.synthetic import sine
+
+    with pytest.raises(InputError, match="records are given without a model; name one, such as dahl"):
+        propose([sine(DAHL, 0.0)], RIG)
+    wired = replace(RIG, wires=replace(RIG.wires, serial="COM3"))
+    with pytest.raises(InputError, match="nothing is known of the damper, not even a card"):
+        propose(None, wired)
