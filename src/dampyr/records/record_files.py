@@ -212,6 +212,8 @@ def read_file(path: Path, **said: Any) -> Record:
     available = registry.names(REGISTRY)
     kind = path.suffix.lower().removeprefix(".")
     if kind not in available:
+        if not path.exists():
+            raise MissingData(f"{path}: there is no such file or folder; check the path")
         raise FileError(path, f"the suffix {path.suffix!r} is not known; choose from {_suffixes(available)}")
     if not path.is_file():
         raise MissingData(f"{path}: there is no such file; check the path")

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.campaigns.check import STROKE_MARGIN, findings, largest
+from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.step import quantity_of, words
 from dampyr.errors import InputError
@@ -152,7 +153,7 @@ def envelope(
             )
         if "random" in kinds:
             made += _bands(rig, damper, [_random(0.2, top, u, seconds, s, rig) for top in (1.5, 4.0) for s in SEEDS])
-    passed = tuple(each for each in made if not findings(each.step, rig, damper))
+    passed = tuple(each for each in made if not _refused(each.step, rig, damper))
     progress(1.0)
     if not passed:
         raise InputError(
@@ -175,9 +176,26 @@ def _far(rig: RigSettings) -> float:
 def _largest_sine(frequency: float, voltage: float, rig: RigSettings, damper: Damper) -> float:
     """The largest amplitude [m] of a short sine there; 0 where none passes."""
     step = kind("sine")(amplitude=_far(rig), frequency=float(frequency), voltage=voltage, cycles=2, rest_before=0.0)
-    if not findings(step, rig, damper):
-        return float(step.amplitude)
-    return largest(step, "amplitude", rig, damper) or 0.0
+    return _largest_amplitude(step, rig, damper) or 0.0
+
+
+def _checked_with(rig: RigSettings, damper: Damper) -> tuple[Damper | None, ...]:
+    """What a step is checked with: the damper, and where the rig's file names no card, what a campaign is checked with then."""
+    return (damper,) if rig.specimen.card else (damper, specimen(rig))
+
+
+def _refused(step: Any, rig: RigSettings, damper: Damper) -> bool:
+    """Whether the check before motion would refuse a step."""
+    return any(findings(step, rig, one) for one in _checked_with(rig, damper))
+
+
+def _largest_amplitude(step: Any, rig: RigSettings, damper: Damper) -> float | None:
+    """The largest amplitude [m] that passes, at most the step's own; None where none does."""
+    a: float | None = float(step.amplitude)
+    for one in _checked_with(rig, damper):
+        if a is not None and findings(replace(step, amplitude=a), rig, one):
+            a = largest(replace(step, amplitude=a), "amplitude", rig, one)
+    return a
 
 
 def _shares(
@@ -238,7 +256,7 @@ def _bands(rig: RigSettings, damper: Damper, wanted: list[Candidate]) -> list[Ca
     """Tests over a band of frequencies with the largest amplitude that passes, where that is enough."""
     candidates = []
     for each in wanted:
-        a = each.amplitude if not findings(each.step, rig, damper) else largest(each.step, "amplitude", rig, damper)
+        a = _largest_amplitude(each.step, rig, damper)
         if a is not None and a >= _least(rig):
             a = _three_digits(MARGIN * a)
             candidates.append(replace(each, step=replace(each.step, amplitude=a), amplitude=a))
