@@ -59,7 +59,7 @@ NOT_RUN = {
 LONG = (
     "README", "first-damper", "your-own-structure", "ensembles", "control", "rig", "another-laboratory", "ground-motions",
     "campaigns", "acceptance", "read-your-own-files", "hybrid-test", "slurm", "raminelli-2020", "simulated-rig", "export",
-    "posterior", "plan-tests",
+    "posterior", "plan-tests", "measurement-sessions", "add-a-control-law", "hybrid-benchmark",
 )  # fmt: skip
 
 

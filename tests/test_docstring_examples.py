@@ -33,6 +33,7 @@ def examples() -> Iterator[doctest.DocTest]:
             yield from (test for test in finder.find(module) if test.examples)
 
 
+@pytest.mark.prove  # they compile
 @pytest.mark.parametrize("example", list(examples()), ids=lambda test: test.name)
 def test_an_example_gives_what_it_says(
     example: doctest.DocTest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -125,6 +125,7 @@ def test_an_example_runs(
 
 
 @pytest.mark.parametrize("line", [line for line in EXAMPLES if line.startswith(tuple(f"dampyr {s}" for s in SERVERS))])
+@pytest.mark.usefixtures("terminal_signals")
 def test_a_server_of_an_example_starts_and_ends(line: str, prepared: Path) -> None:
     words = [*shlex.split(line)[1:], *(["--port", "0", "--no-browser"] if "console" in line else ["--opensees", "0"])]
     started = subprocess.Popen(

@@ -26,7 +26,7 @@ def plan(*arguments):
 def test_the_help_shows_examples():
     text = plan("--help").stdout
     assert "dampyr plan --card damper.toml --rig rig.toml --tests 6 --out next.toml" in text
-    assert "dampyr plan lab/quick --model dahl" in text
+    assert "dampyr plan tests --model dahl" in text
 
 
 def test_a_plan_is_a_table_and_a_campaign_that_runs(card, tmp_path):

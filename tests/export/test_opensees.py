@@ -233,6 +233,7 @@ def test_the_wire_step_by_step() -> None:
     assert said["ended"] == "the client ended it"
 
 
+@pytest.mark.prove
 def test_what_is_wrong_on_the_wire_is_a_sentence() -> None:
     def ended(server: subprocess.Popen[str]) -> str:
         out, err = server.communicate(timeout=60)
@@ -257,6 +258,7 @@ def test_what_is_wrong_on_the_wire_is_a_sentence() -> None:
         assert "1 degrees of freedom and" in ended(server)
 
 
+@pytest.mark.prove
 def test_wrong_arguments_are_refused_before_anything_listens() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))

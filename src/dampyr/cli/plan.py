@@ -105,7 +105,9 @@ def command(
     figure: Path | None,
     as_json: bool,
 ) -> None:
-    """Propose the next tests on a rig from RECORDS, or from a card: those that narrow the intervals most.
+    """Propose the next tests on a rig.
+
+    They are those that narrow the intervals most, from RECORDS or from a card.
 
     What is proposed lies inside the rig's limits, checked with the damper's force, and is a campaign file that `dampyr run`
     performs. With --perform the tests are run in rounds until the targets are reached, or the tests or the time are used up;

@@ -7,7 +7,10 @@ import re
 WORDS = tuple(
     (re.compile(pattern), words)
     for pattern, words in (
-        (r"declare (which|another), --column \w+=NAME or columns=\{[^}]*\}", r"choose its column when it is uploaded"),
+        (
+            r"declare (which|another), --column \w+=NAME( --column \w+=NAME)* or columns=\{[^}]*\}",
+            r"choose its column when it is uploaded",
+        ),
         (r", by the full header or the number from 0", ""),
         (r", such as --column \S+( --dt \S+)?,? or columns=\{[^}]*\}( and dt=[\d.]+)?", ""),
         (r"give the sampling interval: --dt [\d.]+, dt=[\d.]+", "enter the sampling interval"),

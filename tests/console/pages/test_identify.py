@@ -25,8 +25,9 @@ def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, da
     own, output = identification.fit("dahl + spring", chosen), identified["result"]
     assert output["records"] == ["ensaio.A.1", "ensaio.B.3", "ensaio.vali.1"]
     assert output["mean_l1"] == pytest.approx(sum(s.l1 for s in own.scores.values()) / 2, rel=1e-6)
-    shown, errors = output["parameters"]
-    assert [shown["rows"], errors["rows"]] == [own.by_input()[1], own.by_input(errors=True)[1]]
+    shown, between, errors = (each["rows"] for each in output["parameters"])
+    assert [shown, errors] == [own.by_input()[1], own.by_input(errors=True)[1]]
+    assert between == own.by_input(between="sessions")[1]
     assert output["settling"] == 2.0
     (held,) = output["held"]
     vali = next(r for r in records.read_campaign(campaign_folder, role="validation"))

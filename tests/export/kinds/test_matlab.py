@@ -52,6 +52,7 @@ def exportable() -> list[Damper]:
 
 
 @needs_octave
+@pytest.mark.prove
 def test_octave_gives_the_force_of_every_part(tmp_path: Path) -> None:
     """Equal to 1e-9 of the largest force."""
     dampers = exportable()

@@ -315,7 +315,7 @@ def test_without_the_package_there_is_a_sentence(
     if package == "grpc" and not grpc_server:
         NiBoard(settings)  # it is needed for the wire only
     else:
-        with pytest.raises(RigFault, match="pip install 'dampyr\\[rig\\]'"):
+        with pytest.raises(RigFault, match=r'pip install "dampyr\[rig\]"'):
             NiBoard(settings)
 
 
