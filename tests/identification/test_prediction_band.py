@@ -154,6 +154,22 @@ def test_a_card_of_before_has_scores_and_no_bands(fitted: Fit) -> None:
     assert "no_band" in result.as_dict()
 
 
+def test_a_fit_too_uncertain_to_draw_from_has_scores_and_says_why_it_has_no_bands(fitted: Fit) -> None:
+    assert fitted.damper is not None
+    assert fitted.damper.prediction_error is not None
+    size = fitted.damper.coefficients.size
+    wide = replace(
+        fitted.damper,
+        covariance=np.diag((1e3 * fitted.damper.coefficients) ** 2),
+        prediction_error=replace(fitted.damper.prediction_error, within_sessions=None),
+    )
+    assert size == 12  # of which half are below zero in most draws
+    result = validate(wide, [unseen(0)])
+    assert result.bands == {}
+    assert "too uncertain to draw from" in result.no_band
+    assert result.scores["unseen"].l1 > 0.0
+
+
 def test_the_relevelled_score_takes_the_level_from_the_first_cycles(fitted: Fit) -> None:
     assert fitted.damper is not None
     rng = np.random.default_rng(8)

@@ -21,7 +21,7 @@ EPILOG = """\b
 Examples:
   dampyr plan --card damper.toml --rig rig.toml --tests 6 --out next.toml
   dampyr plan tests --model dahl --rig rig.toml --target dahl.rho=5% --out narrow.toml
-  dampyr plan --card damper.toml --target dahl.rho=5% --perform --out lab/planned
+  dampyr plan --card damper.toml --tests 3 --seconds 4 --perform --out lab/planned
   dampyr plan --card damper.toml --goal peak --voltage 1.98 --peak-target 2% --perform --out lab/peak
 """
 

@@ -205,9 +205,13 @@ def validate(
         for k, record in enumerate(nominal):
             if progress:
                 progress("drawing bands", k / len(nominal))
-            bands[record.name] = prediction_band(
-                damper, record, options.band, options.settling, allow_extrapolation=options.allow_extrapolation
-            )
+            try:
+                bands[record.name] = prediction_band(
+                    damper, record, options.band, options.settling, allow_extrapolation=options.allow_extrapolation
+                )
+            except InputError as problem:  # the scores stand without bands
+                bands, no_band = {}, f"predictions have no band: {problem}"
+                break
     return Validated(card, damper, nominal, scores, forces, bands, no_band)
 
 
