@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._control import structure_of
+from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
 from dampyr.cli._output import as_json_option, print_json, print_table
 from dampyr.cli._progress import stages
@@ -17,16 +18,15 @@ from dampyr.errors import InputError
 if TYPE_CHECKING:
     from dampyr.campaigns import Peak, Planned, PlanOptions, Proposal
 
-EPILOG = """\b
-Examples:
-  dampyr plan --card damper.toml --rig rig.toml --tests 6 --out next.toml
-  dampyr plan tests --model dahl --rig rig.toml --target dahl.rho=5% --out narrow.toml
-  dampyr plan --card damper.toml --tests 3 --seconds 4 --perform --out lab/planned
-  dampyr plan --card damper.toml --goal peak --voltage 1.98 --peak-target 2% --perform --out lab/peak
-"""
 
-
-@click.command(epilog=EPILOG)
+@click.command(
+    epilog=examples(
+        "dampyr plan --card damper.toml --rig rig.toml --tests 6 --out next.toml",
+        "dampyr plan tests --model dahl --rig rig.toml --target dahl.rho=5% --out narrow.toml",
+        "dampyr plan --card damper.toml --tests 3 --seconds 4 --perform --out lab/planned",
+        "dampyr plan --card damper.toml --goal peak --voltage 1.98 --peak-target 2% --perform --out lab/peak",
+    )
+)
 @click.argument("records", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--card", type=click.Path(path_type=Path), help="What is known of the damper, in place of records.")
 @click.option("--model", metavar="NAME", help="What is fitted, such as dahl; records need it.")

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.identification.problem import Point, Problem
 from dampyr.identification.uncertainty import Uncertainty, record_groups
-from dampyr.models.prediction_error import HARMONICS, PredictionError, ShapeError, phase_basis
+from dampyr.models.prediction_error import PredictionError, ShapeError, phase_basis
 from dampyr.records import Record
 from dampyr.representation import Representation, Summary, Table, counted, listing, percent
 
@@ -386,6 +386,3 @@ def _words(
     if not named:
         settles += ", and state the session of each record (measurement_session)"
     return f"{why}; {percent(prior)} (standard deviation) is assumed between sessions", settles
-
-
-__all__ = ["HARMONICS", "Levels", "check_prior", "levels_and_error"]
