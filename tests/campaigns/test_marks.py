@@ -103,6 +103,52 @@ def test_a_clean_amplifier_is_not_taken_for_a_broken_one() -> None:
     assert not list(flat_force(read_by_board(t, x, 100.0 + 60.0 * np.sign(np.gradient(x)))))
 
 
+def test_a_force_may_stand_at_a_slow_reversal_and_leap_after_it() -> None:
+    """A motor with friction comes to the reversal slowly, stands there, and leaves fast: all at 200 samples/s."""
+    rig = replace(RIG, board=replace(RIG.board, rate=200.0, velocity_bandwidth=20.0))
+    counts = [
+        -2,
+        -1,
+        -1,
+        0,
+        0,
+        0,
+        1,
+        1,
+        1,
+        2,
+        2,
+        *[3] * 7,
+        2,
+        1,
+        -1,
+        -3,
+        -6,
+        -10,
+        -13,
+        -17,
+        -21,
+        -25,
+        -29,
+        -33,
+        -38,
+        -43,
+    ]
+    begins = [*range(-400, -60, 12), *range(-60, -2, 4)]
+    x = rig.encoder.count * np.array([*begins, *counts, *range(-50, -400, -8)], dtype=float)
+    t = np.arange(x.size) / 200.0
+    turn = len(begins) + 17
+    force = np.where(
+        np.arange(x.size) <= turn, 210.0, 210.0 - 430.0 * (1.0 - np.exp(-np.maximum(0.0, x[turn] - x) / 4e-5))
+    )
+    volts = np.round(force / SCALE / STEP) * STEP
+    good = Measured(t, x, SCALE * volts, volts, 0.0, rig)
+    assert not list(flat_force(good))
+    # the same leap while the table slides on is the amplifier's
+    slides = replace(good, displacement=rig.encoder.count * 5.0 * np.arange(x.size))
+    assert len(list(flat_force(slides))) == 1
+
+
 @pytest.mark.parametrize("drift", [50.0, 5.0, 3.0, -3.0])
 def test_a_zero_that_drifts_is_marked(drift: float) -> None:
     (mark,) = drifting_zero(sine(drift=drift))

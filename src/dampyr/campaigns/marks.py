@@ -166,11 +166,20 @@ def _may_leap(measured: Measured, at: int) -> bool:
     near = slice(max(0, at - n), at + n)
     if np.ndim(measured.voltage) and float(np.ptp(np.asarray(measured.voltage)[near])):
         return True
-    x = measured.displacement[near]
-    path = float(np.ptp(x))
-    return path > AT_REST and path > 1.1 * abs(
-        float(x[-1] - x[0])
-    )  # a path without a reversal ends where it is farthest
+    x = measured.displacement
+    if not float(np.ptp(x[near])) > AT_REST:
+        return False
+    return any(_turns(x, near.start + int(extreme(x[near])), 4 * n, measured) for extreme in (np.argmax, np.argmin))
+
+
+def _turns(x: Array, at: int, reach: int, measured: Measured) -> bool:
+    """Whether the table leaves this sample to the side that it came from, be it slowly: a motor with friction sticks there."""
+    jitter = 1.5 * measured.rig.encoder.count  # a reading strays by a count at the border of two
+    sides = []
+    for away in (x[max(0, at - reach) : at][::-1] - x[at], x[at : at + reach] - x[at]):
+        beyond = away[np.abs(away) > jitter]
+        sides.append(np.sign(beyond[0]) if beyond.size else 0.0)
+    return bool(sides[0] == sides[1] != 0.0)
 
 
 def _reverses(x: Array) -> bool:
