@@ -26,7 +26,7 @@ from dampyr.identification import (
 )
 from dampyr.identification.identify import reasons_of_choice
 from dampyr.identification.leaderboard import choice_in_words, enough_records, optimism, standard_error
-from dampyr.identification.score import Window
+from dampyr.identification.scoring_window import Window
 from dampyr.identification.screening import NOT_BEGUN, screening_set, shortened
 from dampyr.models import Damper, Interpolation, compose
 from dampyr.records import Record, read_campaign, with_velocity

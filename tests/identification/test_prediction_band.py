@@ -134,11 +134,31 @@ def test_what_a_band_says_as_numbers_text_and_figure(fitted: Fit, tmp_path: Path
     assert axes[0].get_ylabel() == "force [N]"
 
 
+def test_a_score_has_a_band_where_it_is_asked_for_one(fitted: Fit) -> None:
+    assert fitted.damper is not None
+    record = unseen(2)
+    plain, with_band = score(fitted.damper, record), score(fitted.damper, record, band=0.9)
+    assert plain.band is None
+    assert "band" not in plain.as_dict()
+    assert with_band.band is not None
+    assert with_band.band.holds == prediction_band(fitted.damper, record, 0.9).holds
+    assert replace(with_band, band=None) == plain
+    printed = repr(with_band)
+    assert "90 % band" in printed
+    assert f"holds {100 * with_band.band.holds:.3g} % of the samples" in printed
+    assert f"width ± {100 * with_band.band.width:.3g} % of the mean force" in printed
+    assert with_band.as_dict()["band"] == with_band.band.as_dict()
+    with pytest.raises(InputError, match="has no prediction error"):
+        score(replace(fitted.damper, prediction_error=None), record, band=0.9)
+
+
 @pytest.mark.parametrize("level", [0.0, 1.0, 90.0])
 def test_a_level_that_is_no_share_is_refused(fitted: Fit, level: float) -> None:
     assert fitted.damper is not None
     with pytest.raises(InputError, match=r"it must lie between 0 and 1, such as 0\.9 for 90 %"):
         prediction_band(fitted.damper, unseen(0), level)
+    with pytest.raises(InputError, match=r"it must lie between 0 and 1"):
+        score(fitted.damper, unseen(0), band=level)
     with pytest.raises(InputError):
         ValidateOptions(band=level)
 

@@ -6,7 +6,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import compare, score
-from dampyr.identification.score import scorable, scoring_window
+from dampyr.identification.scoring_window import scorable, scoring_window
 from dampyr.models import Damper
 from dampyr.records import Record, motion_start
 

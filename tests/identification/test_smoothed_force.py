@@ -12,7 +12,8 @@ from dampyr.identification import accept, cross_validate, fit, score, validate
 from dampyr.identification.fit import prepared
 from dampyr.identification.fit_data import piece, thinned, weighted
 from dampyr.identification.normal_equations import products
-from dampyr.identification.score import prediction, too_short
+from dampyr.identification.score import prediction
+from dampyr.identification.scoring_window import too_short
 from dampyr.models import Constant, Damper, WithTemperature
 from dampyr.records import Declaration, MovingAverage, Record, cut, motion_start, with_smoothing
 

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import BaseModel, Field
 
 from dampyr.identification import IdentifyOptions, ValidateOptions
-from dampyr.identification.score import SETTLING
+from dampyr.identification.scoring_window import SETTLING
 
 Keys = Annotated[list[str], Field(min_length=1, max_length=200, description="Keys of records.")]
 Model = Annotated[str, Field(max_length=120, description="Such as dahl + spring.")]

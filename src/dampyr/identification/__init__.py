@@ -24,7 +24,8 @@ from dampyr.identification.prediction_band import Band, Interval, prediction_ban
 from dampyr.identification.profile_likelihood import Profile, profile
 from dampyr.identification.residuals import Residuals, Trace, analyse
 from dampyr.identification.result import residuals
-from dampyr.identification.score import Score, Window, compare, prediction, score
+from dampyr.identification.score import Score, compare, prediction, score
+from dampyr.identification.scoring_window import Window
 from dampyr.identification.screening import Screened, Trial
 from dampyr.identification.specimens import Specimens, Spread, fit_specimens
 from dampyr.identification.validate import Validated, ValidateOptions, validate

@@ -16,7 +16,7 @@ from dampyr.identification.parametrisation import columns, held_twins
 from dampyr.identification.problem import Problem, checked_nuisances
 from dampyr.identification.result import Fit, Nuisance, build_fit
 from dampyr.identification.robust import check_loss, iteratively_reweighted
-from dampyr.identification.score import SETTLING, check_settling
+from dampyr.identification.scoring_window import SETTLING, check_settling
 from dampyr.identification.variable_projection import MAX_ITERATIONS, search
 from dampyr.models import Composition, Damper, compose
 from dampyr.records import Record, check_bandwidth

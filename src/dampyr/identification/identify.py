@@ -22,7 +22,8 @@ from dampyr.identification.leaderboard import BUDGET, Leaderboard, leaderboard
 from dampyr.identification.levels import PRIOR_SESSION, check_prior
 from dampyr.identification.motion_coverage import beyond_the_fitted
 from dampyr.identification.robust import LOSSES, check_loss
-from dampyr.identification.score import SETTLING, Score, check_settling, scorable, score
+from dampyr.identification.score import Score, score
+from dampyr.identification.scoring_window import SETTLING, check_settling, scorable
 from dampyr.identification.screening import held_in
 from dampyr.identification.specimens import Specimens, fit_specimens
 from dampyr.identification.splits import PARTS, split_tasks

@@ -37,7 +37,8 @@ import numpy as np
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import parallel
 from dampyr.identification.fit import Fit, fit
-from dampyr.identification.score import SETTLING, scorable, score, too_short
+from dampyr.identification.score import score
+from dampyr.identification.scoring_window import SETTLING, scorable, too_short
 from dampyr.identification.screening import (
     BETWEEN,
     PAIRS,

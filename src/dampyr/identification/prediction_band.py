@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.score import SETTLING, Window, scoring_window, whole_cycles
+from dampyr.identification.scoring_window import SETTLING, Window, scoring_window, whole_cycles
 from dampyr.models import Damper
 from dampyr.models.prediction_error import force_draws
 from dampyr.records import Record, with_velocity
@@ -67,6 +67,11 @@ class Band(Representation):
     energy: Interval | None
     session: str | None
     window: Window
+
+    @property
+    def words(self) -> str:
+        """What it holds and how wide it is."""
+        return f"holds {percent(self.holds)} of the samples, width ± {percent(self.width)} of the mean force"
 
     def _summary(self) -> Summary:
         where = "a new session" if self.session is None else f"the session {self.session}"

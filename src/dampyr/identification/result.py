@@ -22,7 +22,8 @@ from dampyr.identification.levels import PRIOR_SESSION, Levels, levels_and_error
 from dampyr.identification.normal_equations import modelled_force
 from dampyr.identification.problem import Problem
 from dampyr.identification.residuals import Residuals, Trace, analyse, motion
-from dampyr.identification.score import SETTLING, Score, compare, too_short
+from dampyr.identification.score import Score, compare
+from dampyr.identification.scoring_window import SETTLING, too_short
 from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.identification.variable_projection import Outcome
 from dampyr.models import Damper

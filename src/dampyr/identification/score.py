@@ -26,44 +26,28 @@ level is known.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.identification.prediction_band import Band, check_level, prediction_band
+from dampyr.identification.scoring_window import MIN_SCORED, SETTLING, Window, scoring_window, whole_cycles
 from dampyr.models import Damper
-from dampyr.records import Record, cycles, motion_start, with_velocity
+from dampyr.records import Record, cycles, with_velocity
 from dampyr.records.moving_average import averaged
-from dampyr.records.smoothing import comparable, force_average
+from dampyr.records.smoothing import force_average
 from dampyr.representation import Representation, Summary, percent
 
 Array = NDArray[np.float64]
-SETTLING = 2.0  # s after the motion starts: the unknown past is forgotten by then
-MIN_SCORED = 8  # samples: fewer make no loop
-SCORED_SHARE = 0.25  # of the motion: where settling leaves less, what is scored does not stand for the record
 SMALL = 0.01  # of half the range of the force: below it the pointwise error divides by nothing
 RELEVEL_CYCLES = 2  # whole cycles that give the level: one could hold a false sample
 RELEVEL_SHARE = 0.2  # of the window, where the motion does not repeat
 TAIL = 0.01  # of the samples at either end of the range: more false ones than a record has that is worth a score
 Centre = Literal["quantiles", "midrange"]
-
-
-@dataclass(frozen=True)
-class Window:
-    """The samples that a score was computed on."""
-
-    first: int
-    last: int
-    start: float
-    end: float
-
-    @property
-    def slice(self) -> slice:
-        """As an index."""
-        return slice(self.first, self.last + 1)
 
 
 @dataclass(frozen=True, repr=False)
@@ -72,7 +56,8 @@ class Score(Representation):
 
     ``energy`` is per cycle (of the whole cycles in the window), NaN where there is none. ``offset`` in N is what was
     taken from the record. ``window`` says which samples. ``level`` is the factor that the first cycles put on the
-    model's force, ``relevelled_l1`` the L1 ratio of the rest with it; both are NaN where too little is left.
+    model's force, ``relevelled_l1`` the L1 ratio of the rest with it; both are NaN where too little is left. ``band`` is the
+    predictive band where `score` was asked for one.
     """
 
     l1: float
@@ -85,9 +70,10 @@ class Score(Representation):
     window: Window
     level: float = math.nan
     relevelled_l1: float = math.nan
+    band: Band | None = None
 
     def _summary(self) -> Summary:
-        return f"Score, L1 {percent(self.l1)}", [
+        rows = [
             ("NRMSE", f"{percent(self.nrmse)}, R² {self.r2:.4g}"),
             ("pointwise", percent(self.pointwise)),
             ("peak force", f"{100 * self.peak_force:+.3g} % against the measured one"),
@@ -96,10 +82,15 @@ class Score(Representation):
             ("offset", f"{self.offset:.4g} N"),
             ("window", f"{self.window.start:.4g} … {self.window.end:.4g} s"),
         ]
+        if self.band is not None:
+            rows.append((f"{percent(self.band.level)} band", self.band.words))
+        return f"Score, L1 {percent(self.l1)}", rows
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain numbers, for JSON."""
-        return asdict(self)
+        """Plain numbers, for JSON; ``band`` is there where there is one."""
+        values = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "band"}
+        band = {} if self.band is None else {"band": self.band.as_dict()}
+        return values | {"window": asdict(self.window)} | band
 
 
 def score(
@@ -109,13 +100,15 @@ def score(
     window: tuple[float, float] | None = None,
     allow_extrapolation: bool = False,
     centre: Centre = "quantiles",
+    band: float | None = None,
 ) -> Score:
     """Run ``damper`` freely along ``record`` and compare.
 
     The window goes from ``settling`` s after the motion starts to the end, or is ``window`` = (from, to) in s. ``centre`` is
     what the L1 ratio measures the force from: the middle of its ``"quantiles"``, or the ``"midrange"`` as (3.1) of Raminelli
-    (2020). Raises
-    :class:`~dampyr.errors.InputError` where the record's input is not the damper's, or too little is left of the motion.
+    (2020). ``band`` = 0.9 adds the `prediction_band` that is to hold 90 % of the force, and what it holds. Raises
+    :class:`~dampyr.errors.InputError` where the record's input is not the damper's, too little is left of the motion, or the
+    card has nothing to make a band of.
 
     Examples
     --------
@@ -128,7 +121,13 @@ def score(
     >>> dp.identification.score(damper, record).l1 < 1e-4
     True
     """
-    return compare(record, prediction(damper, record, allow_extrapolation), settling, window, centre)
+    if band is not None:
+        check_level(band)
+    plain = compare(record, prediction(damper, record, allow_extrapolation), settling, window, centre)
+    if band is None:
+        return plain
+    made = prediction_band(damper, record, band, settling, window, allow_extrapolation=allow_extrapolation)
+    return replace(plain, band=made)
 
 
 def prediction(damper: Damper, record: Record, allow_extrapolation: bool = False) -> Array:
@@ -157,66 +156,6 @@ def prediction(damper: Damper, record: Record, allow_extrapolation: bool = False
     )
     average = force_average(record)
     return force if average is None else averaged(force, *average.reach(record.dt))
-
-
-def check_settling(settling: float) -> None:
-    """:class:`~dampyr.errors.InputError` unless ``settling`` is a time in s."""
-    if not (math.isfinite(settling) and settling >= 0.0):
-        raise InputError(f"settling = {settling:g} s is not allowed; it must be finite and at least 0")
-
-
-def scoring_window(record: Record, settling: float = SETTLING, window: tuple[float, float] | None = None) -> Window:
-    """The samples from ``settling`` s after the motion starts, or those between the two times of ``window``.
-
-    Of a force that went through a moving average which is not undone, only those with whole windows.
-    """
-    if window is None and (reason := too_short(record, settling)):
-        raise InputError(f"{record.name}: {reason}")
-    start, end = window or (motion_start(record) + settling, float(record.time[-1]))
-    whole = comparable(record)
-    inside = np.flatnonzero((record.time >= start - 1e-9) & (record.time <= end + 1e-9))
-    inside = inside[(inside >= whole.start) & (inside < whole.stop)]
-    if inside.size < MIN_SCORED:
-        raise InputError(
-            f"{record.name}: the window {start:.3g} to {end:.3g} s holds {inside.size} samples; the record ends at "
-            f"{record.time[-1]:.3g} s, so give another window=(from, to)"
-        )
-    return Window(int(inside[0]), int(inside[-1]), float(record.time[inside[0]]), float(record.time[inside[-1]]))
-
-
-def too_short(record: Record, settling: float = SETTLING) -> str:
-    """Why ``settling`` s leave too little of a record to be scored, in words; empty where they do not."""
-    start, average = motion_start(record), force_average(record)
-    first, end = start, float(record.time[-1])
-    if average is not None:
-        whole = comparable(record)
-        if whole.stop - whole.start < MIN_SCORED:
-            return (
-                f"its force is smoothed over {average.window:.3g} s, and its {record.n} samples hold "
-                f"{whole.stop - whole.start} with a whole window; give a longer record"
-            )
-        first, end = max(start, float(record.time[whole.start])), float(record.time[whole.stop - 1])
-    motion = end - first
-    remaining = end - max(start + settling, first)
-    enough = max(SCORED_SHARE * motion, MIN_SCORED * record.dt)
-    if remaining >= enough:
-        return ""
-    limit = max(end - start - enough, 0.0)
-    lasts = "lasts" if average is None else f"less what its moving average of {average.window:.3g} s leaves out lasts"
-    return (
-        f"its motion {lasts} {motion:.3g} s and settling takes the first {settling:g} s of it, so {max(remaining, 0.0):.2g} s "
-        f"({max(int(remaining / record.dt), 0)} samples) would stand for the whole; give a settling of at most "
-        f"{0.95 * limit:.2g} s or a window=(from, to)"
-    )
-
-
-def scorable(records: Sequence[Record], settling: float = SETTLING) -> dict[str, str]:
-    """The records that cannot be scored, and why; :class:`~dampyr.errors.InputError` where none can."""
-    reasons = {record.name: reason for record in records if (reason := too_short(record, settling))}
-    if reasons and len(reasons) == len(records):
-        name, reason = next(iter(reasons.items()))
-        raise InputError(f"no record is long enough to be scored; {name}: {reason}")
-    return reasons
 
 
 def span(force: Array) -> tuple[float, float]:
@@ -291,12 +230,6 @@ def _relevelled(record: Record, force: Array, where: Window, centre: Centre) -> 
     error = level * force[rest] - later
     centred = later - 0.5 * sum(span(later) if centre == "quantiles" else (later.min(), later.max()))
     return level, float(np.sum(np.abs(error - np.mean(error))) / max(np.sum(np.abs(centred)), 1e-300))
-
-
-def whole_cycles(record: Record, where: Window) -> tuple[slice, int] | None:
-    """The samples of the whole cycles in a window, and how many cycles these are; None where there is none."""
-    spans = [(a, b) for a, b in cycles(record) if a >= where.first and b <= where.last]
-    return (slice(spans[0][0], spans[-1][1] + 1), len(spans)) if spans else None
 
 
 def _energy_error(record: Record, force: Array, where: Window) -> float:

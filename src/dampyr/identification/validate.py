@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
 from dampyr.identification.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
-from dampyr.identification.score import SETTLING, Array, Score, check_settling, compare, group_by_input, prediction
+from dampyr.identification.score import Array, Score, compare, group_by_input, prediction
+from dampyr.identification.scoring_window import SETTLING, check_settling
 from dampyr.identification.validation import mean_relevelled, score_columns, score_table
 from dampyr.models import Damper
 from dampyr.records import Record, nominal_inputs, write_comparison

@@ -16,7 +16,8 @@ import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import fit
-from dampyr.identification.score import SETTLING, Score, check_settling, scorable, score
+from dampyr.identification.score import Score, score
+from dampyr.identification.scoring_window import SETTLING, check_settling, scorable
 from dampyr.identification.splits import Target, Task, split_tasks
 from dampyr.models import Composition, Damper
 from dampyr.records import Record, check_bandwidth, motion_start
