@@ -1,6 +1,6 @@
 """Records chosen by their motion alone, and how well these few predict the others."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +13,11 @@ from dampyr.errors import InputError
 from dampyr.identification import fit, score
 from dampyr.records import Record, read_campaign
 
-Array = np.ndarray
 RATIO = 1.1  # of the error of fits to all others
-MODELS = ("dahl", "hyperbolic_tangent + compliance + spring")
+STATED = [
+    ("dahl", 3000, {"all": [0.920, 0.952], "every voltage": [0.887, 0.932]}),
+    ("hyperbolic_tangent + compliance + spring", 1000, {"all": [0.968, 0.989], "every voltage": [0.956, 0.985]}),
+]
 
 
 def line(n: int = 6) -> list[Record]:
@@ -49,69 +51,79 @@ def test_what_is_no_choice_is_refused() -> None:
         choose_records(unknown, 2)
 
 
-def by_input(each: Array, volts: Array) -> float:
-    """The mean L1, every input counting the same; NaN is left out."""
-    return float(np.mean([np.nanmean(each[volts == u]) for u in np.unique(volts)]))
+class Voltages:
+    """L1 of fits to records of one voltage: laws are values there, so the records of another voltage do not matter."""
 
+    def __init__(self, model: str, records: Sequence[Record]) -> None:
+        self.model, self.records = model, records
+        self.volts = np.array([r.input_value for r in records])
+        self.l1: dict[tuple[int, ...], dict[int, float]] = {}
+        self.alone = {k: self.by(self.others((k,)))[k] for k in range(len(records))}
 
-def misses(model: str, records: Sequence[Record], chosen: Sequence[int]) -> Array:
-    """The L1 (n,) of each record by a fit to the chosen ones, NaN for these."""
-    damper = fit(model, [records[k] for k in chosen]).damper
-    assert damper is not None
-    return np.array([np.nan if k in chosen else score(damper, r).l1 for k, r in enumerate(records)])
+    def others(self, chosen: tuple[int, ...]) -> tuple[int, ...]:
+        at = np.flatnonzero(self.volts == self.volts[chosen[0]])
+        return tuple(int(k) for k in at if k not in chosen)
 
+    def by(self, chosen: tuple[int, ...]) -> dict[int, float]:
+        """The L1 of each other record of the voltage by a fit to the chosen ones."""
+        if chosen not in self.l1:
+            damper = fit(self.model, [self.records[k] for k in chosen]).damper
+            assert damper is not None
+            self.l1[chosen] = {k: score(damper, self.records[k]).l1 for k in self.others(chosen)}
+        return self.l1[chosen]
 
-def left_out(model: str, records: Sequence[Record], volts: Array) -> Array:
-    """The L1 (n,) of each record by a fit to all others at its voltage: laws are values there, so no other record matters."""
-    out = np.zeros(len(records))
-    for k, record in enumerate(records):
-        others = [r for j, r in enumerate(records) if j != k and volts[j] == volts[k]]
-        damper = fit(model, others).damper
-        assert damper is not None
-        out[k] = score(damper, record).l1
-    return out
+    def of(self, chosen: Sequence[int]) -> tuple[float, float]:
+        """The mean L1 of all others, every voltage counting the same, and that over the one of fits to all others; infinite
+        where a voltage has no record, for a card of the rest does not reach to it or only guesses."""
+        plain, alone = [], []
+        for u in np.unique(self.volts):
+            at = tuple(sorted(int(k) for k in chosen if self.volts[k] == u))
+            if not at:
+                return np.inf, np.inf
+            if rest := self.others(at):
+                plain.append(np.mean([self.by(at)[k] for k in rest]))
+                alone.append(np.mean([self.alone[k] for k in rest]))
+        return float(np.mean(plain)), float(np.mean(plain) / np.mean(alone))
 
 
 @pytest.mark.prove
 @pytest.mark.filterwarnings("ignore::dampyr.errors.DampyrWarning")  # strokes beyond those of the eight
-@pytest.mark.parametrize(("model", "draws", "stated"), [(MODELS[0], 200, [0.905, 0.935]), (MODELS[1], 60, [0.95, 1.0])])
+@pytest.mark.parametrize(("model", "draws", "stated"), STATED)
 def test_eight_chosen_records_predict_the_rest(
-    model: str, draws: int, stated: list[float], campaign_folder: Path
+    model: str, draws: int, stated: dict[str, list[float]], campaign_folder: Path
 ) -> None:
-    """Of the 38 published records, against fits to all others and against random choices.
+    """Of the 38 published records, against fits to all others and against random choices of eight.
 
     Random choices leave other records to be predicted, some of them easier; so each counts over what fits to all others do on
-    the same rest. The plain errors are printed beside it.
+    the same rest. The plain errors, and the choices that hold every voltage alone, are beside it.
     """
     records = read_campaign(campaign_folder, role="fit")
-    volts = np.array([r.input_value for r in records])
     names = [r.name for r in records]
-    alone = left_out(model, records, volts)
+    voltages = Voltages(model, records)
+    chosen = [names.index(r.name) for r in choose_records(records, 8)]
+    ours = np.array(voltages.of(chosen))
+    joint = fit(model, [records[k] for k in chosen]).damper
+    assert joint is not None
+    each = {k: score(joint, records[k]).l1 for k in range(len(records)) if k not in chosen}
+    by_voltage = [np.mean([l1 for k, l1 in each.items() if voltages.volts[k] == u]) for u in np.unique(voltages.volts)]
+    assert float(np.mean(by_voltage)) == pytest.approx(ours[0], rel=1e-3)  # as one fit to all eight has it
 
-    def both(chosen: Sequence[int]) -> tuple[float, float]:
-        each = misses(model, records, chosen)
-        plain = by_input(each, volts)
-        return plain, plain / by_input(np.where(np.isnan(each), np.nan, alone), volts)
-
-    ours = both([names.index(r.name) for r in choose_records(records, 8)])
     rng = np.random.default_rng(0)
-
-    def random_of(allowed: Callable[[Array], bool]) -> Array:
-        table = []
-        while len(table) < draws:
-            chosen = rng.choice(len(records), 8, replace=False)
-            if allowed(volts[chosen]):
-                table.append(both([int(k) for k in chosen]))
-        return np.array(table)
-
-    every = random_of(lambda u: len(np.unique(u)) == 4)
-    worse = np.mean(every > np.array(ours), axis=0)
+    table = np.array([voltages.of(rng.choice(len(records), 8, replace=False)) for _ in range(draws)])
+    full = table[np.isfinite(table[:, 0])]
+    worse = {"all": np.mean(table > ours, axis=0), "every voltage": np.mean(full > ours, axis=0)}
+    lacking = 100 * (1 - len(full) / draws)
+    print(f"{model}: L1 {100 * ours[0]:.2f} %, {ours[1]:.3f} of fits to all others")
     print(
-        f"{model}: L1 {100 * ours[0]:.2f} %, {ours[1]:.3f} of fits to all others; better than {100 * worse[1]:.1f} % of "
-        f"{draws} random choices (plain errors: {100 * worse[0]:.1f} %); 5, 50 and 95 % of these have "
-        f"{np.quantile(every[:, 1], [0.05, 0.5, 0.95]).round(3)}"
+        f"{draws} random choices, {lacking:.1f} % lack a voltage; better than by plain errors and over fits to others:"
+    )
+    print({of: (100 * share).round(1).tolist() for of, share in worse.items()}, "%")
+    print(
+        f"over fits to others 5, 50 and 95 % of the full ones have {np.quantile(full[:, 1], [0.05, 0.5, 0.95]).round(3)}"
     )
     assert ours[1] <= RATIO
+    assert worse["all"][1] > 0.95
     # docs/how-to/plan-tests.md and decision 37 say so
     assert ours[1] == pytest.approx(0.99, abs=0.006)
-    assert worse.tolist() == pytest.approx(stated, abs=0.011)
+    for of, shares in stated.items():
+        assert worse[of].tolist() == pytest.approx(shares, abs=0.015), of

@@ -53,6 +53,14 @@ def test_a_target_ends_the_plan(tmp_path: Path) -> None:
     assert all(half <= 0.10 for label, half in halves.items() if label.startswith("dahl.kw"))
 
 
+@pytest.mark.prove
+def test_rounds_of_three_are_not_ended_by_a_spread_that_is_only_assumed(tmp_path: Path) -> None:
+    """After three records the assumed spread promises less than they already know; it is no reason to stop."""
+    planned = perform(tmp_path / "plan", targets={"dahl.rho": 5e-4}, tests=6, per_round=3)
+    assert [len(one.tests) for one in planned.rounds] == [3, 3]
+    assert planned.reason == "all 6 tests are performed"
+
+
 def test_a_folder_that_holds_something_else_is_refused_before_anything_moves(tmp_path: Path) -> None:
     folder = tmp_path / "plan"
     folder.mkdir()

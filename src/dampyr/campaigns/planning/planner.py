@@ -22,7 +22,7 @@ from dampyr.campaigns.campaign import read
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.perform import Watcher, perform
 from dampyr.campaigns.planning.choose import PeakGoal
-from dampyr.campaigns.planning.expected_information import expected, layout, learned
+from dampyr.campaigns.planning.expected_information import LEARNED_FROM, expected, layout, learned
 from dampyr.campaigns.planning.goal import peak_goal
 from dampyr.campaigns.planning.proposal import PlanOptions, Proposal, fitted, propose
 from dampyr.campaigns.run_control import Control
@@ -407,13 +407,19 @@ class _Loop:
         return True
 
     def _gains_little(self, proposal: Proposal) -> bool:
-        """Whether the intervals are expected to become narrower by next to nothing."""
+        """Whether what is aimed at is expected to become narrower by next to nothing; never where the spread of records is only
+        assumed, for that is not what the intervals of the fit know."""
+        if not proposal.spread.records >= LEARNED_FROM:
+            return False
         if proposal.peak_after is not None and proposal.peak_before is not None:
             return proposal.peak_after > (1.0 - NO_GAIN) * proposal.peak_before
+        aims = self.options.targets
         both = [
             (proposal.before[label], half)
             for label, half in proposal.after.items()
-            if label in proposal.before and np.isfinite(half)
+            if label in proposal.before
+            and np.isfinite(half)
+            and (not aims or label in aims or label.partition(" @ ")[0] in aims)
         ]
         if not both or any(not np.isfinite(before) for before, _ in both):
             return False
