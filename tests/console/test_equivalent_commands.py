@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("fastapi")
 
 from dampyr.cli import cli
+from dampyr.cli._motion import ratio
 from dampyr.console.building_schemas import EnsembleRequest, MotionRequest, ResponseRequest
 from dampyr.console.equivalent_commands import (
     WHERE,
@@ -44,11 +45,21 @@ def test_identification() -> None:
     assert (given["loss"], given["settling"]) == ("huber", 3.0)
     tried = parsed(identify_command(IdentifyRequest(records=KEYS, tried=["dahl", "bingham"])))
     assert (tried["model"], tried["tried"], tried["loss"]) == (None, ("dahl", "bingham"), "squares")
+    assert (
+        tried["session_prior"]
+        == parsed(identify_command(request.model_copy(update={"session_prior": 0.08})))["session_prior"]
+    )
+    prior = parsed(identify_command(IdentifyRequest(records=KEYS, model="dahl", session_prior=0.05)))
+    assert ratio(str(prior["session_prior"])) == 0.05
 
 
 def test_validation_and_acceptance() -> None:
     given = parsed(validate_command(ValidateRequest(records=KEYS, card="cards/x.toml", allow_extrapolation=True)))
     assert (str(given["card"]), given["allow_extrapolation"]) == ("cards/x.toml", True)
+    assert given["band"] == "90%"
+    for band, words in ((0.5, "0.5"), (None, "none")):
+        given = parsed(validate_command(ValidateRequest(records=KEYS, card="cards/x.toml", band=band)))
+        assert given["band"] == words
     request = AcceptanceRequest(
         key=KEYS, reference=["cards/x.toml"], tolerance=0.1, force=20, judge=["energy"], offset=-5
     )

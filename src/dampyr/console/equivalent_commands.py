@@ -43,7 +43,7 @@ def _options(request: Any, **flags: str) -> list[str]:
             words.append(flag)
             continue
         for each in value if isinstance(value, list) else [value]:
-            words += [flag, f"{each:g}" if isinstance(each, float) else str(each)]
+            words += [flag, f"{each:g}" if isinstance(each, float) else "none" if each is None else str(each)]
     return words
 
 
@@ -51,14 +51,14 @@ def identify_command(request: IdentifyRequest) -> str:
     """As ``dampyr identify``."""
     options = _options(
         request, model="--model", tried="--try", predict="--predict", loss="--loss", weighting="--weighting",
-        settling="--settling", bandwidth="--bandwidth",
+        settling="--settling", bandwidth="--bandwidth", session_prior="--session-prior",
     )  # fmt: skip
     return _command("identify", *_paths(request.records), *options)
 
 
 def validate_command(request: ValidateRequest) -> str:
     """As ``dampyr validate``."""
-    options = _options(request, settling="--settling", allow_extrapolation="--allow-extrapolation")
+    options = _options(request, settling="--settling", allow_extrapolation="--allow-extrapolation", band="--band")
     return _command("validate", request.card, *_paths(request.records), *options)
 
 

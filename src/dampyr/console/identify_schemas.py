@@ -7,6 +7,8 @@ from typing import Annotated
 from pydantic import BaseModel, Field
 
 from dampyr.identification import IdentifyOptions, ValidateOptions
+from dampyr.identification.levels import PRIOR_SESSION
+from dampyr.identification.prediction_band import LEVEL
 from dampyr.identification.scoring_window import SETTLING
 
 Keys = Annotated[list[str], Field(min_length=1, max_length=200, description="Keys of records.")]
@@ -28,6 +30,9 @@ class IdentifyRequest(BaseModel):
     weighting: str = Field(default="records", max_length=20)
     settling: float = Field(default=SETTLING, ge=0, le=1e4, allow_inf_nan=False, description="s, not scored.")
     bandwidth: float | None = Field(default=None, gt=0, le=1e5, allow_inf_nan=False, description="Of the velocity, Hz.")
+    session_prior: float = Field(
+        default=PRIOR_SESSION, ge=0, lt=1, allow_inf_nan=False, description="Of the levels of sessions, where none repeats."
+    )
 
     def options(self) -> IdentifyOptions:
         """The options of `dampyr.identification.identify`."""
@@ -40,6 +45,7 @@ class IdentifyRequest(BaseModel):
             weighting=self.weighting,
             settling=self.settling,
             bandwidth=self.bandwidth,
+            session_prior=self.session_prior,
         )
 
 
@@ -50,7 +56,8 @@ class ValidateRequest(BaseModel):
     card: str = Field(min_length=1, max_length=200)
     settling: float = Field(default=SETTLING, ge=0, le=1e4, allow_inf_nan=False, description="s, not scored.")
     allow_extrapolation: bool = False
+    band: float | None = Field(default=LEVEL, gt=0, lt=1, description="What each predictive band is to hold; null: none.")
 
     def options(self) -> ValidateOptions:
         """The options of `dampyr.identification.validate`."""
-        return ValidateOptions(self.settling, self.allow_extrapolation)
+        return ValidateOptions(self.settling, self.allow_extrapolation, self.band)

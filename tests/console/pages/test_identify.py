@@ -59,6 +59,7 @@ def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, da
         ({"records": KEYS[:1], "model": "dahl + nothing"}, "nothing"),
         ({"records": ["labcontrol/none.mat"], "model": "dahl"}, "no such file"),
         ({"records": KEYS[:1], "model": "dahl", "bandwidth": -1}, "greater than 0"),
+        ({"records": KEYS[:1], "model": "dahl", "session_prior": 8}, "less than 1"),
     ],
 )
 def test_a_wrong_question_is_a_sentence(client, campaign_folder, request_body, words):
@@ -70,6 +71,18 @@ def test_a_wrong_question_is_a_sentence(client, campaign_folder, request_body, w
 def test_only_validation_records_are_refused(client, finished, campaign_folder):
     job = client.post("/api/identify/jobs", json={"records": KEYS[2:], "model": "dahl"}).json()
     assert "only validation records" in finished(job["id"])["reason"]
+
+
+def test_the_levels_of_sessions_are_those_that_the_form_states(client, finished, campaign_folder):
+    """Each voltage was measured in one session, so that the spread of their levels is what is stated."""
+    warned = []
+    for prior in (0.08, 0.05):
+        body = {"records": KEYS[:2], "model": "dahl", "session_prior": prior}
+        result = finished(client.post("/api/identify/jobs", json=body).json()["id"])["result"]
+        assert result["data"]["levels"]["session_sd"] == pytest.approx(prior)
+        warned.append([words for words in result["warnings_of_fit"] if "session" in words])
+    assert all(warned)
+    assert warned[0] != warned[1]
 
 
 @pytest.mark.prove

@@ -24,6 +24,7 @@ export async function show(root, query) {
   const settling = h("input", { type: "text", inputmode: "decimal", value: "2" });
   const predict = choice([["", "no"], ...Object.entries(choices.splits)]);
   const bandwidth = h("input", { type: "text", inputmode: "decimal" });
+  const prior = h("input", { type: "text", inputmode: "decimal", value: "8" });
   const progress = h("div");
   const sheet = h("div");
   const past = before("identify", ["identify"], follow);
@@ -32,7 +33,7 @@ export async function show(root, query) {
       records.element,
       h("fieldset", {}, h("legend", {}, "Model"), field("Hysteresis", model),
         h("div", { class: "row", role: "group", "aria-label": "Added to it" }, ons.map(([, box]) => box))),
-      h("details", {}, h("summary", {}, "Fit options"), h("div", { class: "fields" }, field("Loss", loss), field("Weights", weighting), field("Validate", predict, "on records left out"), field("Velocity bandwidth, Hz", bandwidth, "derived; empty takes the recorded"), field("Settling, s", settling, "from the start of the motion, not scored"))),
+      h("details", {}, h("summary", {}, "Fit options"), h("div", { class: "fields" }, field("Loss", loss), field("Weights", weighting), field("Validate", predict, "on records left out"), field("Velocity bandwidth, Hz", bandwidth, "derived; empty takes the recorded"), field("Settling, s", settling, "from the start of the motion, not scored"), field("Session level, %", prior, "spread of the force between measurement sessions, where no input was repeated"))),
       h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried: minutes" })),
       past.element),
     h("div", {}, progress, sheet)));
@@ -45,9 +46,10 @@ export async function show(root, query) {
   async function start(wanted) {
     const request = { records: records.chosen(), model: wanted, loss: loss.value, weighting: weighting.value, predict: predict.value };
     try {
-      const [left, width] = [oneNumber(settling.value, "Settling"), oneNumber(bandwidth.value, "Velocity bandwidth")];
+      const [left, width, level] = [oneNumber(settling.value, "Settling"), oneNumber(bandwidth.value, "Velocity bandwidth"), oneNumber(prior.value, "Session level")];
       if (left !== null) request.settling = left;
       if (width !== null) request.bandwidth = width;
+      if (level !== null) request.session_prior = level / 100;
     } catch (problem) {
       return say(problem.message, "bad");
     }
@@ -136,8 +138,8 @@ function board(entries, words) {
   const percent = (value) => (typeof value === "number" ? 100 * value : value);
   return section("Which model predicts best", words.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`)), table({
     caption: "Every score is of a prediction: 3/4 of the error over records left out, 1/4 over inputs left out",
-    columns: [{ name: "model" }, { name: "error", unit: "%", digits: 3 }, { name: "±", unit: "%", digits: 2 }, { name: "L1", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
+    columns: [{ name: "model" }, { name: "error", unit: "%", digits: 3 }, { name: "±", unit: "%", digits: 2 }, { name: "L1", unit: "%", digits: 3 }, { name: "relevelled", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
       { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "fit", unit: "s", digits: 3 }, { name: "building" }],
-    rows: entries.map((e) => [e.model, percent(e.error), percent(e.standard_error), percent(e.l1), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.seconds, e.not_for_buildings ? "no" : "yes"]),
+    rows: entries.map((e) => [e.model, percent(e.error), percent(e.standard_error), percent(e.l1), percent(e.relevelled), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.seconds, e.not_for_buildings ? "no" : "yes"]),
   }));
 }
