@@ -39,6 +39,37 @@ def test_every_turning_point_is_found_once(make_sine, fault):
     assert np.max(np.abs(at[: len(truth)] - truth)) < (0.05 if fault.get("noise") else 0.02)
 
 
+def test_turning_points_are_those_of_every_sample_looked_at() -> None:
+    """Only extremes are looked at; here each sample is, on random walks, plateaus and rounded sines."""
+
+    def plain(x: np.ndarray, threshold: float) -> list[int]:
+        turns, low, high, direction = [], 0, 0, 0
+
+        def middle(first: int, end: int) -> int:
+            return (first + max(np.flatnonzero(x[first:end] == x[first])) + first) // 2
+
+        for i, value in enumerate(x):
+            high, low = (i if value > x[high] else high), (i if value < x[low] else low)
+            if direction >= 0 and x[high] - value > threshold:
+                turns += [middle(high, i)] if direction > 0 else []
+                direction, low, high = -1, i, i
+            elif direction <= 0 and value - x[low] > threshold:
+                turns += [middle(low, i)] if direction < 0 else []
+                direction, low, high = 1, i, i
+        return turns
+
+    rng = np.random.default_rng(0)
+    for k in range(600):
+        n = int(rng.integers(8, 80))
+        walk = (
+            np.cumsum(rng.integers(-2, 3, n)) if k % 2 else np.round(5 * np.sin(rng.uniform(0.1, 2.0) * np.arange(n)))
+        )
+        x = walk + (rng.normal(size=n) if k % 3 == 0 else 0.0)
+        threshold = float(rng.choice([0.5, 1.0, 1.5, 2.5]))
+        record = Record(np.arange(n) * 0.01, x.astype(float), np.zeros(n))
+        assert turning_points(record, threshold).tolist() == plain(x, threshold)
+
+
 def test_a_plateau_counts_once_and_in_its_middle():
     x = np.repeat([0.0, 1.0, 2.0, 3.0, 2.0, 1.0, 0.0, 1.0, 2.0, 3.0, 2.0, 1.0, 0.0], 5) * 1e-3
     t = 0.01 * np.arange(len(x))

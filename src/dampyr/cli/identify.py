@@ -207,7 +207,12 @@ def _numbers(given: tuple[str, ...]) -> dict[str, float]:
 def _print(result: Identified, records: list[Record]) -> None:
     if result.board:
         print_leaderboard(result.board)
-    _print_fit(result.fit, result.identifiability.lines)
+    from dampyr.identification.identifiability import SESSION_FINDING
+
+    # what the levels of the fit say of sessions, and how to settle it, is among its notes
+    said = result.fit.levels is not None and bool(result.fit.levels.settles)
+    inseparable = [one.brief for one in result.identifiability.findings if not (said and one.kind == SESSION_FINDING)]
+    _print_fit(result.fit, inseparable)
     for check in result.validations:
         _print_prediction(check, records)
     if result.predicted:

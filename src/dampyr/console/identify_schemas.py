@@ -31,7 +31,11 @@ class IdentifyRequest(BaseModel):
     settling: float = Field(default=SETTLING, ge=0, le=1e4, allow_inf_nan=False, description="s, not scored.")
     bandwidth: float | None = Field(default=None, gt=0, le=1e5, allow_inf_nan=False, description="Of the velocity, Hz.")
     session_prior: float = Field(
-        default=PRIOR_SESSION, ge=0, lt=1, allow_inf_nan=False, description="Of the levels of sessions, where none repeats."
+        default=PRIOR_SESSION,
+        ge=0,
+        lt=1,
+        allow_inf_nan=False,
+        description="Of the levels of sessions, where none repeats.",
     )
 
     def options(self) -> IdentifyOptions:
@@ -56,7 +60,9 @@ class ValidateRequest(BaseModel):
     card: str = Field(min_length=1, max_length=200)
     settling: float = Field(default=SETTLING, ge=0, le=1e4, allow_inf_nan=False, description="s, not scored.")
     allow_extrapolation: bool = False
-    band: float | None = Field(default=LEVEL, gt=0, lt=1, description="What each predictive band is to hold; null: none.")
+    band: float | None = Field(
+        default=LEVEL, gt=0, lt=1, description="What each predictive band is to hold; null: none."
+    )
 
     def options(self) -> ValidateOptions:
         """The options of `dampyr.identification.validate`."""

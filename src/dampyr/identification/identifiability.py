@@ -47,6 +47,7 @@ SINGULAR = 1e-9  # of the largest eigenvalue of the scaled information: below it
 DETERMINED = 1e-6  # of it: above it a direction is determined, if not well
 PART = 0.1  # of a direction's length: a number with less of it takes no part
 MIN_TRIED = 4  # records of a rank correlation of amplitude and frequency
+SESSION_FINDING = "input and session"
 INPUTS_TRIED = 5  # at most, of which motions are tried where records at several inputs share numbers
 
 
@@ -403,7 +404,7 @@ def _amplitude_and_frequency(fit: Fit) -> list[Finding]:
 
 def _input_and_session(fit: Fit) -> list[Finding]:
     """Inputs that share no measurement session, directly or through others."""
-    unit, kind = fit.problem.pieces[0].unit, "input and session"
+    unit, kind = fit.problem.pieces[0].unit, SESSION_FINDING
     word = INPUTS[unit]
     both = zip(fit.records, fit.problem.pieces, strict=True)
     records = [record for record, one in both if not np.ndim(one.u)]

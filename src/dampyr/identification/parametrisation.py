@@ -59,14 +59,15 @@ class Column:
             return np.concatenate(((1.0 - s) * over_input, s * over_input), axis=-1)
         if self.kind == "constant":
             return np.ones((*np.shape(u), 1))
-        at = np.asarray(u, dtype=float)[..., None]
+        at = np.asarray(u, dtype=float)
         knots = np.array(self.knots)
         if self.kind == "interpolation":
-            return np.asarray(np.abs(at - knots) <= 1e-12 + 1e-9 * np.abs(knots), dtype=float)
-        rows = [
-            np.prod((at - np.delete(knots, k)) / (knots[k] - np.delete(knots, k)), axis=-1) for k in range(knots.size)
-        ]
-        return np.stack(rows, axis=-1)
+            return np.asarray(np.abs(at[..., None] - knots) <= 1e-12 + 1e-9 * np.abs(knots), dtype=float)
+        out = np.ones((*at.shape, knots.size))
+        for k, knot in enumerate(knots):
+            for other in np.delete(knots, k):
+                out[..., k] *= (at - other) / (knot - other)
+        return out
 
     def value(self, theta: Array, u: Array | float, temperature: float = math.nan) -> Array:
         """The parameter at ``u`` and, where it depends on it, at a temperature in degC."""

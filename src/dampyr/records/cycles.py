@@ -78,7 +78,8 @@ def _zigzag(x: Array, threshold: float) -> NDArray[np.int64]:
     points: list[int] = []
     low = high = 0
     direction = 0
-    for i, value in enumerate(values):
+    for i in _extremes(x):
+        value = values[i]
         if value > values[high]:
             high = i
         if value < values[low]:
@@ -92,6 +93,18 @@ def _zigzag(x: Array, threshold: float) -> NDArray[np.int64]:
                 points.append(_plateau_middle(values, low, i))
             direction, low, high = 1, i, i
     return np.array(points, dtype=np.int64)
+
+
+def _extremes(x: Array) -> list[int]:
+    """The samples at which the displacement is highest or lowest among its neighbours, the first of each plateau: a leg in
+    between turns nowhere."""
+    moves = np.diff(x)
+    moving = np.flatnonzero(moves)
+    if not moving.size:
+        return [0]
+    rising = moves[moving] > 0.0
+    turns = np.append(np.flatnonzero(rising[1:] != rising[:-1]), moving.size - 1)
+    return [0, *(moving[turns] + 1).tolist()]
 
 
 def _plateau_middle(values: list[float], first: int, end: int) -> int:

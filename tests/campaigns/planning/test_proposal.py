@@ -1,5 +1,6 @@
 """A proposal: a campaign file that runs, with what it promises; and what is refused before anything moves."""
 
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -7,10 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.campaigns.planning.laboratory import DAHL
+from tests.identification.synthetic import sine
 
 from dampyr import campaigns, ground_motions, structures
 from dampyr.campaigns import Peak, Proposal, propose
 from dampyr.errors import FileError, InputError, RangeError
+from dampyr.records import Record
 from dampyr.rig import RigSettings
 from dampyr.to_json import plain
 
@@ -82,9 +85,37 @@ def test_what_cannot_be_planned_for_is_one_line(given: dict, words: str) -> None
         propose(DAHL, RIG, **{**QUICK, **given})
 
 
-def test_records_need_a_model_and_a_real_rig_needs_a_card() -> None:
-    from tests.identification.synthetic import sine
+def test_a_proposal_says_whether_its_tests_settle_what_sessions_do() -> None:
+    def records(*sessions: str | None) -> list[Record]:
+        return [
+            sine(DAHL, u, f"{u:g}V-{k}", 0.06 / (2 * np.pi * f), float(f), seconds=4.0).replace(
+                note="of a session", measurement_session=session
+            )
+            for u, session in zip((0.0, 1.98), sessions, strict=True)
+            for k, f in enumerate((0.5, 1.0, 2.0))
+        ]
 
+    def note(given: list[Record], **options: object) -> str:
+        proposed = propose(given, RIG, model="dahl", laws="polynomial:1", seconds=4.0, **options)  # type: ignore[arg-type]
+        return " ".join(proposed.notes)
+
+    steps = {"kinds": ("voltage_steps",), "tests": 1}
+    unstated = note(records(None, None), **steps)
+    assert (
+        "8 % (standard deviation) is assumed between sessions; these tests, made in one session, settle it" in unstated
+    )
+    assert "state the session of the earlier records, too (measurement_session)" in unstated
+    stated = note(records("Monday", "Tuesday"), **steps)
+    assert "no voltage was measured in two sessions" in stated
+    assert "state the session" not in stated
+    one = note(records("Monday", "Tuesday"), kinds=("sine",), tests=1)
+    assert re.search(r"add a test at (0|1\.98) V to the session of these tests", one)
+    assert "repeat one of these tests on another day or after a new mounting" in note(
+        records("Monday", "Monday"), **steps
+    )
+
+
+def test_records_need_a_model_and_a_real_rig_needs_a_card() -> None:
     with pytest.raises(InputError, match="records are given without a model; name one, such as dahl"):
         propose([sine(DAHL, 0.0)], RIG)
     wired = replace(RIG, wires=replace(RIG.wires, serial="COM3"))

@@ -30,9 +30,13 @@ SECONDS = 20.0  # of steady motion: as long as the median record of the publishe
 LOWEST = 0.41  # Hz: below it a test of twenty seconds has fewer than eight cycles
 HIGHEST = 3.83  # Hz: above it the original rig's motor, with its lag, does less than 2 mm; no whole number of samples a cycle,
 # or every reversal would lie at the same place between two samples
-FREQUENCIES = 6
+FREQUENCIES = 8  # with six, rounds repeat the same few motions, and intervals are up to twice as wide
 MARGIN = 0.95  # of the largest amplitude: a damper that is stronger than its card is tested, too
-SHARES = (MARGIN, 0.5, 0.25)  # of the largest amplitude at a frequency
+SHARES = (
+    MARGIN,
+    0.7,
+    0.5,
+)  # of the largest amplitude at a frequency; in smaller motions records differ by more than is assumed
 LEAST = 100.0  # counts of the encoder in an amplitude: below it they are a per cent of the motion
 LEVELS = 4  # inputs at which a law of a card without knots is tested: a cubic law needs as many
 SEEDS = (0, 1)  # of random motions

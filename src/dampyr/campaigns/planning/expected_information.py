@@ -256,7 +256,8 @@ def _eliminated(plan: Layout, problem: Problem, point: Point) -> Array:
     size = np.abs(point.theta)
     base = modelled_force(problem, point, 0)[one.comparable]
     J = np.zeros((base.size, problem.size))
-    for k in map(int, np.flatnonzero(~plan.held)):
+    seen = ~plan.held if problem.varying else ~plan.held & np.any(problem.matrix[0] != 0.0, axis=0)
+    for k in map(int, np.flatnonzero(seen)):
         step = RELATIVE_STEP * float(size[k])
         step = -step if point.theta[k] + step > high[k] else step
         theta = point.theta.copy()

@@ -388,7 +388,11 @@ def _proposed(
         peak=last.peak,
         peak_before=peak_before,
         peak_after=peak_after,
-        notes=(*notes, *_spread_notes(last.spread)),
+        notes=(
+            *notes,
+            *_spread_notes(last.spread),
+            *_session_notes(evidence, [test.candidate for test in tests], levels),
+        ),
     )
 
 
@@ -431,6 +435,23 @@ def _spread_notes(spread: Spread) -> tuple[str, ...]:
             "estimated",
         )
     return ()
+
+
+def _session_notes(evidence: Fit | None, tests: Sequence[Candidate], levels: Sequence[float]) -> tuple[str, ...]:
+    """Where the records do not show how measurement sessions differ: whether these tests, made in one, settle it."""
+    of_records = None if evidence is None else evidence.levels
+    if of_records is None or not of_records.settles:
+        return ()
+    if of_records.named and len(of_records.sessions) == 1:
+        return (f"{of_records.words}; to settle it, repeat one of these tests on another day or after a new mounting",)
+    tested = {u for test in tests for u in getattr(test.step, "voltages", (getattr(test.step, "voltage", None),))}
+    missing = [f"{u:g}" for u in levels if not any(v is not None and abs(u - v) < 1e-6 for v in tested)]
+    if missing:
+        do = f"add a test at {listing(missing)} V to the session of these tests: then each voltage is tested in two sessions"
+    else:
+        do = "these tests, made in one session, settle it, for they are at every voltage of the records"
+    state = "" if of_records.named else "; state the session of the earlier records, too (measurement_session)"
+    return (f"{of_records.words}; {do}{state}",)
 
 
 @dataclass(frozen=True, eq=False)
