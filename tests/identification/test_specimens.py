@@ -13,7 +13,7 @@ from scipy.stats import chi2, t
 import dampyr as dp
 from dampyr.cli import cli
 from dampyr.errors import InputError
-from dampyr.identification import Specimens, fit_specimens
+from dampyr.identification import Specimens, fit_specimens, score
 from dampyr.identification.random_effects import random_effects
 from dampyr.models import Damper
 from dampyr.records import Record, write
@@ -117,7 +117,7 @@ def test_the_table_is_relative_where_a_parameter_is_positive(five: Specimens) ->
     assert len(heads) == len(rows[0])
     assert rows[1][4].endswith(" %")
     assert list(five.to_dataframe().index) == list(five.spreads)
-    assert five.notes == ()
+    assert five.notes == (five.sessions,)
 
 
 def test_pooled_errors_share_what_records_differ_by_and_not_the_motions(five: Specimens) -> None:
@@ -145,6 +145,67 @@ def test_the_damper_of_the_mean_and_new_ones(five: Specimens) -> None:
     assert np.array_equal(table[:5], [one.values(0.0) for one in five.new_specimens(5, seed=1)])
 
 
+def test_the_type_has_bands_and_its_draws_are_specimens(five: Specimens, tmp_path: Path) -> None:
+    damper = dp.models.Damper.load(five.damper().save(tmp_path / "type.toml"))
+    error = damper.prediction_error
+    assert error is not None
+    assert (error.sessions, error.session_sd, error.freedom, error.within_sessions) == ((), 0.0, 4.0, None)
+    assert error.record_sd == pytest.approx(0.03, rel=0.5)
+    assert "contains that of sessions" in error.session_source
+    drawn = np.array([one.values(0.0) for one in damper.draws(3000, seed=2)]) / damper.values(0.0)
+    plain = np.sqrt(np.diag(damper.covariance)) / damper.coefficients
+    for k in range(3):
+        width = 0.5 * np.diff(np.quantile(drawn[:, k], [0.16, 0.84]))[0]
+        level = error.record_sd if k < 2 else 0.0  # rho has no newton
+        assert width == pytest.approx(
+            np.hypot(1.14 * plain[k], level), rel=0.08
+        )  # 1.14: Student's t of 4 degrees of freedom
+    record = specimen("another", TRUTH, np.random.default_rng(77), 1)[0]
+    one = score(damper, record, band=0.9)
+    assert one.band is not None
+    assert one.band.session is None
+
+
+def in_sessions(groups: dict[str, list[Record]], sessions: dict[str, str | None]) -> Specimens:
+    named = {
+        name: [each.replace(note="of a session", measurement_session=sessions[name]) for each in some]
+        for name, some in groups.items()
+    }
+    return fit_specimens("dahl", named)
+
+
+def test_it_says_whether_sessions_are_in_the_spread() -> None:
+    rng = np.random.default_rng(11)
+    groups = {f"damper {n}": specimen(f"damper {n}", TRUTH, rng, 4) for n in range(3)}
+    own = in_sessions(groups, {name: f"day of {name}" for name in groups})
+    assert "test one specimen in the sessions of others" in own.notes[-1]
+    assert own.damper().prediction_error.session_sd == 0.0
+    shared = in_sessions(groups, dict.fromkeys(groups, "Monday"))
+    assert (
+        "every specimen was tested in Monday, so the spread between specimens contains none of sessions" in shared.notes
+    )
+    assert shared.damper().prediction_error.session_sd == pytest.approx(0.08)
+    unnamed = in_sessions(groups, dict.fromkeys(groups))
+    assert "the records do not say in which measurement session each specimen was tested" in unnamed.notes[-1]
+
+
+@pytest.mark.prove
+def test_bands_of_a_type_hold_the_records_of_a_new_specimen() -> None:
+    """Six specimens of five records, 60 repeats, one record of another specimen each: 90 % bands."""
+    peaks, samples = [], []
+    for seed in range(60):
+        damper = fit_specimens("dahl", specimens(3000 + seed, number=6, count=5)).damper()
+        rng = np.random.default_rng(seed)
+        truth = {name: value * float(np.exp(SPREAD * rng.standard_normal())) for name, value in TRUTH.items()}
+        band = score(damper, specimen("another", truth, rng, 1)[0], band=0.9).band
+        assert band is not None
+        peaks.append(band.peak.holds)
+        samples.append(band.holds)
+    print(f"held {np.mean(peaks):.3f} of the peaks, {np.mean(samples):.3f} of the samples")
+    assert 0.83 <= np.mean(peaks) <= 0.99  # two standard errors of 60 repeats, about 0.9
+    assert 0.85 <= np.mean(samples) <= 0.97
+
+
 def test_what_goes_together_between_specimens_is_seen() -> None:
     rng, records = np.random.default_rng(5), []
     for n in range(8):
@@ -166,7 +227,7 @@ def test_specimens_and_numbers_that_cannot_be_used_are_named() -> None:
     for one in result.spreads.values():
         assert one.left_out == {"damper 3": "between-record variance is not estimated from 2 records"}
         assert set(one.estimates) == {"damper 0", "damper 1", "damper 2"}
-    assert len(result.notes) == 4
+    assert len(result.notes) == 5  # the last one says what of sessions is in the spread
     few = {name: some[:2] for name, some in groups.items() if name != "damper 0"}
     with pytest.raises(InputError, match="no number is determined in 3 specimens"):
         fit_specimens("dahl", few)

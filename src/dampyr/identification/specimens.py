@@ -34,6 +34,7 @@ from dampyr.identification.profile_likelihood import variance_ratios
 from dampyr.identification.random_effects import MIN_GROUPS, RandomEffects, random_effects
 from dampyr.identification.result import Fit
 from dampyr.models import Composition, Damper
+from dampyr.models.prediction_error import PredictionError, ShapeError
 from dampyr.records import Record
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing
 from dampyr.to_json import plain
@@ -116,7 +117,58 @@ class Specimens(Representation):
             notes.append(f"{label} has no spread: {why}")
         for one in self.spreads.values():
             notes += [f"{one.label}: {name} is left out: {why}" for name, why in one.left_out.items()]
-        return tuple(notes)
+        return (*notes, self.sessions)
+
+    @property
+    def sessions(self) -> str:
+        """Whether the spread between specimens can be told from that between measurement sessions, and the test that would."""
+        levels = [one.levels for one in self.fits.values()]
+        if not all(one is not None and one.named for one in levels):
+            return (
+                "the records do not say in which measurement session each specimen was tested, so the spread between specimens "
+                "contains that of sessions; state the sessions (measurement_session), and test one specimen in those of others"
+            )
+        shared = self._shared_sessions
+        if shared:
+            return (
+                f"every specimen was tested in {listing(sorted(shared))}, so the spread between specimens contains none of "
+                "sessions"
+            )
+        return (
+            "specimens were tested in measurement sessions of their own, so the spread between specimens contains that of "
+            "sessions; test one specimen in the sessions of others to tell them apart"
+        )
+
+    @property
+    def _shared_sessions(self) -> set[str]:
+        """The sessions in which every specimen was tested, of those that the records name."""
+        levels = [one.levels for one in self.fits.values()]
+        each = [set(one.sessions) if one is not None and one.named else set() for one in levels]
+        return set.intersection(*each)
+
+    def _prediction_error(self) -> PredictionError | None:
+        """That of a record of a new specimen: how records differ, by all specimens together, and sessions where the spread
+        contains none of theirs; None where a card lacks it."""
+        dampers = [one.damper for one in self.fits.values()]
+        errors = [one.prediction_error for one in dampers if one is not None and one.prediction_error is not None]
+        if len(errors) < len(dampers):
+            return None
+        record_sd, record_freedom = _pooled([(one.record_sd, one.record_freedom) for one in errors])
+        apart = bool(self._shared_sessions)
+        widest = max(errors, key=lambda one: one.session_sd)
+        return PredictionError(
+            record_sd=record_sd,
+            record_freedom=record_freedom,
+            session_sd=widest.session_sd if apart else 0.0,
+            session_freedom=widest.session_freedom if apart else math.inf,
+            session_source=widest.session_source if apart else self.sessions,
+            freedom=float(len(self.fits) - 1),
+            sessions=(),
+            directions=np.zeros((0, self._damper_of_reference.coefficients.size)),
+            session_levels=(),
+            session_errors=(),
+            shapes=_pooled_shapes([shape for one in errors for shape in one.shapes]),
+        )
 
     def damper(self) -> Damper:
         """The damper of the mean, with the covariance of a new specimen: its ``draws`` are specimens of this type.
@@ -132,6 +184,7 @@ class Specimens(Representation):
             covariance=T @ self._covariance @ T.T,
             ranges=_widest([one.ranges for one in dampers]),
             within_records=(),
+            prediction_error=self._prediction_error(),
             provenance={
                 "method": "mean of specimens, random effects (dampyr.identification.fit_specimens)",
                 "specimens": ", ".join(self.fits),
@@ -506,6 +559,40 @@ def _own_covariance(one: Fit, relative: NDArray[np.bool_]) -> Array:
     errors, values = np.array(list(one.stderr.values())), np.array(list(one.parameters.values()))
     spread = errors / np.where(relative, values, 1.0)
     return np.asarray(one.correlation * np.outer(spread, spread))
+
+
+def _pooled(spreads: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """One standard deviation of several with their degrees of freedom; that of the stated ones where none was estimated."""
+    estimated = [(sd, freedom) for sd, freedom in spreads if math.isfinite(freedom)]
+    if not estimated:
+        return max(sd for sd, _ in spreads), math.inf
+    total = sum(freedom for _, freedom in estimated)
+    return math.sqrt(sum(freedom * sd**2 for sd, freedom in estimated) / total), total
+
+
+def _pooled_shapes(shapes: Sequence[ShapeError]) -> tuple[ShapeError, ...]:
+    """The residual by input: its mean over the specimens, and its spread between their records and between them."""
+    by_input: dict[float, list[ShapeError]] = {}
+    for one in shapes:
+        by_input.setdefault(round(one.input, 6), []).append(one)
+    made = []
+    for u, some in sorted(by_input.items()):
+        means = np.array([one.shape_mean for one in some])
+        within = np.mean(np.square([one.shape_sd for one in some]), axis=0)
+        noise, white = (math.sqrt(np.mean([getattr(one, name) ** 2 for one in some])) for name in ("noise", "white"))
+        times = [one.noise_time for one in some if one.noise_time > 0.0]
+        made.append(
+            ShapeError(
+                input=u,
+                shape_mean=tuple(means.mean(axis=0)),
+                shape_sd=tuple(np.sqrt(within + means.var(axis=0))),
+                noise=noise,
+                noise_time=float(np.median(times)) if times else 0.0,
+                white=white,
+                records=sum(one.records for one in some),
+            )
+        )
+    return tuple(made)
 
 
 def _widest(ranges: Sequence[Mapping[str, tuple[float, float]]]) -> dict[str, tuple[float, float]]:

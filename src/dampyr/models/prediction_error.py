@@ -78,7 +78,8 @@ class PredictionError:
     coefficients with the logarithm of each one's level, ``session_levels`` their levels' logarithms against the fit and
     ``session_errors`` how well these are known. ``freedom`` are the degrees of freedom of the covariance;
     ``within_sessions`` (m, m) is the covariance that is left of it once the levels of the fitted sessions have been
-    taken out of its records, None where it is the same. ``shapes`` are the
+    taken out of its records, None where it is the same. Without ``sessions`` no level of theirs is in the coefficients but by
+    their covariance, as where that is one between specimens. ``shapes`` are the
     residuals by input; ``inputs`` the inputs at which each session was measured.
     """
 
@@ -103,8 +104,9 @@ class PredictionError:
         for name in ("record_freedom", "session_freedom", "freedom"):
             if not float(getattr(self, name)) > 0.0:
                 raise InputError(f"{name} = {getattr(self, name):g} is not allowed; it must be greater than 0, or inf")
-        directions = np.atleast_2d(np.array(self.directions, dtype=float))
         count = len(self.sessions)
+        directions = np.array(self.directions, dtype=float)
+        directions = np.atleast_2d(directions) if count else directions.reshape(0, directions.shape[-1])
         if not self.shapes or directions.shape[0] != count or not np.all(np.isfinite(directions)):
             raise InputError(
                 f"a prediction error needs one row of finite directions for each of its {count} sessions and one shape or more"
@@ -164,7 +166,8 @@ def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
         raise InputError(f"prediction_error lacks {missing[0]!r}; add it, or leave the table out")
     try:
         shapes = tuple(ShapeError(**one) for one in table["shapes"])
-        made = PredictionError(**(dict(table) | {"shapes": shapes, "directions": np.array(table["directions"])}))
+        directions = np.array(table["directions"]) if table["sessions"] else np.zeros((0, coefficients))
+        made = PredictionError(**(dict(table) | {"shapes": shapes, "directions": directions}))
     except (TypeError, ValueError) as problem:
         raise InputError(f"prediction_error: {problem}") from None
     if made.directions.shape[1] != coefficients:
