@@ -72,6 +72,7 @@ class BenchThread:
     def close(self) -> None:
         """Stop, disarm and let go of the rig, in order."""
         self.closing.set()
+        self.jobs.put(lambda: None)  # an idle thread looks at once, and not at its next poll
         self.control.stop()
         self._thread.join(timeout=20.0)
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from tests.campaigns.planning.laboratory import BANDWIDTH, DAHL, HYPERBOLIC_TANGENT, VOLTAGES, laboratory
 
-from dampyr import campaigns
-from dampyr.campaigns import kind, largest, plan_and_perform
+from dampyr import campaigns, ground_motions, structures
+from dampyr.campaigns import Peak, kind, largest, plan_and_perform
 from dampyr.errors import DampyrWarning
 from dampyr.identification import Fit, fit
 from dampyr.models import Damper
@@ -44,6 +44,34 @@ def test_intervals_shrink_as_promised(damper: Damper, fixed: dict[str, float], t
     mean, spread = np.exp(np.mean(logarithms)), np.exp(np.std(logarithms))
     print(f"all: {mean:.2f}, a single one within a factor of {spread:.2f}")
     assert 1.0 - PROMISED < mean < 1.0 + PROMISED
+
+
+@pytest.mark.prove
+def test_the_interval_of_a_peak_shrinks_as_promised(tmp_path: Path) -> None:
+    """Of the two-storey building in El Centro: six tests from the card, then six promised by what the first six say."""
+    settings = laboratory(tmp_path / "rig", DAHL)
+    ratios = []
+    for voltage, scale in ((0.8712, 0.3), (1.98, 1.0)):
+        peak = Peak(structures.two_storey(), ground_motions.el_centro().scaled(scale), voltage)
+        with simulated(settings, seed=1, in_process=True) as rig:
+            planned = plan_and_perform(
+                DAHL, rig, tmp_path / f"{voltage}", tests=12, per_round=6, seconds=12.0, bandwidth=BANDWIDTH, voltages=VOLTAGES,
+                goal="peak", peak=peak,
+            )  # fmt: skip
+        first, second = planned.rounds
+        assert first.peak_achieved is not None
+        assert second.peak_expected is not None
+        assert second.peak_achieved is not None
+        ratios.append(second.peak_achieved / second.peak_expected)
+        damper = planned.fit.damper
+        assert damper is not None
+        off = peak.value(damper.without("lag")) / peak.value(DAHL) - 1.0
+        print(
+            f"{peak.words}: promised {100 * second.peak_expected:.3f} %, achieved {100 * second.peak_achieved:.3f} %, "
+            f"{ratios[-1]:.2f} of it; off {100 * off:.3f} %"
+        )
+        assert second.peak_achieved < first.peak_achieved
+    assert abs(np.exp(np.mean(np.log(ratios))) - 1.0) < PROMISED
 
 
 def grid(settings: RigSettings) -> campaigns.Campaign:

@@ -53,14 +53,19 @@ class PeakGoal:
         return float(np.log(max(self.half(errors), 1e-12)))
 
     def half(self, errors: Expected) -> float:
-        """The half width over the peak, with the freedom of the coefficients that it depends on most."""
+        """The half width over the peak of expected errors."""
+        return self.half_of(errors.covariance, errors.freedom)
+
+    def half_of(self, covariance: Array, freedom: Array) -> float:
+        """The half width over the peak of this relative covariance (G, G), with the freedom of the coefficients that it depends
+        on most."""
         from scipy.special import stdtrit
 
         c = np.where(np.isfinite(self.gradient), self.gradient, 0.0)
-        parts = np.abs(c) * np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
-        freedom = float(parts @ errors.freedom / max(parts.sum(), 1e-300))
-        variance = max(float(c @ errors.covariance @ c), 0.0)
-        return float(stdtrit(max(freedom, 1.0), 0.975) * np.sqrt(variance))
+        parts = np.abs(c) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        mean = float(parts @ freedom / max(parts.sum(), 1e-300))
+        variance = max(float(c @ covariance @ c), 0.0)
+        return float(stdtrit(max(mean, 1.0), 0.975) * np.sqrt(variance))
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from dampyr.campaigns.planning.choose import ParameterGoal, PeakGoal
 from dampyr.campaigns.planning.expected_information import Layout
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import GroundMotion
+from dampyr.identification import Fit
 from dampyr.models import Damper
 from dampyr.representation import Representation, Summary
 from dampyr.structures import Building, respond
@@ -109,3 +110,19 @@ def peak_goal(plan: Layout, peak: Peak) -> tuple[PeakGoal, float]:
             f"no parameter of the damper changes {peak.words}; choose a voltage or a structure that it acts on"
         )
     return PeakGoal(gradient), value
+
+
+def peak_half_of_fit(fit: Fit, plan: Layout, goal: PeakGoal) -> tuple[float, float]:
+    """The half width of the peak's 95 % interval over the peak by the covariance of a fit, and its degrees of freedom.
+
+    Coefficients of the plan that the fit does not have, or has no error of, count as known.
+    """
+    places = {label: k for k, label in enumerate(fit.stderr)}
+    own = np.array([places.get(label, -1) for label in plan.labels])
+    sd = np.array([fit.stderr.get(label, 0.0) for label in plan.labels])
+    sd = np.where(np.isfinite(sd) & (plan.theta != 0.0), sd / np.where(plan.theta == 0.0, 1.0, np.abs(plan.theta)), 0.0)
+    correlation = np.where((own[:, None] >= 0) & (own >= 0), fit.correlation[np.ix_(own, own)], 0.0)
+    sign = np.sign(plan.theta)
+    covariance = np.nan_to_num(correlation) * np.outer(sign * sd, sign * sd)
+    freedom = np.array([fit.freedom.get(label, 1.0) for label in plan.labels])
+    return goal.half_of(covariance, freedom), float(np.median(freedom))

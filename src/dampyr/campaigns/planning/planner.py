@@ -21,9 +21,8 @@ from dampyr.atomic_write import write_whole
 from dampyr.campaigns.campaign import read
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.perform import Watcher, perform
-from dampyr.campaigns.planning.choose import PeakGoal
-from dampyr.campaigns.planning.expected_information import LEARNED_FROM, expected, layout, learned
-from dampyr.campaigns.planning.goal import peak_goal
+from dampyr.campaigns.planning.expected_information import LEARNED_FROM, layout
+from dampyr.campaigns.planning.goal import peak_goal, peak_half_of_fit
 from dampyr.campaigns.planning.proposal import PlanOptions, Proposal, fitted, propose
 from dampyr.campaigns.run_control import Control
 from dampyr.errors import InputError
@@ -367,13 +366,7 @@ class _Loop:
             return None
         plan = layout(evidence.damper, [p.u for p in evidence.problem.pieces], self.options.laws, self.options.fixed)
         goal, _ = peak_goal(plan, self.options.peak)
-        scale = np.outer(plan.theta, plan.theta)
-        sd = np.array([evidence.stderr[label] for label in plan.labels])
-        covariance = np.outer(sd, sd) * evidence.correlation / np.where(scale == 0.0, np.inf, scale)
-        spread, present = learned(evidence, plan)
-        base = expected(plan, present, spread, open_ends=True)
-        freedom = np.array([evidence.freedom[label] for label in plan.labels])
-        return PeakGoal(goal.gradient).half(replace(base, covariance=np.nan_to_num(covariance), freedom=freedom))
+        return peak_half_of_fit(evidence, plan, goal)[0]
 
     def _verdict(self, evidence: Damper | Fit, rounds: list[Round]) -> tuple[str, bool]:
         """Why no further round is performed, empty where one is; and whether the targets are met."""

@@ -28,7 +28,7 @@ from dampyr.campaigns.planning.expected_information import (
     layout,
     learned,
 )
-from dampyr.campaigns.planning.goal import GOALS, Peak, parameter_goal, peak_goal
+from dampyr.campaigns.planning.goal import GOALS, Peak, parameter_goal, peak_goal, peak_half_of_fit
 from dampyr.errors import InputError
 from dampyr.identification import Fit, fit
 from dampyr.models import Constant, Damper
@@ -359,7 +359,7 @@ def _proposed(
         pool.goal,
         [each.duration for each in candidates],
         np.inf if options.duration is None else options.duration,
-        enough=enough,
+        enough=enough - float(np.log(pool.peak_factor)),
         progress=lambda p: progress("choosing tests", p),
     )
     if not places:
@@ -372,7 +372,7 @@ def _proposed(
     after = expected(last.plan, [*last.present, *last.candidates], last.spread, factors=last.factors)
     tests = tuple(ProposedTest(candidates[k], last.improved_by(place, after)) for place, k in enumerate(places))
     before, peak_before = _before(damper, evidence, last, notes)
-    peak_after = last.goal.half(after) if isinstance(last.goal, PeakGoal) else None
+    peak_after = last.goal.half(after) * last.peak_factor if isinstance(last.goal, PeakGoal) else None
     return Proposal(
         tests=tests,
         values=dict(zip(last.plan.labels, map(float, last.plan.theta), strict=True)),
@@ -384,7 +384,7 @@ def _proposed(
         damper=damper,
         envelope=candidates_of,
         spread=last.spread,
-        reached=options.aimed and last.goal(after) <= enough,
+        reached=options.aimed and last.goal(after) + float(np.log(last.peak_factor)) <= enough,
         peak=last.peak,
         peak_before=peak_before,
         peak_after=peak_after,
@@ -465,6 +465,7 @@ class _Pool:
     goal: ParameterGoal | PeakGoal
     peak: float | None
     factors: Array
+    peak_factor: float
 
     def improved_by(self, place: int, after: Expected) -> dict[str, float]:
         """By how much each interval would be wider without the candidate at ``place``, the most first."""
@@ -505,7 +506,34 @@ class _Study:
             goal = parameter_goal(plan, self.options.targets)
         else:
             goal, peak = peak_goal(plan, self.options.peak)
-        return _Pool(plan, present, informations, spread, goal, peak, factors)
+        return _Pool(
+            plan,
+            present,
+            informations,
+            spread,
+            goal,
+            peak,
+            factors,
+            self._peak_factor(plan, present, spread, goal, factors),
+        )
+
+    def _peak_factor(
+        self,
+        plan: Layout,
+        present: Sequence[Information],
+        spread: Spread,
+        goal: ParameterGoal | PeakGoal,
+        factors: Array,
+    ) -> float:
+        """By which the half width of the peak by the fit differs from what is expected of the same records, shrunk as in
+        `calibration`: the correlations of the coefficients are in it, too."""
+        if self.evidence is None or not isinstance(goal, PeakGoal):
+            return 1.0
+        now = goal.half(expected(plan, present, spread, open_ends=True, factors=factors))
+        achieved, freedom = peak_half_of_fit(self.evidence, plan, goal)
+        if not (now > 0.0 and achieved > 0.0):
+            return 1.0
+        return float((achieved / now) ** (freedom / (freedom + 2.0)))
 
     def _with_lag(self) -> Damper:
         """The damper with a lag of its input, that of the rig's coil where it has none."""
@@ -529,9 +557,7 @@ def _before(
             if value and label in last.plan.labels
         }
         halves_by_label = {label: half if np.isfinite(half) else np.inf for label, half in halves.items()}
-        peak = None
-        if isinstance(last.goal, PeakGoal):
-            peak = last.goal.half(expected(last.plan, last.present, last.spread, True, last.factors))
+        peak = peak_half_of_fit(evidence, last.plan, last.goal)[0] if isinstance(last.goal, PeakGoal) else None
         return halves_by_label, peak
     if damper.covariance is None:
         notes.append("the card has no covariance, so how well it is known before these tests is not known")
