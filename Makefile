@@ -12,6 +12,8 @@ WORKERS ?= 2
 OUT ?= out/pictures
 # Generated tests draw the same examples each time, also where they go through sets.
 export PYTHONHASHSEED := 0
+# The tests start hundreds of interpreters: without bytecode each compiles all of dampyr, and each worker all of the tests.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help demo test prove endure check docs site bench pictures lock clean compiler octave chromium axe blas firmware firmware-tools
 

@@ -293,11 +293,19 @@ def test_every_public_class_has_an_example() -> None:
     assert sorted(set(map(label, public_classes())) - set(EXAMPLES)) == []
 
 
+@pytest.fixture(scope="module")
+def examples() -> dict[str, Any]:
+    """Those that were made already."""
+    return {}
+
+
 @pytest.fixture(params=sorted(EXAMPLES))
-def example(request: pytest.FixtureRequest, made: SimpleNamespace) -> Any:
-    one = EXAMPLES[request.param](made)
-    assert label(type(one)) == request.param
-    return one
+def example(request: pytest.FixtureRequest, made: SimpleNamespace, examples: dict[str, Any]) -> Any:
+    name = request.param
+    if name not in examples:
+        examples[name] = EXAMPLES[name](made)
+    assert label(type(examples[name])) == name
+    return examples[name]
 
 
 def test_its_text_is_a_few_lines_without_addresses(example: Any) -> None:
