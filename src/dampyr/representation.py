@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -155,6 +156,12 @@ def extent(values: Any, unit: str, factor: float = 1.0) -> str:
         return "no finite value"
     low, high = float(numbers.min()), float(numbers.max())
     return (f"{low:.4g} {unit}" if low == high else f"{low:.4g} … {high:.4g} {unit}").rstrip()
+
+
+def rounded(value: float, digits: int) -> str:
+    """A number to so many digits, without an exponent from a thousandth to a million: ``110`` and not ``1.1e+02``."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.15g}" if math.isfinite(value) and 1e-3 <= abs(value) < 1e6 else text
 
 
 def listing(items: Sequence[str], limit: int = 4) -> str:

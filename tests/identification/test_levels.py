@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
@@ -107,6 +108,19 @@ def test_intervals_between_sessions_widen_what_a_factor_on_the_force_changes() -
             assert half == pytest.approx(1.96 * PRIOR_SESSION * value, rel=0.02)
     with pytest.raises(InputError, match="choose 'records' or 'sessions'"):
         done.intervals(between="days")
+
+
+@pytest.mark.parametrize("freedom", [1.0, 2.0, 7.0, 30.0])
+def test_no_interval_between_sessions_is_narrower_than_that_between_records(freedom: float) -> None:
+    """Satterthwaite's degrees of freedom for a sum would make it so; the variances alone are in a closed form."""
+    levels = fit("dahl", campaign({"Monday": 1.0, "Tuesday": 0.9, "Friday": 1.08}, repeated=False)).levels
+    assert levels is not None
+    moved = PRIOR_SESSION * float(np.linalg.norm(levels.by_session[:, 0]))
+    for error in (0.01 * moved, 0.3 * moved, moved, 10.0 * moved):
+        reach = levels.reach_between_sessions(0, error, freedom, 0.95)
+        own = float(stdtrit(freedom, 0.975)) * error
+        assert reach > own
+        assert reach == pytest.approx(math.hypot(own, 1.959964 * moved), rel=1e-6)
 
 
 def test_the_direction_of_a_session_is_the_change_of_a_fit_to_stronger_records() -> None:

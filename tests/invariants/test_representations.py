@@ -26,7 +26,7 @@ from dampyr.figures import laws as law_figures
 from dampyr.figures import style
 from dampyr.figures.fragility import Fragile
 from dampyr.identification.residuals import motion
-from dampyr.representation import MAX_LETTERS, MAX_LINES, Representation, as_html, as_text
+from dampyr.representation import MAX_LETTERS, MAX_LINES, Representation, as_html, as_text, rounded
 from dampyr.rig.calibration import calibration_of
 from dampyr.structures.ensemble_run import synthetic_motions
 from dampyr.studies.raminelli_2020.study import Study
@@ -435,3 +435,12 @@ def test_long_texts_are_cut_and_html_is_escaped() -> None:
     assert "A &lt;title&gt;" in html
     assert "1 &lt; 2 &amp; 3" in html
     assert "and 16 more rows" in html
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [(110.4, 2, "110"), (12345.6, 4, "12350"), (0.012345, 2, "0.012"), (-645.23, 4, "-645.2"), (1.5e-7, 2, "1.5e-07"),
+     (2.34e8, 2, "2.3e+08"), (0.0, 2, "0"), (float("nan"), 2, "nan")],
+)  # fmt: skip
+def test_numbers_for_people_have_no_exponent_where_none_is_needed(value: float, digits: int, text: str) -> None:
+    assert rounded(value, digits) == text

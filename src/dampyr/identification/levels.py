@@ -71,19 +71,23 @@ class Levels(Representation):
         """The sessions in the order in which they occur."""
         return tuple(dict.fromkeys(self.session.values()))
 
-    def with_sessions(self, number: int, error: float, freedom: float) -> tuple[float, float]:
-        """The standard error of a fitted number between sessions, from that between records, and its degrees of freedom.
+    def reach_between_sessions(self, number: int, error: float, freedom: float, level: float) -> float:
+        r"""Half of the interval of a fitted number between sessions, from its standard error between records.
 
-        The two variances add up; the degrees of freedom are those of Satterthwaite (1946) for the sum.
+        .. math:: \sqrt{(t_\nu\, s)^2 + (t_S\, s_S)^2}
+
+        of both parts, Student's t each: the half widths of the two, and not their variances, are added in squares (variance
+        estimates recovered from intervals). It is never less than that of the records alone, as it could come out where
+        the sum's degrees of freedom (Satterthwaite) are more than theirs.
         """
-        moved = self.session_sd**2 * float(np.sum(self.by_session[:, number] ** 2))
-        total = error**2 + moved
-        if total == 0.0:
-            return error, freedom
-        own = (error**2) ** 2 / freedom + (
-            moved**2 / self.session_freedom if math.isfinite(self.session_freedom) else 0.0
+        from scipy.special import ndtri, stdtrit
+
+        moved = self.session_sd * float(np.linalg.norm(self.by_session[:, number]))
+        own, sessions = (
+            float(stdtrit(nu, 0.5 + 0.5 * level)) if math.isfinite(nu) else float(ndtri(0.5 + 0.5 * level))
+            for nu in (freedom, self.session_freedom)
         )
-        return math.sqrt(total), total**2 / own if own > 0.0 else math.inf
+        return math.hypot(own * error, sessions * moved)
 
     def _summary(self) -> Summary:
         return "Levels", [

@@ -29,7 +29,7 @@ from dampyr.identification.variable_projection import Outcome
 from dampyr.models import Damper
 from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.records import Record, cycles, motion_start
-from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, listing, percent
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, listing, percent, rounded
 from dampyr.units import for_people
 
 if TYPE_CHECKING:
@@ -226,10 +226,12 @@ class Fit(Representation):
     def _value_in_words(self, label: str, spans: Mapping[str, tuple[float, float]], factor: float) -> str:
         value, reach = factor * self.parameters[label], factor * (spans[label][1] - self.parameters[label])
         if label in self.within_records:
-            return f"{value:.4g} (no interval)"
+            return f"{rounded(value, 4)} (no interval)"
         if math.isnan(reach):
-            return f"{value:.4g} (at its limit)"
-        return f"{value:.4g} ± {reach:.2g}" if math.isfinite(reach) else f"{value:.4g} (not determined)"
+            return f"{rounded(value, 4)} (at its limit)"
+        if not math.isfinite(reach):
+            return f"{rounded(value, 4)} (not determined)"
+        return f"{rounded(value, 4)} ± {rounded(reach, 2)}"
 
     def _error_in_words(self, label: str, spans: Mapping[str, tuple[float, float]], factor: float) -> str:
         error, naive = self.stderr[label], self.naive_stderr[label]
@@ -238,7 +240,7 @@ class Fit(Representation):
         if not math.isfinite(error):
             return "not determined"
         where = ", within these records only" if label in self.within_records else ""
-        return f"{factor * error:.2g} ({factor * naive:.2g}){where}"
+        return f"{rounded(factor * error, 2)} ({rounded(factor * naive, 2)}){where}"
 
     @property
     def nuisance_spread(self) -> dict[str, float]:
@@ -270,8 +272,9 @@ class Fit(Representation):
         for k, (label, value) in enumerate(self.parameters.items()):
             error, freedom = self.stderr[label], self.freedom[label]
             if between == "sessions" and self.levels is not None and np.isfinite(error):
-                error, freedom = self.levels.with_sessions(k, error, freedom)
-            reach = float(t.ppf(0.5 + 0.5 * level, freedom)) * error
+                reach = self.levels.reach_between_sessions(k, error, freedom, level)
+            else:
+                reach = float(t.ppf(0.5 + 0.5 * level, freedom)) * error
             reach = np.nan if label in self.within_records else reach
             intervals[label] = (value - reach, value + reach)
         return intervals

@@ -139,7 +139,7 @@ function board(entries, words) {
   return section("Which model predicts best", words.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`)), table({
     caption: "Every score is of a prediction: 3/4 of the error over records left out, 1/4 over inputs left out",
     columns: [{ name: "model" }, { name: "error", unit: "%", digits: 3 }, { name: "±", unit: "%", digits: 2 }, { name: "L1", unit: "%", digits: 3 }, { name: "relevelled", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
-      { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "fit", unit: "s", digits: 3 }, { name: "building" }],
-    rows: entries.map((e) => [e.model, percent(e.error), percent(e.standard_error), percent(e.l1), percent(e.relevelled), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.seconds, e.not_for_buildings ? "no" : "yes"]),
+      { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "building" }],
+    rows: entries.map((e) => [e.model, percent(e.error), percent(e.standard_error), percent(e.l1), percent(e.relevelled), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.not_for_buildings ? "no" : "yes"]),
   }));
 }
