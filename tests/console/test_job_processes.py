@@ -67,6 +67,7 @@ def test_a_structure_of_a_file_is_offered_and_simulated(client, finished, data):
     np.testing.assert_allclose(result["cases"][0]["peak_displacement"], expected.peak_displacement, rtol=1e-12)
 
 
+@pytest.mark.prove
 def test_a_published_structure_tells_its_truncation(client, finished):
     request = {"building": {"kind": "published", "name": "ohtori_2004"}, "damper": {"inputs": [0.0]}}
     result = finished(client.post("/api/building/responses", json=request).json()["id"])["result"]

@@ -37,6 +37,7 @@ def test_one_record_gives_back_its_model_its_offset_and_its_start() -> None:
     assert fit_result.nuisances["test"].states["dahl.w"] == pytest.approx(-0.6, abs=1e-4)
 
 
+@pytest.mark.prove
 def test_all_six_normalised_bouc_wen_parameters_come_back() -> None:
     values = {"c0": 600.0, "k0": 900.0, "kw": 120.0, "rho": 700.0, "sigma": 1.6, "n": 1.4}
     truth = Damper("bouc_wen", {f"bouc_wen.{k}": v for k, v in values.items()})

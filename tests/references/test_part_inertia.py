@@ -12,6 +12,7 @@ from dampyr.models import Damper
 from dampyr.structures import respond, two_storey
 
 
+@pytest.mark.prove
 def test_a_building_carries_it_as_mass_that_the_ground_does_not_shake() -> None:
     building, motion = two_storey(), el_centro()
     mass = 0.2 * float(building.M[0, 0])

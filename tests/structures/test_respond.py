@@ -219,6 +219,7 @@ def test_energy_closes_and_its_residual_falls_with_the_step(cubics):
     assert np.all(np.diff(energy.viscous) >= 0)
 
 
+@pytest.mark.prove
 def test_fourth_order_in_the_step():
     """On a smooth damper without memory, halving the step divides the error by about sixteen."""
     soft = Damper(
