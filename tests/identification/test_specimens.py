@@ -117,7 +117,7 @@ def test_the_table_is_relative_where_a_parameter_is_positive(five: Specimens) ->
     assert len(heads) == len(rows[0])
     assert rows[1][4].endswith(" %")
     assert list(five.to_dataframe().index) == list(five.spreads)
-    assert five.notes == (five.sessions,)
+    assert five.notes == (five.about_sessions,)
 
 
 def test_pooled_errors_share_what_records_differ_by_and_not_the_motions(five: Specimens) -> None:

@@ -117,10 +117,10 @@ class Specimens(Representation):
             notes.append(f"{label} has no spread: {why}")
         for one in self.spreads.values():
             notes += [f"{one.label}: {name} is left out: {why}" for name, why in one.left_out.items()]
-        return (*notes, self.sessions)
+        return (*notes, self.about_sessions)
 
     @property
-    def sessions(self) -> str:
+    def about_sessions(self) -> str:
         """Whether the spread between specimens can be told from that between measurement sessions, and the test that would."""
         levels = [one.levels for one in self.fits.values()]
         if not all(one is not None and one.named for one in levels):
@@ -161,7 +161,7 @@ class Specimens(Representation):
             record_freedom=record_freedom,
             session_sd=widest.session_sd if apart else 0.0,
             session_freedom=widest.session_freedom if apart else math.inf,
-            session_source=widest.session_source if apart else self.sessions,
+            session_source=widest.session_source if apart else self.about_sessions,
             freedom=float(len(self.fits) - 1),
             sessions=(),
             directions=np.zeros((0, self._damper_of_reference.coefficients.size)),
