@@ -65,6 +65,18 @@ def test_a_peak_is_planned_for_by_its_gradient() -> None:
     assert 0.0 < planned.peak_after < 1.0
     with pytest.raises(RangeError, match="outside"):
         propose(DAHL, RIG, goal="peak", peak=replace(peak, voltage=3.5), tests=3, **QUICK)
+    # two records at 1.98 V do not say how records differ there, so the peak has no interval yet
+    few = [
+        sine(DAHL, u, f"{u:g}V-{k}", 0.06 / (2 * np.pi * f), float(f), seconds=4.0)
+        for u, n in ((0.0, 4), (1.98, 2))
+        for k, f in enumerate(np.geomspace(0.5, 2.0, n))
+    ]
+    options = QUICK | {"kinds": ("sine",), "laws": "interpolation", "model": "dahl"}
+    after_few = propose(few, RIG, goal="peak", peak=peak, tests=3, **options)
+    assert after_few.peak_before == np.inf
+    assert after_few.peak_after is not None
+    assert np.isfinite(after_few.peak_after)
+    assert "none ->" in repr(after_few)
 
 
 @pytest.mark.parametrize(

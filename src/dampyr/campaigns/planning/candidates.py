@@ -32,11 +32,8 @@ HIGHEST = 3.83  # Hz: above it the original rig's motor, with its lag, does less
 # or every reversal would lie at the same place between two samples
 FREQUENCIES = 8  # with six, rounds repeat the same few motions, and intervals are up to twice as wide
 MARGIN = 0.95  # of the largest amplitude: a damper that is stronger than its card is tested, too
-SHARES = (
-    MARGIN,
-    0.7,
-    0.5,
-)  # of the largest amplitude at a frequency; in smaller motions records differ by more than is assumed
+# Shares of the largest amplitude at a frequency: in smaller motions records differ by more than is assumed.
+SHARES = (MARGIN, 0.7, 0.5)
 LEAST = 100.0  # counts of the encoder in an amplitude: below it they are a per cent of the motion
 LEVELS = 4  # inputs at which a law of a card without knots is tested: a cubic law needs as many
 SEEDS = (0, 1)  # of random motions

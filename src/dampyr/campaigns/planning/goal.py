@@ -22,6 +22,8 @@ from dampyr.structures import Building, respond
 Array = NDArray[np.float64]
 GOALS = ("parameters", "peak")
 PEAKS = ("drift", "displacement", "acceleration")
+INSENSITIVE = 1e-6  # of a peak's logarithm by that of a coefficient: below it the peak does not depend on it
+NEGLIGIBLE = 1e-3  # of the same: were it unknown to a factor of two, the peak would be within what it is computed to
 STEP = 0.02  # of a coefficient, to either side: well above the 1e-3 to which peaks are computed
 
 
@@ -105,7 +107,7 @@ def parameter_goal(plan: Layout, targets: Mapping[str, float]) -> ParameterGoal:
 def peak_goal(plan: Layout, peak: Peak) -> tuple[PeakGoal, float]:
     """The goal of a peak, and the peak. Raises :class:`~dampyr.errors.InputError` where no parameter changes it."""
     gradient, value = peak.gradient(plan)
-    if not np.any(np.abs(gradient) > 1e-6):
+    if not np.any(np.abs(gradient) > INSENSITIVE):
         raise InputError(
             f"no parameter of the damper changes {peak.words}; choose a voltage or a structure that it acts on"
         )
@@ -115,14 +117,17 @@ def peak_goal(plan: Layout, peak: Peak) -> tuple[PeakGoal, float]:
 def peak_half_of_fit(fit: Fit, plan: Layout, goal: PeakGoal) -> tuple[float, float]:
     """The half width of the peak's 95 % interval over the peak by the covariance of a fit, and its degrees of freedom.
 
-    Coefficients of the plan that the fit does not have, or has no error of, count as known.
+    Infinite where the peak depends on a coefficient that the records do not determine, or that fewer than three of them do.
+    Coefficients of the plan that the fit does not have, or that stand at a limit, count as known.
     """
+    errors = np.array([fit.stderr.get(label, 0.0) for label in plan.labels])
+    depends = np.isfinite(goal.gradient) & (np.abs(goal.gradient) > NEGLIGIBLE) & ~plan.held
+    few = np.array([label in fit.within_records for label in plan.labels])
+    freedom = np.array([fit.freedom.get(label, 1.0) for label in plan.labels])
+    if np.any(depends & (few | np.isinf(errors))):
+        return np.inf, float(np.median(freedom))
     places = {label: k for k, label in enumerate(fit.stderr)}
     own = np.array([places.get(label, -1) for label in plan.labels])
-    sd = np.array([fit.stderr.get(label, 0.0) for label in plan.labels])
-    sd = np.where(np.isfinite(sd) & (plan.theta != 0.0), sd / np.where(plan.theta == 0.0, 1.0, np.abs(plan.theta)), 0.0)
+    sd = np.where(np.isfinite(errors), errors, 0.0) / np.where(plan.theta == 0.0, np.inf, plan.theta)
     correlation = np.where((own[:, None] >= 0) & (own >= 0), fit.correlation[np.ix_(own, own)], 0.0)
-    sign = np.sign(plan.theta)
-    covariance = np.nan_to_num(correlation) * np.outer(sign * sd, sign * sd)
-    freedom = np.array([fit.freedom.get(label, 1.0) for label in plan.labels])
-    return goal.half_of(covariance, freedom), float(np.median(freedom))
+    return goal.half_of(np.nan_to_num(correlation) * np.outer(sd, sd), freedom), float(np.median(freedom))

@@ -391,7 +391,7 @@ def _proposed(
         notes=(
             *notes,
             *_spread_notes(last.spread),
-            *_session_notes(evidence, [test.candidate for test in tests], levels),
+            *_session_notes(evidence, [test.candidate for test in tests]),
         ),
     )
 
@@ -437,15 +437,15 @@ def _spread_notes(spread: Spread) -> tuple[str, ...]:
     return ()
 
 
-def _session_notes(evidence: Fit | None, tests: Sequence[Candidate], levels: Sequence[float]) -> tuple[str, ...]:
+def _session_notes(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[str, ...]:
     """Where the records do not show how measurement sessions differ: whether these tests, made in one, settle it."""
     of_records = None if evidence is None else evidence.levels
-    if of_records is None or not of_records.settles:
+    if evidence is None or of_records is None or not of_records.settles:
         return ()
     if of_records.named and len(of_records.sessions) == 1:
         return (f"{of_records.words}; to settle it, repeat one of these tests on another day or after a new mounting",)
     tested = {u for test in tests for u in getattr(test.step, "voltages", (getattr(test.step, "voltage", None),))}
-    missing = [f"{u:g}" for u in levels if not any(v is not None and abs(u - v) < 1e-6 for v in tested)]
+    missing = [f"{u:g}" for u in _levels(evidence) if not any(v is not None and abs(u - v) < 1e-6 for v in tested)]
     if missing:
         do = f"add a test at {listing(missing)} V to the session of these tests: then each voltage is tested in two sessions"
     else:
@@ -531,7 +531,7 @@ class _Study:
             return 1.0
         now = goal.half(expected(plan, present, spread, open_ends=True, factors=factors))
         achieved, freedom = peak_half_of_fit(self.evidence, plan, goal)
-        if not (now > 0.0 and achieved > 0.0):
+        if not (np.isfinite(achieved) and now > 0.0 and achieved > 0.0):
             return 1.0
         return float((achieved / now) ** (freedom / (freedom + 2.0)))
 
