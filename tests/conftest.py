@@ -33,6 +33,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Workers do not know ``--endure`` when they are started: they would do a tenth, and the page would call it the whole."""
+    if config.getoption("--endure") and (
+        getattr(config.option, "numprocesses", None) or hasattr(config, "workerinput")
+    ):
+        raise pytest.UsageError("--endure runs in one process; leave out -n")
+
+
 @pytest.fixture
 def terminal_signals() -> Iterator[None]:
     """SIGINT and SIGHUP as a command in a terminal has them: a run behind nohup, or in the background, ignores them."""

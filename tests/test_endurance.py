@@ -1,5 +1,8 @@
 """The page of `make endure`: each test's row is that of its last run."""
 
+import subprocess
+import sys
+
 import pytest
 
 from tests import endurance
@@ -28,3 +31,10 @@ def test_a_run_that_is_not_by_hand_does_a_tenth(monkeypatch, full: bool, expecte
     monkeypatch.setattr(endurance, "FULL", full)
     assert endurance.count(400) == expected
     assert endurance.count(3) == (3 if full else 1)
+
+
+def test_workers_are_refused() -> None:
+    words = [sys.executable, "-m", "pytest", "--endure", "-n", "2", "--collect-only", "-q", __file__]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=endurance.REPOSITORY)
+    assert done.returncode == pytest.ExitCode.USAGE_ERROR
+    assert "--endure runs in one process; leave out -n" in done.stderr
