@@ -17,7 +17,7 @@ from dampyr.rig import RigSettings, simulated
 
 PROMISED = 0.30  # the geometric mean over coefficients and seeds
 SEEDS = (1, 2)
-UNSEEN = (4, 5)  # seeds on which no number of the planner was chosen
+UNSEEN = 4  # a seed on which no number of the planner was chosen; decision 37 has eight
 
 
 @pytest.mark.prove
@@ -107,32 +107,31 @@ def test_twelve_chosen_tests_tell_the_shape_as_well_as_a_grid_of_forty(tmp_path:
     seconds = sum(test.duration for test in campaigns.plan(campaign, settings, DAHL).tests)
     labels = [f"dahl.rho @ {u:g} V" for u in VOLTAGES]
     truth = [float(DAHL.all_laws["dahl.rho"](u)) for u in VOLTAGES]
-    for seed in UNSEEN:
-        with simulated(settings, seed=seed, in_process=True) as rig:
-            campaigns.perform(campaign, rig, tmp_path / f"grid {seed}")
-        by_grid = fit("dahl", read_campaign(tmp_path / f"grid {seed}"), "polynomial:3", bandwidth=BANDWIDTH)
-        aims = {label: half_width(by_grid, label) for label in labels}
-        with simulated(settings, seed=seed, in_process=True) as rig, warnings.catch_warnings():
-            warnings.simplefilter("ignore", DampyrWarning)
-            planned = plan_and_perform(
-                DAHL, rig, tmp_path / f"chosen {seed}", tests=12, per_round=4, seconds=55.0, bandwidth=BANDWIDTH,
-                voltages=VOLTAGES, laws="polynomial:3", targets={label: 0.3 * aim for label, aim in aims.items()},
-            )  # fmt: skip
-        chosen = sum(one.duration for one in planned.rounds)
-        tests = sum(len(one.tests) for one in planned.rounds)
-        print(f"seed {seed}: {tests} tests of {chosen:.0f} s in all against 40 of {seconds:.0f} s: {planned.reason}")
-        assert tests <= 12
-        assert chosen < seconds
-        ratios = []
-        for label, true in zip(labels, truth, strict=True):
-            ours, theirs = half_width(planned.fit, label), aims[label]
-            off, theirs_off = (100 * (one.parameters[label] / true - 1) for one in (planned.fit, by_grid))
-            ratios.append(ours / theirs)
-            print(
-                f"{label}: {100 * ours:.2f} % by these, {100 * theirs:.2f} % by 40, {ratios[-1]:.2f} of it; "
-                f"off {off:.2f} and {theirs_off:.2f} %"
-            )
-        mean = float(np.exp(np.mean(np.log(ratios))))
-        print(f"in the geometric mean {mean:.2f} of the grid's")
-        assert max(ratios) <= 1.0, ratios
-        assert mean < 0.5
+    with simulated(settings, seed=UNSEEN, in_process=True) as rig:
+        campaigns.perform(campaign, rig, tmp_path / "grid")
+    by_grid = fit("dahl", read_campaign(tmp_path / "grid"), "polynomial:3", bandwidth=BANDWIDTH)
+    aims = {label: half_width(by_grid, label) for label in labels}
+    with simulated(settings, seed=UNSEEN, in_process=True) as rig, warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)
+        planned = plan_and_perform(
+            DAHL, rig, tmp_path / "chosen", tests=12, per_round=4, seconds=55.0, bandwidth=BANDWIDTH,
+            voltages=VOLTAGES, laws="polynomial:3", targets={label: 0.3 * aim for label, aim in aims.items()},
+        )  # fmt: skip
+    chosen = sum(one.duration for one in planned.rounds)
+    tests = sum(len(one.tests) for one in planned.rounds)
+    print(f"{tests} tests of {chosen:.0f} s in all against 40 of {seconds:.0f} s: {planned.reason}")
+    assert tests <= 12
+    assert chosen < seconds
+    ratios = []
+    for label, true in zip(labels, truth, strict=True):
+        ours, theirs = half_width(planned.fit, label), aims[label]
+        off, theirs_off = (100 * (one.parameters[label] / true - 1) for one in (planned.fit, by_grid))
+        ratios.append(ours / theirs)
+        print(
+            f"{label}: {100 * ours:.2f} % by these, {100 * theirs:.2f} % by 40, {ratios[-1]:.2f} of it; "
+            f"off {off:.2f} and {theirs_off:.2f} %"
+        )
+    mean = float(np.exp(np.mean(np.log(ratios))))
+    print(f"in the geometric mean {mean:.2f} of the grid's")
+    assert max(ratios) <= 1.0, ratios
+    assert mean < 0.5
