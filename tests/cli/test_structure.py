@@ -41,6 +41,7 @@ def test_simulate_takes_a_file(tower: Path) -> None:
     assert cases["no damper"]["peak_displacement_m"] == pytest.approx(bare.peak_displacement, rel=1e-9)
 
 
+@pytest.mark.prove
 def test_ensemble_takes_a_file(tower: Path, tmp_path: Path) -> None:
     out = tmp_path / "cases.h5"
     done = run("ensemble", "--structure", tower, "--voltage", "0", "--scale", "0.1", "--out", out, "--json")

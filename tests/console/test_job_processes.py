@@ -49,6 +49,7 @@ def test_a_wrong_question_is_refused_at_once(client):
     assert client.get("/api/jobs").json() == []
 
 
+@pytest.mark.prove
 def test_a_structure_of_a_file_is_offered_and_simulated(client, finished, data):
     (data / "structures").mkdir()
     text = 'name = "tower"\nmasses = [1e3, 1e3]\nstiffnesses = [1e6, 1e6]\ndamping_ratio = 0.03\n'

@@ -38,6 +38,7 @@ def test_motions_have_any_suffix_that_is_read(client, data):
     assert client.get("/api/building/choices").json()["motions"] == sorted(f"one{suffix}" for suffix in suffixes)
 
 
+@pytest.mark.prove
 def test_every_kind_of_step_is_offered_with_a_table_that_can_be_planned(client):
     kinds = client.get("/api/campaigns/kinds").json()
     assert [one["name"] for one in kinds] == registry.names("dampyr.campaigns.steps")

@@ -70,6 +70,7 @@ def test_interrupted_and_repeated_tests_are_marked(client, data):
     assert tries == ["2", "2"]  # what the command takes
 
 
+@pytest.mark.prove
 def test_records_of_two_runs_with_the_same_names_are_fitted_together(client, data, finished):
     keys = []
     for run in ("monday", "tuesday"):

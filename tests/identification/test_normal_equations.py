@@ -154,6 +154,7 @@ def test_a_law_that_all_inputs_share_is_not_searched_apart() -> None:
 
 
 @pytest.mark.parametrize("model", ["dahl", "dahl + spring + hyperbolic_tangent"])
+@pytest.mark.prove
 def test_the_search_ends_where_scipy_ends(model: str) -> None:
     record = records(3.0)[4]
     fixed = {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0} if "tangent" in model else {}

@@ -275,12 +275,14 @@ def last_cycle(name: str, u: float) -> tuple[Array, float]:
     return f[s], float(np.trapezoid(f[s] * v[s], t[s]))
 
 
+@pytest.mark.prove
 def test_the_peaks_that_the_readme_of_baig_states() -> None:
     """8 mm at 10 Hz: 414 N at 0 V and 2511 N at 2 V (README of MRD-Modified-Bouc-Wen-Model)."""
     assert last_cycle("spencer_1997_baig", 0.0)[0].max() == pytest.approx(414.0, rel=5e-3)
     assert last_cycle("spencer_1997_baig", 2.0)[0].max() == pytest.approx(2511.0, rel=5e-3)
 
 
+@pytest.mark.prove
 def test_what_the_readme_of_the_damper_lab_states() -> None:
     """15 mm at 1.5 Hz and 1 V: +544.0, -545.5 N and 27.963 J per cycle, by the README of MR-Damper-Lab."""
     f, work = last_cycle("spencer_1997_damper_lab", 1.0)

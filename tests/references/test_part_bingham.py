@@ -32,6 +32,7 @@ def test_the_energy_of_a_cycle_in_the_published_limit() -> None:
     assert energy == pytest.approx(np.pi * C0 * omega * A**2 + 4 * FC * A, rel=1e-7)
 
 
+@pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
     fit_result = fit("bingham", sine(bingham(0.006), 0.0))
     assert fit_result.converged, fit_result.reason

@@ -36,6 +36,7 @@ def test_the_energy_of_a_cycle() -> None:
     assert energy == pytest.approx(np.pi * C * omega * A**2 + yielding, rel=1e-8)
 
 
+@pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
     fit_result = fit("biviscous", sine(biviscous(), 0.0))
     assert fit_result.converged, fit_result.reason

@@ -72,6 +72,7 @@ def test_a_building_with_a_dashpot_on_a_brace_that_gives_way() -> None:
     assert ours.accuracy is not None
 
 
+@pytest.mark.prove
 def test_a_fit_gives_it_back() -> None:
     laws = {"dahl.kx": 900.0, "dahl.kw": 150.0, "dahl.rho": 9000.0, "compliance.s": 1.5e-6}
     record = sine(Damper("dahl + compliance", laws), 0.0, noise=0.5)

@@ -45,6 +45,7 @@ def test_the_force_is_continuous_where_a_small_cycle_turns() -> None:
     assert np.abs(np.diff(force)).max() < 1.01 * (C + FY / VY) * np.abs(np.diff(v)).max()
 
 
+@pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
     fit_result = fit("hysteretic_biviscous", sine(damper(), 0.0))
     assert fit_result.converged, fit_result.reason

@@ -24,6 +24,7 @@ def test_a_building_carries_it_as_mass_that_the_ground_does_not_shake() -> None:
     np.testing.assert_allclose(ours.displacement, expected.T, atol=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.prove
 def test_a_fit_gives_the_mass_back() -> None:
     truth = Damper("dahl + inertia", {"dahl.kx": 600.0, "dahl.kw": 60.0, "dahl.rho": 900.0, "inertia.m": 4.0})
     fit_result = fit("dahl + inertia", sine(truth, 0.0))

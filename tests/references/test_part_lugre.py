@@ -82,6 +82,7 @@ def test_samples_that_follow_vs_are_not_warned_of(recwarn: pytest.WarningsRecord
     assert not recwarn.list
 
 
+@pytest.mark.prove
 def test_fits_and_scores_tell_of_it_too() -> None:
     stiff = damper(**STIFF, vs=1e-3)
     with pytest.warns(DampyrWarning, match="within a sample"):

@@ -57,6 +57,7 @@ def test_the_energy_of_a_cycle_whatever_its_sampling() -> None:
     np.testing.assert_allclose(along(x[::10_000]), force[::10_000], atol=1e-10)
 
 
+@pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
     fit_result = fit("maxwell_slip", sine(damper(700.0), 0.0))
     assert fit_result.converged, fit_result.reason

@@ -57,6 +57,7 @@ def error(p: Printed, n: int) -> float:
 
 
 @pytest.mark.parametrize(("p", "at_2400"), [(RD_1000, 2e-4), (SOFT, 1e-5)])
+@pytest.mark.prove
 def test_the_step_is_of_second_order(p: Printed, at_2400: float) -> None:
     errors = [error(p, n) for n in (600, 2400, 9600)]
     assert errors[1] < at_2400

@@ -109,6 +109,7 @@ def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> N
         assert "0, 1, 2 A" in html
 
 
+@pytest.mark.prove
 def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path: Path) -> None:
     fit_result = fit("dahl", [*records((0.0,), 3), *records((2.0,), 2)], laws={"dahl.rho": "constant"})
     values, _, errors = parameter_tables(fit_result)

@@ -157,6 +157,7 @@ def test_figures_are_drawn_in_the_colours_of_the_page() -> None:
         assert f"--{name}: {getattr(style, name.upper())};" in light
 
 
+@pytest.mark.prove
 def test_figures_of_a_page_are_left_as_vector_files_where_they_are_asked_for(tmp_path: Path) -> None:
     with figure_files(tmp_path / "drawn"):
         full_page()

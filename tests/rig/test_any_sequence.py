@@ -540,7 +540,7 @@ def run(machine: Callable[[], RuleBasedStateMachine], examples: int, steps: int 
 
 
 def test_any_sequence() -> None:
-    run(Bench, 15, 8)
+    run(Bench, 6, 8)
 
 
 @pytest.mark.prove

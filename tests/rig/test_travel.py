@@ -50,7 +50,7 @@ def check_within(simulator: Simulator, switches: bool = False, speed: float = 0.
     assert np.abs(truth.force).max() <= 1000.0
 
 
-@pytest.mark.parametrize("switches", [False, True])
+@pytest.mark.parametrize("switches", [False, pytest.param(True, marks=pytest.mark.prove)])
 @pytest.mark.parametrize("position", PLACES)
 def test_homing_from_anywhere_stays_within_the_stroke(position: float, switches: bool) -> None:
     rig, simulator = standing_at(position, rig=settings(switches))
@@ -207,7 +207,9 @@ def strokes(cycles: int = 3, amplitude: float = 0.010) -> Drive:
 
 
 @pytest.mark.parametrize("place", [-0.020, 0.004, 0.030])
-@pytest.mark.parametrize("counts", [3, 20, -3, -100])
+@pytest.mark.parametrize(
+    "counts", [3, pytest.param(20, marks=pytest.mark.prove), pytest.param(-3, marks=pytest.mark.prove), -100]
+)
 def test_a_slip_of_the_encoder_ends_the_test_at_the_next_pass(place: float, counts: int) -> None:
     rig, simulator = standing_at(place)
     with rig.armed() as table:

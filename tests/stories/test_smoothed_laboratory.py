@@ -54,6 +54,7 @@ def write_one_current(folder: Path, smoothed: bool, decimals: tuple[int, int] = 
     return write_second_laboratory(folder, smoothed, SPECIMEN, (0.5,), motions, decimals)
 
 
+@pytest.mark.prove
 def test_one_current_of_it(tmp_path: Path) -> None:
     """Measured: 1.8 % unsmoothed, 38 % with the smoothing ignored, 2.0 % undone, 0.4 % put on the model's force."""
     raw, smoothed = write_one_current(tmp_path / "raw", False), write_one_current(tmp_path / "smoothed", True)

@@ -45,6 +45,7 @@ def test_a_floor_may_not_be_called_as_the_ground_is():
         Building(np.eye(2), np.eye(2), np.eye(2), floors=("ground", "first"))
 
 
+@pytest.mark.prove
 def test_a_linear_damper_over_two_storeys_is_part_of_the_building(building):
     """Its spring and dashpot, put into the matrices by hand, give the same motion."""
     k, c, row = 30e3, 2e3, np.array([-1.0, 0.0, 1.0])

@@ -90,6 +90,7 @@ def test_two_dampers_in_two_storeys_equal_a_stiff_reference(cubics, stiff_refere
     assert response.peak_displacement == pytest.approx(expected, rel=1e-4)
 
 
+@pytest.mark.prove
 def test_two_dampers_side_by_side_are_one_twice_as_strong(cubics):
     kx, kw, rho = cubics.values(1.98)
     strong = Damper("dahl", {"dahl.kx": 2 * kx, "dahl.kw": 2 * kw, "dahl.rho": rho})

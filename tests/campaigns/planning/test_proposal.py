@@ -97,6 +97,7 @@ def test_what_cannot_be_planned_for_is_one_line(given: dict, words: str) -> None
         propose(DAHL, RIG, **{**QUICK, **given})
 
 
+@pytest.mark.prove
 def test_a_proposal_says_whether_its_tests_settle_what_sessions_do() -> None:
     def records(*sessions: str | None) -> list[Record]:
         return [

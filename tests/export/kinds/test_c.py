@@ -41,6 +41,7 @@ def everything() -> Damper:
 
 
 @needs_gcc
+@pytest.mark.prove
 def test_a_loaded_card_in_c_follows_a_varying_voltage(tmp_path) -> None:
     card = everything().save(tmp_path / "card.toml")
     damper = Damper.load(card)

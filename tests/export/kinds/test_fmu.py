@@ -121,6 +121,7 @@ def test_fmpy_simulates_it_and_the_force_lags_by_a_step(tmp_path: Path, fmi: int
 
 @BOTH
 @pytest.mark.parametrize("drive", ["displacement", "velocity"])
+@pytest.mark.prove
 def test_what_is_not_driven_is_derived(tmp_path: Path, fmi: int, drive: str) -> None:
     damper = everything().without("delay")
     slope = np.concatenate([[0.0], np.diff(X) / np.diff(T)])

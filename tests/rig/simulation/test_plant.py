@@ -52,6 +52,7 @@ def held_at(kernel, duty):
 
 
 @pytest.mark.parametrize("duty", [255, -255, 128])
+@pytest.mark.prove
 def test_free_speed_is_reached_with_the_lag(duty: int) -> None:
     made, _ = rig(settings(table={"friction": 0.0}, actuator={"backlash": 0.0}), specimen=NOTHING)
     driven(made, 0.3, duty)
