@@ -49,6 +49,21 @@ def test_a_proposal_says_what_is_expected_and_why(proposal: Proposal) -> None:
     assert of_card.before["dahl.kw @ 0 V"] == pytest.approx(0.0196, rel=0.01)
 
 
+def test_no_interval_is_promised_wider_than_the_records_give_it() -> None:
+    """Of laws by values a test at one voltage says nothing of the other."""
+    records = [
+        sine(DAHL, u, f"{u:g}V-{k}", 0.06 / (2 * np.pi * f), float(f), seconds=4.0, noise=5.0, seed=k)
+        for u in (0.0, 1.98)
+        for k, f in enumerate(np.geomspace(0.5, 2.0, 4))
+    ]
+    one = propose(records, RIG, model="dahl", laws="interpolation", tests=1, seconds=4.0, kinds=("sine",))
+    (tested,) = {test.candidate.step.voltage for test in one.tests}
+    for label, half in one.after.items():
+        assert half <= one.before[label] * (1 + 1e-12), label
+        if not label.endswith(f"@ {tested:g} V"):
+            assert half == pytest.approx(one.before[label], rel=0.5)
+
+
 def test_laws_by_interpolation_leave_steps_of_voltage_out() -> None:
     plain_laws = propose(DAHL, RIG, tests=3, laws="interpolation", **QUICK)
     assert {test.candidate.kind for test in plain_laws.tests} == {"sine"}

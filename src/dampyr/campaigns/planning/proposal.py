@@ -373,11 +373,13 @@ def _proposed(
     tests = tuple(ProposedTest(candidates[k], last.improved_by(place, after)) for place, k in enumerate(places))
     before, peak_before = _before(damper, evidence, last, notes)
     peak_after = last.goal.half(after) * last.peak_factor if isinstance(last.goal, PeakGoal) else None
+    if peak_after is not None and evidence is not None and peak_before is not None:
+        peak_after = min(peak_after, peak_before)
     return Proposal(
         tests=tests,
         values=dict(zip(last.plan.labels, map(float, last.plan.theta), strict=True)),
         before=before,
-        after=dict(zip(last.plan.labels, map(float, after.half), strict=True)),
+        after=_after(last.plan.labels, after.half, before if evidence is not None else {}),
         goal=_goal_words(options),
         model=str(last.plan.composition),
         rig=rig,
@@ -394,6 +396,11 @@ def _proposed(
             *_session_notes(evidence, [test.candidate for test in tests]),
         ),
     )
+
+
+def _after(labels: Sequence[str], halves: Array, before: Mapping[str, float]) -> dict[str, float]:
+    """The expected half widths by label, none wider than those that the records give already: more tests take nothing away."""
+    return {label: min(float(half), before.get(label, np.inf)) for label, half in zip(labels, halves, strict=True)}
 
 
 def _enough(options: PlanOptions) -> float:
