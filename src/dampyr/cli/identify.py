@@ -205,10 +205,10 @@ def _numbers(given: tuple[str, ...]) -> dict[str, float]:
 
 
 def _print(result: Identified, records: list[Record]) -> None:
-    if result.board:
-        print_leaderboard(result.board)
     from dampyr.identification.identifiability import SESSION_FINDING
 
+    if result.board:
+        print_leaderboard(result.board)
     # what the levels of the fit say of sessions, and how to settle it, is among its notes
     said = result.fit.levels is not None and bool(result.fit.levels.settles)
     inseparable = [one.brief for one in result.identifiability.findings if not (said and one.kind == SESSION_FINDING)]

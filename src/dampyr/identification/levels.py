@@ -80,13 +80,10 @@ class Levels(Representation):
         estimates recovered from intervals). It is never less than that of the records alone, as it could come out where
         the sum's degrees of freedom (Satterthwaite) are more than theirs.
         """
-        from scipy.special import ndtri, stdtrit
+        from scipy.stats import t
 
         moved = self.session_sd * float(np.linalg.norm(self.by_session[:, number]))
-        own, sessions = (
-            float(stdtrit(nu, 0.5 + 0.5 * level)) if math.isfinite(nu) else float(ndtri(0.5 + 0.5 * level))
-            for nu in (freedom, self.session_freedom)
-        )
+        own, sessions = t.ppf(0.5 + 0.5 * level, [freedom, self.session_freedom])
         return math.hypot(own * error, sessions * moved)
 
     def _summary(self) -> Summary:

@@ -79,8 +79,7 @@ class PredictionError:
     ``session_errors`` how well these are known. ``freedom`` are the degrees of freedom of the covariance;
     ``within_sessions`` (m, m) is the covariance that is left of it once the levels of the fitted sessions have been
     taken out of its records, None where it is the same. Without ``sessions`` no level of theirs is in the coefficients but by
-    their covariance, as where that is one between specimens. ``shapes`` are the
-    residuals by input; ``inputs`` the inputs at which each session was measured.
+    their covariance, as where that is one between specimens. ``shapes`` are the residuals by input.
     """
 
     record_sd: float

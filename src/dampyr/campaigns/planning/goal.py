@@ -76,6 +76,11 @@ class Peak(Representation):
         return out, of(plan.theta)
 
 
+def is_named(label: str, name: str) -> bool:
+    """Whether a target's ``name`` means this coefficient: its label, or the parameter that it is of."""
+    return name in (label, label.partition(" @ ")[0])
+
+
 def parameter_goal(plan: Layout, targets: Mapping[str, float]) -> ParameterGoal:
     """The goal of all free parameters alike, or of ``targets``: a parameter, or its value at one input, and the half width of
     its 95 % interval over its value.
@@ -86,7 +91,7 @@ def parameter_goal(plan: Layout, targets: Mapping[str, float]) -> ParameterGoal:
         return ParameterGoal(np.where(plan.held, 0.0, 1.0))
     aims = np.full(len(plan.labels), np.inf)
     for name, target in targets.items():
-        places = [k for k, label in enumerate(plan.labels) if label == name or label.partition(" @ ")[0] == name]
+        places = [k for k, label in enumerate(plan.labels) if is_named(label, name)]
         if not places:
             names = [*dict.fromkeys(label.partition(" @ ")[0] for label in plan.labels)]
             at = next((f", also at one input as in {label!r}" for label in plan.labels if "@" in label), "")

@@ -22,7 +22,7 @@ from dampyr.campaigns.campaign import read
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.perform import Watcher, perform
 from dampyr.campaigns.planning.expected_information import LEARNED_FROM, layout
-from dampyr.campaigns.planning.goal import peak_goal, peak_half_of_fit
+from dampyr.campaigns.planning.goal import is_named, peak_goal, peak_half_of_fit
 from dampyr.campaigns.planning.proposal import PlanOptions, Proposal, fitted, propose
 from dampyr.campaigns.run_control import Control
 from dampyr.errors import InputError
@@ -392,7 +392,7 @@ class _Loop:
         spans = evidence.intervals()
         for name, target in self.options.targets.items():
             for label, value in evidence.parameters.items():
-                if name not in (label, label.partition(" @ ")[0]):
+                if not is_named(label, name):
                     continue
                 half = 0.5 * (spans[label][1] - spans[label][0])
                 if not half <= target * abs(value):
@@ -402,7 +402,7 @@ class _Loop:
     def _gains_little(self, proposal: Proposal) -> bool:
         """Whether what is aimed at is expected to become narrower by next to nothing; never where the spread of records is only
         assumed, for that is not what the intervals of the fit know."""
-        if not proposal.spread.records >= LEARNED_FROM:
+        if proposal.spread.records < LEARNED_FROM:
             return False
         if proposal.peak_after is not None and proposal.peak_before is not None:
             return proposal.peak_after > (1.0 - NO_GAIN) * proposal.peak_before
@@ -412,7 +412,7 @@ class _Loop:
             for label, half in proposal.after.items()
             if label in proposal.before
             and np.isfinite(half)
-            and (not aims or label in aims or label.partition(" @ ")[0] in aims)
+            and (not aims or any(is_named(label, name) for name in aims))
         ]
         if not both or any(not np.isfinite(before) for before, _ in both):
             return False

@@ -368,7 +368,11 @@ def _proposed(
             f"duration = {options.duration:g} s is shorter than the shortest candidate, {shortest:.3g} s; give more, or fewer "
             "seconds of motion"
         )
-    last = study.of([records[k] for k in places])
+    chosen = [records[k] for k in places]
+    if study.layout_of(chosen).labels == pool.plan.labels:
+        last = replace(pool, candidates=[pool.candidates[k] for k in places])
+    else:  # without a lag, or at fewer voltages, there are fewer coefficients
+        last = study.of(chosen)
     after = expected(last.plan, [*last.present, *last.candidates], last.spread, factors=last.factors)
     tests = tuple(ProposedTest(candidates[k], last.improved_by(place, after)) for place, k in enumerate(places))
     before, peak_before = _before(damper, evidence, last, notes)
@@ -493,12 +497,16 @@ class _Study:
     rig: RigSettings
     options: PlanOptions
 
-    def of(self, records: Sequence[Record], progress: Callable[[float], None] = lambda done: None) -> _Pool:
-        """The information of the present records and of these."""
+    def layout_of(self, records: Sequence[Record]) -> Layout:
+        """The coefficients of a fit to the present records and these."""
         inputs: list[float | Array] = [r.voltage for r in records if r.voltage is not None]
         inputs += [p.u for p in self.evidence.problem.pieces] if self.evidence else []
         damper = self._with_lag() if any(np.ndim(u) for u in inputs) else self.bare
-        plan = layout(damper, inputs, self.options.laws, self.options.fixed)
+        return layout(damper, inputs, self.options.laws, self.options.fixed)
+
+    def of(self, records: Sequence[Record], progress: Callable[[float], None] = lambda done: None) -> _Pool:
+        """The information of the present records and of these."""
+        plan = self.layout_of(records)
         spread, present = (assumed_spread(plan), []) if self.evidence is None else learned(self.evidence, plan)
         factors = (
             np.ones(len(plan.labels)) if self.evidence is None else calibration(self.evidence, plan, present, spread)
