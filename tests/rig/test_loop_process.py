@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from multiprocessing import Pipe
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from tests.rig_time import HANG, SimulatedTime
 from dampyr.errors import FileError, InputError, RigFault
 from dampyr.rig import Drive, Rig, RigSettings, acquisition, connect, loop_process, simulated
 from dampyr.rig.firmware.protocol import State
-from dampyr.rig.loop_process import Link, LoopProcess, StandIn, described, rebuilt, remote_rig
+from dampyr.rig.loop_process import Link, LoopProcess, RemoteLoop, StandIn, described, rebuilt, remote_rig
 from dampyr.rig.loop_server import LoopServer
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -61,8 +62,13 @@ class Served:
         self.time = SimulatedTime(*faults)
         self.inner = self.time.connect(RigSettings())
         (questions, self._questions), (blocks, self._blocks) = Pipe(), Pipe()
-        server = LoopServer(questions, blocks, lambda *_: (self.inner.uno, self.inner.board), self.time)
-        self.thread = threading.Thread(target=server.serve, daemon=True)
+        self.server = LoopServer(questions, blocks, lambda *_: (self.inner.uno, self.inner.board), self.time)
+
+        def serve() -> None:
+            with questions, blocks:  # as when a process ends
+                self.server.serve()
+
+        self.thread = threading.Thread(target=serve, daemon=True)
         self.thread.start()
         self.link = Link(self._questions, self._blocks)
         self.link.ask("open", RigSettings())
@@ -159,6 +165,36 @@ def test_blocks_that_nobody_takes_stop_the_rig_at_last(served: Served, monkeypat
 
     with pytest.raises(RigFault, match=r"blocks waited for 0\.4 s to be stored; is the disk too slow"):
         wait_for_nothing()
+
+
+@pytest.mark.parametrize("request_of", ["arm", "home", "jog"])
+def test_a_refusal_that_is_here_before_the_reason_is_told_as_the_reason(
+    served: Served, monkeypatch: pytest.MonkeyPatch, request_of: str
+) -> None:
+    """The loop there stops the rig, and what it says of that has not come here yet when the Uno refuses the next request."""
+    begin = RemoteLoop.begin
+
+    def stop_there() -> None:
+        monkeypatch.setattr(served.server, "blocks", SimpleNamespace(send=lambda _: None))
+        assert served.server.loop is not None
+        served.server.loop.halt(RigFault("the interlock stopped the rig: force 5000 N", "interlock"))
+
+    def stopped_at_once(loop: RemoteLoop) -> None:
+        begin(loop)
+        stop_there()
+
+    def requested() -> None:
+        with served.rig.armed() as table:
+            stop_there()
+            if request_of == "home":
+                table.home(here=True)
+            table.jog(0.001)
+
+    if request_of == "arm":
+        monkeypatch.setattr(RemoteLoop, "begin", stopped_at_once)
+    with pytest.raises(RigFault, match="the interlock stopped the rig: force 5000 N") as ended:
+        requested()
+    assert ended.value.ring == "interlock"
 
 
 def test_samples_that_never_come_stop_the_rig_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

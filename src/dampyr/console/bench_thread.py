@@ -284,8 +284,7 @@ class BenchThread:
         try:
             motion(table)
         except (Cancelled, InputError) as problem:
-            with table.loop.lock:
-                table.rig.uno.stop()
+            table.ask_uno(table.rig.uno.stop)
             self._tell(problem)
         finally:
             self.enter("armed", unless=("disarming", "disconnecting", "campaign"))

@@ -67,8 +67,7 @@ class Jogging:
             self._push(table, wish.speed)
         elif wish is None and self._moves:
             self._moves = False
-            with table.loop.lock:
-                table.rig.uno.stop()
+            table.ask_uno(table.rig.uno.stop)
 
     def _push(self, table: Table, speed: float) -> None:
         try:

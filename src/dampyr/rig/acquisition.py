@@ -302,6 +302,10 @@ class Acquisition:
                     self.stopped.add_note(str(problem))
             return self.stopped
 
+    def reason(self, refused: RigFault) -> RigFault:
+        """What has stopped the rig, which is why a request was refused; ``refused`` where nothing has."""
+        return self.stopped or refused
+
     def cut(self) -> None:
         """The coil to 0 V."""
         with self.lock:

@@ -327,6 +327,20 @@ class RemoteLoop(Acquisition):
             first.add_note(str(problem))
         return self._stop(first)
 
+    def reason(self, refused: RigFault) -> RigFault:
+        """What has stopped the rig, which is why a request was refused; ``refused`` where nothing has.
+
+        The other process is asked: its refusal may be here before its message that it has stopped.
+        """
+        failure = None
+        with suppress(RigFault):  # one that has ended does not answer, which is what `refused` says
+            failure = None if self.stopped else self.process.ask("stopped")
+        if failure is not None:
+            first = rebuilt(failure)
+            assert isinstance(first, RigFault)
+            return self._stop(first)
+        return self.stopped or refused
+
     def cut(self) -> None:
         """The coil to 0 V."""
         self.process.ask("cut")

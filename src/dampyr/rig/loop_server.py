@@ -167,6 +167,11 @@ class LoopServer:
         assert isinstance(problem, RigFault)
         return described(self._loop().halt(problem))
 
+    def do_stopped(self) -> tuple[str, str, str, list[str]] | None:
+        """What has stopped the loop; None where nothing has."""
+        stopped = self._loop().stopped
+        return None if stopped is None else described(stopped)
+
     def do_cut(self) -> None:
         """The coil to 0 V."""
         self._loop().cut()

@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -312,14 +312,7 @@ class Table(Representation):
     def begin(self) -> None:
         """Start sampling and arm; the board and the Uno are aligned where the table rests."""
         self.loop.begin()
-        try:
-            with self.loop.lock:
-                self.rig.uno.heartbeat()
-                self.rig.uno.arm()
-        except RigFault:
-            if self.loop.stopped:  # what stopped it meanwhile is why it cannot be armed
-                raise self.loop.stopped from None
-            raise
+        self.ask_uno(self.rig.uno.heartbeat, self.rig.uno.arm)
         for samples in self._for(SETTLED):  # without the lock: the thread that reads needs it for a block
             if samples.status.speed == 0:
                 break
@@ -357,6 +350,15 @@ class Table(Representation):
     def _stop_board(self) -> None:
         self.rig.board.stop()
 
+    def ask_uno(self, *requests: Callable[[], object]) -> None:
+        """Make requests of the Uno between two blocks; where one is refused as the rig has been stopped, that is raised."""
+        try:
+            with self.loop.lock:
+                for request in requests:
+                    request()
+        except RigFault as problem:
+            raise self.loop.reason(problem) from None
+
     @property
     def position(self) -> float:
         """The table's position as the Uno reports it [m]."""
@@ -376,7 +378,7 @@ class Table(Representation):
         """Find the middle of the stroke by the index mark; ``here``: the table is in it."""
         if self.loop.status.outside and not here:
             self.come_back()
-        self.loop.home(here)
+        self.ask_uno(partial(self.loop.home, here))
         self.rig.homed_by_hand = here
         for samples in self._for(HOMING):
             if samples.status.state is State.ARMED:
@@ -393,8 +395,8 @@ class Table(Representation):
         for _ in range(math.ceil(max(out, 0.0) / (SLOW * count * BACK)) + 5):
             if not self.loop.status.outside:
                 break
-            with self.loop.lock:
-                self.rig.uno.jog(-SLOW if self.position > 0.0 else SLOW, round(1000 * (BACK + 0.1)))
+            speed = -SLOW if self.position > 0.0 else SLOW
+            self.ask_uno(partial(self.rig.uno.jog, speed, round(1000 * (BACK + 0.1))))
             self.rest(BACK)
         self.stop()
         if self.loop.status.outside:
@@ -512,8 +514,7 @@ class Table(Representation):
             raise InputError(
                 f"speed = {speed * 1e3:g} mm/s is not allowed; a jog has at most {fastest * 1e3:g} mm/s (limits.speed)"
             )
-        with self.loop.lock:
-            self.rig.uno.jog(round(speed / self.rig.settings.encoder.count), round(seconds * 1000))
+        self.ask_uno(partial(self.rig.uno.jog, round(speed / self.rig.settings.encoder.count), round(seconds * 1000)))
         for samples in self._for(seconds + 0.2) if wait else ():
             if samples.status.state is State.ARMED:
                 return
@@ -613,8 +614,7 @@ class Table(Representation):
     def stop(self) -> None:
         """Decelerate to rest, and stay armed."""
         self.loop.end_drive()
-        with self.loop.lock:
-            self.rig.uno.stop()
+        self.ask_uno(self.rig.uno.stop)
         for samples in self._for(SETTLED):
             if samples.status.state is State.ARMED:
                 return
