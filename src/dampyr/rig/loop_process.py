@@ -199,6 +199,13 @@ def rebuilt(failure: tuple[str, str, str, list[str]]) -> DampyrError:
     return problem
 
 
+def rebuilt_fault(failure: tuple[str, str, str, list[str]]) -> RigFault:
+    """What has stopped the loop of the other process."""
+    problem = rebuilt(failure)
+    assert isinstance(problem, RigFault)
+    return problem
+
+
 class StandIn:
     """An instrument of the other process: its methods by their names."""
 
@@ -241,9 +248,7 @@ class RemoteLoop(Acquisition):
         """A message of the other process's loop."""
         what, *values = message
         if what == "stopped":
-            problem = rebuilt(values[0])
-            assert isinstance(problem, RigFault)
-            self._stop(problem)
+            self._stop(rebuilt_fault(values[0]))
             return
         samples, calibration, temperature, finished = values
         self.status, self.warmth.temperature = samples.status, temperature
@@ -320,8 +325,7 @@ class RemoteLoop(Acquisition):
     def halt(self, why: RigFault) -> RigFault:
         """Brake the table and take the coil to 0 V, now. The first reason is kept."""
         try:
-            first = rebuilt(self.process.ask("halt", described(why)))
-            assert isinstance(first, RigFault)
+            first = rebuilt_fault(self.process.ask("halt", described(why)))
         except RigFault as problem:
             first = why
             first.add_note(str(problem))
@@ -332,13 +336,10 @@ class RemoteLoop(Acquisition):
 
         The other process is asked: its refusal may be here before its message that it has stopped.
         """
-        failure = None
-        with suppress(RigFault):  # one that has ended does not answer, which is what `refused` says
-            failure = None if self.stopped else self.process.ask("stopped")
-        if failure is not None:
-            first = rebuilt(failure)
-            assert isinstance(first, RigFault)
-            return self._stop(first)
+        if not self.stopped:
+            with suppress(RigFault):  # one that has ended does not answer, which is what `refused` says
+                failure = self.process.ask("stopped")
+                return refused if failure is None else self._stop(rebuilt_fault(failure))
         return self.stopped or refused
 
     def cut(self) -> None:

@@ -25,7 +25,7 @@ from dampyr.rig.firmware.protocol import Status
 from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.connection import open_instruments
 from dampyr.rig.interlock import Interlock
-from dampyr.rig.loop_process import described, rebuilt
+from dampyr.rig.loop_process import described, rebuilt_fault
 from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.shared_clock import SharedClock
@@ -163,9 +163,7 @@ class LoopServer:
 
     def do_halt(self, why: tuple[str, str, str, list[str]]) -> tuple[str, str, str, list[str]]:
         """Brake and cut; the first reason."""
-        problem = rebuilt(why)
-        assert isinstance(problem, RigFault)
-        return described(self._loop().halt(problem))
+        return described(self._loop().halt(rebuilt_fault(why)))
 
     def do_stopped(self) -> tuple[str, str, str, list[str]] | None:
         """What has stopped the loop; None where nothing has."""
