@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from dampyr import source_digest
 from dampyr.models.codegen import kernels
 
 
@@ -28,3 +29,35 @@ def test_kernels_of_old_sources_go_and_all_else_stays(tmp_path: Path, monkeypatc
     assert not old.exists()
     assert young.exists()
     assert other.exists()
+
+
+def test_what_no_kernel_is_made_of_does_not_compile_them_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("models", "report"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "module.py").write_text("a = 1\n")
+    monkeypatch.setattr(source_digest, "PACKAGE", tmp_path)
+
+    def digests() -> tuple[str, str]:
+        source_digest.source_digest.cache_clear()
+        return source_digest.source_digest(kernels.KERNEL_SOURCES), source_digest.source_digest()
+
+    try:
+        first = digests()
+        (tmp_path / "report" / "module.py").write_text("a = 2\n")
+        page = digests()
+        (tmp_path / "models" / "module.py").write_text("a = 2\n")
+        model = digests()
+    finally:
+        source_digest.source_digest.cache_clear()
+    assert page[0] == first[0]
+    assert page[1] != first[1]
+    assert model[0] != first[0]
+
+
+def test_a_cached_kernel_of_another_folder_is_refused() -> None:
+    def kernel(x: float) -> float:
+        return x
+
+    kernel.__module__ = "dampyr.report.somewhere"
+    with pytest.raises(ValueError, match="KERNEL_SOURCES"):
+        kernels.jit(kernel, keep=True)

@@ -4,8 +4,9 @@ A *driver* is a plain function in a real file (`dampyr.models.path_integration`,
 that integrates along a path or through an earthquake. It calls the functions of a composition (`BOUND`) by name, and `bind`
 gives these names the functions of one or several compositions and compiles the whole with numba.
 
-Compiled code is cached on disk in a folder whose name holds a hash of dampyr's own sources, so that code of an edited model
-is never out of date. The folder lies in the user's cache, or in that of ``DAMPYR_CACHE``.
+Compiled code is cached on disk in a folder whose name holds a hash of the sources that kernels are made of
+(`KERNEL_SOURCES`), so that code of an edited model is never out of date, and an edited page compiles nothing again. The
+folder lies in the user's cache, or in that of ``DAMPYR_CACHE``.
 """
 
 from __future__ import annotations
@@ -28,24 +29,23 @@ from typing import Any
 from dampyr.models.codegen.composition import Composition, namespace_of
 from dampyr.models.codegen.layout import SIGNATURES
 from dampyr.models.numerics import fast_math
+from dampyr.source_digest import source_digest
 
 BOUND = tuple(SIGNATURES)
+KERNEL_SOURCES = ("models", "structures", "rig/simulation", "rig/firmware", "campaigns/hybrid", "export")
 MORE = ("decide",)
 QUICK = ("quick_exp", "quick_tanh")
 MAX_CACHE_AGE = 30 * 86400.0  # s: a month in which a version of the sources was not run
 FAST = {"contract", "nsz", "arcp"}
+_CACHED = tuple(f"dampyr.{folder.replace('/', '.')}." for folder in KERNEL_SOURCES)
 _MATH = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "tan", "atan", "copysign")
 
 
 @lru_cache(maxsize=1)
 def cache_folder() -> Path:
     """The folder of compiled kernels, created if need be; a temporary folder where the user's cache is not writable."""
-    package = Path(__file__).resolve().parents[2]
-    digest = hashlib.sha256()
-    for file in sorted(package.rglob("*.py")):
-        digest.update(str(file.relative_to(package)).encode() + b"\0" + file.read_bytes())
     base = os.environ.get("DAMPYR_CACHE") or _user_cache()
-    folder = Path(base) / f"kernels-{digest.hexdigest()[:16]}"
+    folder = Path(base) / f"kernels-{source_digest(KERNEL_SOURCES)[:16]}"
     try:
         if not folder.is_dir():
             folder.mkdir(parents=True, exist_ok=True)
@@ -86,6 +86,9 @@ def jit(
     inner = {} if keep else {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     compiled = njit(error_model="numpy", fastmath=fast, nogil=True, _nrt=False, **inner)(function)
     if keep:
+        module = function.__module__
+        if module.startswith("dampyr.") and not module.startswith(_CACHED):
+            raise ValueError(f"{module} has a kernel that is cached on disk; its folder must stand in KERNEL_SOURCES")
         compiled._cache = _cache_class()(function)
     return compiled
 
