@@ -70,7 +70,7 @@ def command(
 ) -> int | None:
     """Run CAMPAIGN, a TOML file, on a rig.
 
-    The whole campaign is checked first: what the rig cannot do is told with the largest value that it can, and nothing runs.
+    The whole campaign is checked first: what the rig cannot do is refused with the largest value that it can, and nothing runs.
     While it runs: p pauses after the test under way and goes on, s or Ctrl-C stops in order, a aborts at once.
     Exit codes: 0 complete, 2 refused and nothing has moved, 3 a safety layer stopped the rig, 4 it failed otherwise,
     130 interrupted (143 by SIGTERM, 129 by SIGHUP).

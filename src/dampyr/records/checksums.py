@@ -1,7 +1,7 @@
 """Checksums of what a record's file holds, SHA-256, as JSON in its attribute ``sha256``: one per dataset and the attributes'.
 
 That of a dataset is over its values, little-endian in their order, texts as UTF-8 each followed by a zero byte; that of the
-attributes over their JSON, names sorted, by object. A damaged disk or copy is told by the name of what differs.
+attributes over their JSON, names sorted, by object. A damaged disk or copy is reported with the name of what differs.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ def with_integrated_displacement(*, velocity: Any, provenance: Mapping[str, str]
 
     ``velocity`` is ``(n,)`` in m/s; ``fields`` are the others of :class:`Record`, which raises what is wrong with them.
     """
-    zeros = np.zeros(np.shape(velocity))  # so that faults of the velocity are told as such
+    zeros = np.zeros(np.shape(velocity))  # so that faults of the velocity are reported as such
     record = Record(displacement=zeros, velocity=velocity, provenance=provenance, **fields)
     v, t = record.velocity, record.time
     assert v is not None

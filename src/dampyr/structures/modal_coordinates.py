@@ -8,7 +8,7 @@ many of both together as floors, so that the floors' displacements are the coord
 
 .. math:: M' = T^T M T, \quad C' = T^T C T, \quad K' = T^T K T, \quad \iota' = M'^{-1} T^T M \iota
 
-Modes are kept exactly, unlike by Guyan's condensation. What is left out is told: the share of the mass that the modes carry,
+Modes are kept exactly, unlike by Guyan's condensation. What is left out is stated: the share of the mass that the modes carry,
 and the error of the static answer to the ground's push; `truncation_errors` of a motion compares with all modes.
 
 References: O'Callahan et al., System equivalent reduction expansion process, IMAC 1989; Wilson et al., Dynamic analysis by

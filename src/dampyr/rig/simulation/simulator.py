@@ -68,7 +68,7 @@ class Simulator:
     settings, seed
         The rig's parts; the seed of noise and lost bytes: the same calls with the same seed give the same bits.
     faults
-        What goes cell_faults, and when.
+        What goes wrong, and when.
     specimen
         The damper on the table; None: the card that the settings name.
     position
