@@ -6,8 +6,10 @@ import hashlib
 from functools import lru_cache
 from pathlib import Path
 
+from dampyr import __version__
+
 PACKAGE = Path(__file__).resolve().parent
-SHOWN = 12  # hexadecimal digits of the digest beside a version
+SHOWN = 12  # hexadecimal digits of the digest beside a version: 48 bits, no two codes of a version have the same
 
 
 @lru_cache(maxsize=8)
@@ -21,3 +23,11 @@ def source_digest(sources: tuple[str, ...] = (".",)) -> str:
         for file in [PACKAGE / source] if source.endswith(".py") else sorted((PACKAGE / source).rglob("*.py")):
             digest.update(str(file.relative_to(PACKAGE).as_posix()).encode() + b"\0" + file.read_bytes())
     return digest.hexdigest()
+
+
+def full_version() -> str:
+    """The version with the digest of the sources, such as ``0.3.0+5f0c1d2e3a4b``: a local version as PEP 440 has it.
+
+    It stands in every card, record, export and page, for one version can be several codes between releases.
+    """
+    return f"{__version__}+{source_digest()[:SHOWN]}"

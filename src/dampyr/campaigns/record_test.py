@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-import dampyr
 from dampyr.campaigns.campaign import Campaign
 from dampyr.campaigns.marks import Mark, Measured, marks_of, zero_moved
 from dampyr.campaigns.plan import UNCHECKED, PlannedTest
@@ -33,6 +32,7 @@ from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.uncertainty_budget import Evidence, LostCounts, budget
+from dampyr.source_digest import full_version
 
 Judge = Callable[[Recording], Mapping[str, str]]
 SPARE = 2.0  # s of samples reserved beyond the plan: stopping takes less than 1 s
@@ -362,7 +362,7 @@ def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaig
         "data_sheet": rig.settings.specimen.data_sheet,
         "voltage": voltage_source(rig.settings),
         "preliminary_check": "passed" if campaign.header.check_amplitude else UNCHECKED,
-        "dampyr": dampyr.__version__,
+        "dampyr": full_version(),
         "python": platform.python_version(),
         "numpy": version("numpy"),
         "h5py": version("h5py"),

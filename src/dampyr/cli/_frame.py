@@ -13,10 +13,10 @@ from typing import Any, NoReturn, TextIO
 
 import click
 
-import dampyr
 from dampyr import registry
 from dampyr.cli._output import drop_unwritten
 from dampyr.errors import DampyrError, DampyrWarning
+from dampyr.source_digest import full_version
 
 REGISTRY = "dampyr.cli"
 WRONG, INTERRUPTED = 2, 130  # exit codes as shells and click use them: a wrong request; 128 + SIGINT
@@ -55,8 +55,17 @@ class CommandGroup(click.Group):
         sys.exit(_guarded(lambda: super(CommandGroup, self).main(args, **extra)))
 
 
+def _print_version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked:
+        click.echo(f"dampyr {full_version()}")
+        ctx.exit()
+
+
 @click.group(cls=CommandGroup, invoke_without_command=True, context_settings=SETTINGS)
-@click.version_option(dampyr.__version__, message="dampyr %(version)s")
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version,
+    help="Show the version, with the digest of the sources, and exit.",
+)  # fmt: skip
 @click.pass_context
 def cli(ctx: click.Context) -> None:
     """Test, identify and simulate magnetorheological dampers: from the shaking table to the building."""

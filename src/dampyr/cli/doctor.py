@@ -12,9 +12,9 @@ from typing import Any
 
 import click
 
-import dampyr
 from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.source_digest import full_version
 
 LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
 
@@ -38,7 +38,7 @@ def command(rig: Path | None, simulated: bool, as_json: bool) -> None:
     if as_json:
         print_json([dict(zip(("what", "found", "repair"), each, strict=True)) for each in findings])
         return
-    print_table(f"dampyr {dampyr.__version__}", ["what", "found", "to repair it"], findings)
+    print_table(f"dampyr {full_version()}", ["what", "found", "to repair it"], findings)
 
 
 def _machine() -> list[list[Any]]:

@@ -25,6 +25,7 @@ from dampyr.console.rigs import Opener, opened
 from dampyr.console.safe_paths import OWN
 from dampyr.console.security import Guard, Rules
 from dampyr.console.state import PROBLEMS, AppState
+from dampyr.source_digest import full_version
 
 PAGES = "dampyr.console.pages"
 LOOK = Path(str(files("dampyr.report"))) / "templates" / "look.css"  # one source of colours for console and reports
@@ -106,7 +107,7 @@ def _about(links: list[PageLink]) -> APIRouter:
     @router.get("/console")
     def about() -> Console:
         """What this console is, and which pages it has."""
-        return Console(version=dampyr.__version__, pages=links, charts="" if _charts() else NO_CHARTS)
+        return Console(version=full_version(), pages=links, charts="" if _charts() else NO_CHARTS)
 
     return router
 

@@ -30,6 +30,7 @@ from dampyr.models import Damper
 from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.records import Record, cycles, motion_start
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, listing, percent, rounded
+from dampyr.source_digest import full_version
 from dampyr.units import for_people
 
 if TYPE_CHECKING:
@@ -536,12 +537,10 @@ def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple
 
 
 def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
-    from dampyr import __version__
-
     names = [r.name for r in records]
     shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
     return {
         "method": "least squares over whole records (dampyr.identification.fit)",
         "records": shown,
-        "dampyr": __version__,
+        "dampyr": full_version(),
     }

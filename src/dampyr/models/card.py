@@ -14,6 +14,7 @@ from dampyr.errors import FileError, InputError, MissingData
 from dampyr.models import prediction_error
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
+from dampyr.source_digest import full_version
 
 SCHEMA = 1  # the one that this version writes and reads
 Damper = TypeVar("Damper")
@@ -23,7 +24,7 @@ def write(damper: Any, path: Path) -> Path:
     """Write a :class:`~dampyr.models.damper.Damper` to ``path``, whole or not at all."""
     import tomli_w
 
-    head = "# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n"
+    head = f"# A damper, written by dampyr {full_version()}. SI units. Schema: docs/reference/card.md\n"
     error = damper.prediction_error
     if error is not None and not error.session_estimated:
         head += f"# The level between measurement sessions is not known: {error.session_source}.\n"

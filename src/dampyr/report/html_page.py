@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-import dampyr
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
@@ -23,6 +22,7 @@ from dampyr.report.figure_files import keep
 from dampyr.report.origin import moment, origin
 from dampyr.report.svg import inline_svg
 from dampyr.report.typography import as_html, raised, with_powers
+from dampyr.source_digest import full_version
 from dampyr.source_file import SourceFile
 
 DASH = "–"
@@ -92,7 +92,7 @@ def page(
             provenance=given if provenance else {},
             marks=_MARKS,
             date=date,
-            version=dampyr.__version__,
+            version=full_version(),
             facts=dict(facts or {}),
             command=source.command,
             files=sorted({*files, *source.files}),

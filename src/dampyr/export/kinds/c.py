@@ -13,6 +13,7 @@ from dampyr.errors import InputError
 from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, function
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
+from dampyr.source_digest import full_version
 
 Array = NDArray[np.float64]
 
@@ -120,7 +121,7 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
     )
     guard = f"{name.upper()}_H"
     return f"""\
-/* A damper written by dampyr: {damper.composition}.
+/* A damper written by dampyr {full_version()}: {damper.composition}.
  *
  * Units: s, m, m/s, {damper.input} ({word} at the coil), N. A positive force opposes a positive velocity.
  * Calibrated from {low:g} to {high:g} {damper.input}. {"Single" if precision == SINGLE else "Double"} precision. {link}

@@ -12,12 +12,12 @@ import zipfile
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-import dampyr
 from dampyr.atomic_write import whole_file
 from dampyr.errors import InputError
 from dampyr.export import fmi_text
 from dampyr.export.kinds.c import CSource, c_source, check_name
 from dampyr.models import Damper
+from dampyr.source_digest import full_version
 
 DRIVES = ("both", "displacement", "velocity")
 COMPILERS = ("gcc", "clang", "cc")
@@ -57,7 +57,7 @@ def write(
         f"{name}_fmi.c": f'#define INSTANTIATION_TOKEN "{token}"\n{wrapper}',
     }
     files: dict[str, str | bytes] = {
-        "modelDescription.xml": fmi_text.model_description(damper, name, fmi, drive, token, dampyr.__version__)
+        "modelDescription.xml": fmi_text.model_description(damper, name, fmi, drive, token, full_version())
     }
     files |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:

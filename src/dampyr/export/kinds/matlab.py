@@ -10,6 +10,7 @@ from dampyr.export.kinds.c import ARRAYS, EXPORTED, check_exportable, check_name
 from dampyr.export.matlab_text import SUPPORT, function, number
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
+from dampyr.source_digest import full_version
 
 
 def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = False) -> list[Path]:
@@ -51,7 +52,7 @@ function [f, state] = {name}(t, x, v, u, state)
 %   velocity. The path begins at rest.
 %   [f, state] = {name}(t, x, v, u, state) goes on from the state that an earlier call returned, with later samples.
 %
-%   The model: {composition}. Calibrated from {low:g} to {high:g} {unit}. Written by dampyr.
+%   The model: {composition}. Calibrated from {low:g} to {high:g} {unit}. Written by dampyr {full_version()}.
     if nargin < 5, state = []; end
     if isscalar(u), u = repmat(u, size(x)); end
     if ~isequal(numel(t), numel(x), numel(v), numel(u))
