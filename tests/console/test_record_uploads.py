@@ -215,3 +215,18 @@ def test_forty_megabytes_of_text_are_read_within_a_gigabyte(tmp_path):
     samples, memory = map(int, done.stdout.split())
     assert samples == 3_200_000 // 600 * 600
     assert memory < 1000
+
+
+def test_motions_and_structures_are_no_broken_records(client, data):
+    """In their folders they are not listed; a motion elsewhere says what it is, below what can be read."""
+    motion = "time [s],acceleration [m/s^2]\n" + "".join(f"{k / 100},{np.sin(k / 9):.4f}\n" for k in range(300))
+    for folder in ("motions", "structures"):
+        (data / folder).mkdir()
+        (data / folder / "a.csv").write_text(motion)
+    (data / "a motion.csv").write_text(motion)
+    (data / "b broken.csv").write_text("time [s],force [N]\n0,1\n")
+    (data / "c record.csv").write_text(CSV)
+    entries = listed(client)
+    assert [one["key"] for one in entries] == ["data/c record.csv", "data/a motion.csv", "data/b broken.csv"]
+    assert "a ground motion of 2.99 s and not a record of a damper; put it into the folder motions" in entries[1]["problem"]
+    assert "ground motion" not in entries[2]["problem"]

@@ -90,7 +90,7 @@ def test_loaded_it_is_a_building(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("nodes", "elements", "text", "words"),
     [
-        (NODES.replace("x [mm]", "z [mm]"), ELEMENTS, FILE, r"nodes.csv: has the columns node, z, y.*it must have node, x, y"),
+        (NODES.replace("x [mm]", "z [mm]"), ELEMENTS, FILE, r"nodes.csv: lacks x in its first line; it must name node, x, y"),
         (NODES.replace("x [mm]", "x [kg]"), ELEMENTS, FILE, r"nodes.csv: line 2: x = '0' must be a number in kg"),
         (NODES.replace("6000,4000", "far,4000"), ELEMENTS, FILE, r"nodes.csv: line 5: x = 'far' must be a number in mm"),
         (NODES.replace("0,0,0,3\n", "0,0,0,9\n"), ELEMENTS, FILE, "line 5: node 4 follows 9; it must be another node"),

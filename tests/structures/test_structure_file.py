@@ -107,3 +107,45 @@ def test_mistakes_of_storeys(tmp_path: Path) -> None:
         dp.structures.load(written(tmp_path, 'name = "nothing"'))
     with pytest.raises(MissingData, match="there is no such file"):
         dp.structures.load(tmp_path / "absent.toml")
+
+
+SECRET = "root:x:0:0:root:/root:/bin/bash"
+
+
+@pytest.mark.parametrize("where", ["absolute", "above", "link"])
+@pytest.mark.parametrize("kind", ["matrix", "frame"])
+def test_only_files_of_its_own_folder_are_read(kind: str, where: str, tmp_path: Path) -> None:
+    """And no message repeats what another file holds."""
+    folder, outside = tmp_path / "lab", tmp_path / "secret.csv"
+    folder.mkdir()
+    outside.write_text(SECRET)
+    if where == "link":
+        (folder / "link.csv").symlink_to(outside)
+    name = {"absolute": str(outside), "above": "../secret.csv", "link": "link.csv"}[where]
+    text = (
+        f'M = {{ file = "{name}" }}\nK = [1.0]\ndamping_ratio = 0.02\n'
+        if kind == "matrix"
+        else f'nodes = "{name}"\nelements = "{name}"\nfloors = ["1"]\ndamping_ratio = 0.02\n'
+    )
+    with pytest.raises(FileError, match=r"leads out of the folder of the structure; .*copy the file there") as caught:
+        dp.structures.load(written(folder, text))
+    assert "root" not in str(caught.value).replace(str(tmp_path), "")
+
+
+@pytest.mark.parametrize(
+    ("content", "place"), [("1 2\n3 " + SECRET, "row 2, column 2"), ("1 2\n3\n", "row 2"), (SECRET, "row 1, column 1")]
+)
+def test_a_file_that_is_no_matrix_is_refused_without_what_it_holds(content: str, place: str, tmp_path: Path) -> None:
+    (tmp_path / "below").mkdir()
+    (tmp_path / "below" / "m.txt").write_text(content)
+    with pytest.raises(FileError, match=f"m.txt: is no matrix of numbers, see {place}; give text") as caught:
+        dp.structures.load(written(tmp_path, 'M = { file = "below/m.txt" }\nK = [1.0]\ndamping_ratio = 0.02\n'))
+    assert "root:x" not in str(caught.value)
+
+
+def test_the_first_line_of_a_file_that_is_no_table_is_not_repeated(tmp_path: Path) -> None:
+    (tmp_path / "n.csv").write_text(SECRET)
+    text = 'nodes = "n.csv"\nelements = "n.csv"\nfloors = ["1"]\ndamping_ratio = 0.02\n'
+    with pytest.raises(FileError, match=r"n.csv: lacks .* in its first line; it must name node") as caught:
+        dp.structures.load(written(tmp_path, text))
+    assert "root:x" not in str(caught.value)

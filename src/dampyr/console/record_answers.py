@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from dampyr import records
+from dampyr import ground_motions, records
 from dampyr.console import curves, record_sources
+from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS
 from dampyr.console.page_words import in_page_words
 from dampyr.console.record_formats import FIGURE, NEED_VELOCITY
 from dampyr.errors import DampyrError, FileError, InputError
@@ -28,7 +30,20 @@ def describe_all(keys: list[str], data: Path) -> Iterator[dict[str, Any]]:
                 continue
             yield {"about": description(record_sources.read(data, key))}
         except DampyrError as problem:
-            yield {"problem": str(problem)[:2000]}
+            yield {"problem": (_another_kind(data, key) or str(problem))[:2000]}
+
+
+def _another_kind(data: Path, key: str) -> str:
+    """What a file that is no record is, where that is known: a ground motion that does not lie in the folder of motions."""
+    with suppress(DampyrError, OSError):
+        path = record_sources.place(data, key)
+        if path.suffix.lower() in MOTION_SUFFIXES:
+            motion = ground_motions.read(path)
+            return (
+                f"a ground motion of {motion.duration:.4g} s and not a record of a damper; put it into the folder {MOTIONS} "
+                "to choose it on the page Building"
+            )
+    return ""
 
 
 def describe_one(data: Path, key: str) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from dampyr.records.folder_metadata import reading_of
 from dampyr.records.text_columns import has_numbers
 
 OWN = "data"
-NOT_RECORDS = ("ensembles/",)
+NOT_RECORDS = ("ensembles/", "motions/", "structures/")  # folders of the data folder that hold other files
 MAX_RECORDS = 500  # each is read and described for the list of a page
 
 
@@ -60,7 +60,11 @@ def source(data: Path, name: str) -> Source:
 def keys(of: Source) -> list[str]:
     """The keys of the files of a source that may be records, such as ``data/lab/test 1.csv``; none is opened here."""
     names = sorted(safe_paths.files(of.folder, SUFFIXES), key=_order)
-    return [f"{of.name}/{name}" for name in names if Path(name).name != TABLE and not name.startswith(NOT_RECORDS)]
+    return [
+        f"{of.name}/{name}"
+        for name in names
+        if Path(name).name != TABLE and not (of.name == OWN and name.startswith(NOT_RECORDS))
+    ]
 
 
 def left_out(of: Source) -> dict[str, str]:

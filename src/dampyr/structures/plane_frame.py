@@ -151,7 +151,9 @@ def _table(path: Path, columns: dict[str, str]) -> list[dict[str, str]]:
     heads = [cell.partition("[") for cell in rows[0]] if rows else []
     names = [name.strip() for name, _, _ in heads]
     if sorted(names) != sorted(columns):
-        raise FileError(path, f"has the columns {', '.join(names) or 'none'}; it must have {', '.join(columns)}")
+        missing = [name for name in columns if name not in names]
+        detail = f"lacks {', '.join(missing)}" if missing else f"has {len(names)} columns"
+        raise FileError(path, f"{detail} in its first line; it must name {', '.join(columns)}, each once")
     units = {f"{name} unit": unit.rstrip("] ") for name, (_, _, unit) in zip(names, heads, strict=True)}
     tables = []
     for line, row in enumerate(rows[1:], start=2):

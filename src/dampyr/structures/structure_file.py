@@ -18,6 +18,7 @@ A number without a unit is SI: kg, N/m, N s/m. A list in the place of a matrix i
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -92,7 +93,8 @@ def load(path: str | Path) -> Building:
     ``K``. Damping is ``dashpots`` of the storeys, or the matrix ``C``, or a ``damping_ratio``, one number or one for each mode,
     with ``method`` "rayleigh" (that of storeys where none is given; of two ``modes``) or "modal" (that of matrices). ``name``;
     with matrices also ``floors`` and ``influence``. Each number may be a text with its unit, ``"26 kN/mm"``, a matrix also a
-    table of its ``unit`` and ``values``, or of a ``file`` beside it (text, .npz, .mat); a number without a unit is SI.
+    table of its ``unit`` and ``values``, or of a ``file`` (text, .npz, .mat); a number without a unit is SI. Files that it
+    names lie in its own folder or below it: no other is read.
 
     A plane frame has two tables, ``nodes`` and ``elements`` (`dampyr.structures.plane_frame.read_frame`). It is taken to the
     displacements of its ``floors`` by modes, and so are matrices to the degrees of freedom ``keep``
@@ -116,8 +118,8 @@ def load(path: str | Path) -> Building:
 
 
 def structure_of(document: Mapping[str, Any], folder: Path | None = None) -> Building:
-    """The structure in a table as TOML gives it; its files lie in ``folder``. :class:`~dampyr.errors.InputError` says what is
-    wrong.
+    """The structure in a table as TOML gives it; its files lie in ``folder`` or below it. :class:`~dampyr.errors.InputError`
+    says what is wrong.
     """
     if {"nodes", "elements"} & set(document):
         return _of_frame(fill(Frame, document), folder or Path())
@@ -146,7 +148,7 @@ def _of_frame(given: Frame, folder: Path) -> Building:
     _check_method(given.method)
     if given.frames < 1 or not given.floors or not given.damping_ratio:
         raise InputError("a frame needs frames of at least 1, floors, and a damping_ratio; give all of them")
-    frame = read_frame(folder / given.nodes, folder / given.elements)
+    frame = read_frame(_own_file(folder, given.nodes, "nodes"), _own_file(folder, given.elements, "elements"))
     M, K, labels, influence = given.frames * frame.M, given.frames * frame.K, frame.labels, frame.influence
     massive = np.diag(M) > 0.0
     if not np.all(massive):  # what has no mass follows by its springs alone, exactly
@@ -243,6 +245,21 @@ def _matrix(key: str, value: Any, si: str, folder: Path) -> Array:
     )
 
 
+def _own_file(folder: Path, name: str, key: str) -> Path:
+    """The file that ``key`` names, in ``folder`` or below it.
+
+    Whoever sends a structure must not be able to have any file of the reader's machine read by it. Links are followed first:
+    one that leads out is refused too.
+    """
+    path = folder / name
+    if not path.resolve().is_relative_to(folder.resolve()):
+        raise InputError(
+            f"{key} = {name!r} leads out of the folder of the structure; only files in that folder or below it are read: "
+            "copy the file there"
+        )
+    return path
+
+
 def _matrix_of_file(key: str, value: Mapping[str, Any], si: str, folder: Path) -> Array:
     """A matrix, or its diagonal, in a file of text, .npz or .mat, in SI."""
     for name in value:
@@ -250,7 +267,7 @@ def _matrix_of_file(key: str, value: Mapping[str, Any], si: str, folder: Path) -
             raise InputError(unknown(f"{key}.{name}", name, ["file", "unit", "variable"]))
         if not isinstance(value[name], str):
             raise InputError(f"{key}.{name} = {value[name]!r} must be a text")
-    path, variable = folder / value["file"], value.get("variable", key)
+    path, variable = _own_file(folder, value["file"], f"{key}.file"), value.get("variable", key)
     try:
         array = np.asarray(_content(path, variable), dtype=float)
     except KeyError as problem:
@@ -258,8 +275,12 @@ def _matrix_of_file(key: str, value: Mapping[str, Any], si: str, folder: Path) -
     except OSError as problem:
         raise FileError(path, f"cannot be read ({problem.strerror or problem})") from None
     except (ValueError, TypeError, NotImplementedError) as problem:
+        # numpy quotes the text that is no number: of a message only the place is handed on, not what the file holds.
+        place = re.search(r"at row (\d+)(?:, column (\d+))?", str(problem))
+        row, column = place.groups() if place else (None, None)
+        where = f", see row {int(row) + 1}, column {column}" if column else f", see row {row}" if row else ""
         raise FileError(
-            path, f"is no matrix ({problem}); give text with a row in each line, .npz, or .mat before v7.3"
+            path, f"is no matrix of numbers{where}; give text with a row in each line, .npz, or .mat before v7.3"
         ) from None
     if array.ndim == 2 and 1 in array.shape:
         array = array.ravel()

@@ -92,3 +92,14 @@ def test_without_openpyxl_the_message_says_what_to_install(tmp_path: Path, monke
     monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
     with pytest.raises(InputError, match=r'Excel files need openpyxl; install it: pip install "dampyr\[interop\]"'):
         read(path, voltage=0.0)
+
+
+def test_a_workbook_that_unfolds_to_hundreds_of_megabytes_is_refused_by_its_directory(tmp_path: Path) -> None:
+    """300 MB of spaces in one part fold to some 300 kB; nothing of them is unfolded, so that the answer takes no time."""
+    path = saved(tmp_path / "large.xlsx", Data=[HEADER, *ROWS])
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive, archive.open("xl/media/blank.xml", "w") as part:
+        for _ in range(300):
+            part.write(b" " * 1_000_000)
+    assert path.stat().st_size < 1e6
+    with pytest.raises(FileError, match=r"large.xlsx: unfolds to 300 MB, and at most 200 MB .* save the sheet as .csv"):
+        read(path, voltage=0.87)

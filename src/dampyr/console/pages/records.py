@@ -87,6 +87,7 @@ async def list_records(
         RecordEntry(key=key, note=said.get(key, ""), left_out=reasons.get(key, ""), **one)
         for key, one in described.items()
     ]
+    entries.sort(key=lambda entry: bool(entry.problem))  # what cannot be read stands below what can
     unseen = await to_thread.run_sync(record_sources.left_out, of)
     entries += [RecordEntry(key=key, problem=why) for key, why in list(unseen.items())[: record_sources.MAX_RECORDS]]
     if more := keys[record_sources.MAX_RECORDS :]:

@@ -6,6 +6,7 @@ formula gives the value that was saved with it. Read with openpyxl, the extra ``
 
 from __future__ import annotations
 
+import zipfile
 from datetime import date, datetime, time
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from dampyr.records.record_files import Request
 from dampyr.records.text_columns import is_by_number, table_of_text
 
 TITLE = "Excel"
+MAX_UNFOLDED = 200_000_000  # bytes of the archive's parts: a million rows of four channels, and some 20 s of reading
 
 
 def read(path: Path, request: Request) -> Record:
@@ -41,6 +43,7 @@ def _sheet(path: Path, wanted: str | None) -> tuple[str, str, str]:
         from openpyxl import load_workbook
     except ImportError as problem:
         raise InputError(f"Excel files need openpyxl; install it: {install_line('interop')}") from problem
+    _check_size(path)
     try:
         book = load_workbook(path, read_only=True, data_only=True)
         formulas = load_workbook(path, read_only=True)
@@ -60,6 +63,21 @@ def _sheet(path: Path, wanted: str | None) -> tuple[str, str, str]:
         reason = " ".join(str(problem).split()) or type(problem).__name__
         raise FileError(path, f"is no readable .xlsx file ({reason}); save it again as an Excel workbook") from problem
     return name, "\n".join(lines) + "\n", formula
+
+
+def _check_size(path: Path) -> None:
+    """Refuse a workbook by what its archive's directory says, before anything of it is unfolded: zeros fold to a thousandth."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = sum(part.file_size for part in archive.infolist())
+    except (OSError, zipfile.BadZipFile):
+        return  # openpyxl says what is wrong with it
+    if size > MAX_UNFOLDED:
+        raise FileError(
+            path,
+            f"unfolds to {size / 1e6:.0f} MB, and at most {MAX_UNFOLDED / 1e6:.0f} MB of a workbook are read; "
+            "save the sheet as .csv, or split it",
+        )
 
 
 def _name(path: Path, book: Any, wanted: str | None) -> str:
