@@ -8,6 +8,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
+from dampyr.cli._frame import in_option_words
 from dampyr.cli._output import plain, print_json, print_table
 
 
@@ -49,3 +50,18 @@ def test_a_table_keeps_every_word_and_number(capsys: pytest.CaptureFixture[str])
     assert printed.count("very") == 60
     assert "\x1b" not in printed
     assert all(line == line.rstrip() for line in printed.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("sentence", "typed"),
+    [
+        ("stay inside it, or pass allow_extrapolation=True", "stay inside it, or add --allow-extrapolation"),
+        ("it is not known; read it with voltage= (or current=)", "it is not known; declare it with --voltage (or --current)"),
+        ("a.AT2 names no unit; declare it, such as units='g'", "a.AT2 names no unit; declare it with --motion-unit g"),
+        ("give the seconds between samples, such as dt=0.02", "give the seconds between samples with --dt 0.02"),
+        ("give one, --dt 0.001 or dt=0.001", "give one, --dt 0.001"),
+        ("name one, --variable NAME or variable=NAME", "name one, --variable NAME"),
+    ],
+)  # fmt: skip
+def test_a_terminal_is_told_options_and_not_arguments_of_python(sentence: str, typed: str) -> None:
+    assert in_option_words(sentence) == typed

@@ -228,5 +228,8 @@ def test_motions_and_structures_are_no_broken_records(client, data):
     (data / "c record.csv").write_text(CSV)
     entries = listed(client)
     assert [one["key"] for one in entries] == ["data/c record.csv", "data/a motion.csv", "data/b broken.csv"]
-    assert "a ground motion of 2.99 s and not a record of a damper; put it into the folder motions" in entries[1]["problem"]
+    assert (
+        "a ground motion of 2.99 s and not a record of a damper; put it into the folder motions"
+        in entries[1]["problem"]
+    )
     assert "ground motion" not in entries[2]["problem"]

@@ -63,7 +63,7 @@ class Course:
         return np.maximum(self.force * np.sign(self.v), 0.0)
 
 
-def specimen(rig: RigSettings, folder: Path | None = None) -> Damper | None:
+def specimen(rig: RigSettings, folder: str | Path | None = None) -> Damper | None:
     """The damper whose card the rig names, relative to ``folder``.
 
     Where it names none: the simulated rig's own damper, and None for a real rig.

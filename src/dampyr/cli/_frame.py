@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import warnings
 from collections.abc import Callable, Iterator, MutableMapping, Sequence
@@ -128,10 +129,30 @@ def with_notes(problem: BaseException) -> str:
     return "; ".join([str(problem), *getattr(problem, "__notes__", [])])
 
 
+# Messages that name arguments of Python, and the options that a terminal has for them.
+OPTIONS = tuple(
+    (re.compile(pattern), words)
+    for pattern, words in (
+        (r"\bpass allow_extrapolation=True", "add --allow-extrapolation"),
+        (r"\bread it with voltage= \(or current=\)", "declare it with --voltage (or --current)"),
+        (r"\bdeclare it, such as units='([^']*)'( or units='[^']*')?", r"declare it with --motion-unit \1"),
+        (r"\bgive the seconds between samples, such as dt=([\d.]+)", r"give the seconds between samples with --dt \1"),
+        (r"(--\w[\w-]* [\w.]+)(,| or) \w+=[\w.]+", r"\1"),
+    )
+)
+
+
+def in_option_words(sentence: str) -> str:
+    """The sentence as it is typed in a terminal."""
+    for pattern, words in OPTIONS:
+        sentence = pattern.sub(words, sentence)
+    return sentence
+
+
 def say(message: str) -> int:
     """One line on stderr, where it can be written; whether it can is no matter of the work under way."""
     with suppress(OSError, ValueError):
-        click.echo(f"dampyr: {' '.join(message.split())}", err=True)
+        click.echo(f"dampyr: {in_option_words(' '.join(message.split()))}", err=True)
     return WRONG
 
 

@@ -10,6 +10,7 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
+from dampyr.argument_kinds import DAMPER, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.registry import member, names
@@ -46,11 +47,17 @@ def export(
     >>> [path.name for path in files[:2]]
     ['damper.h', 'damper.c']
     """
+    check_kinds(
+        "export",
+        Argument("damper", damper, (Damper,), DAMPER),
+        Argument("to", to, (str,), "give a kind of export, such as 'c'"),
+    )
     kind = member(REGISTRY, to)
     allowed = [key for key, each in signature(kind.write).parameters.items() if each.kind is each.KEYWORD_ONLY]
     for option in options:
         if option not in allowed:
             its = f"its options are {', '.join(allowed)}" if allowed else "it has no options"
             raise InputError(f"{option} is no option of the export {to}; {its}")
-    written: list[Path] = kind.write(damper, Path(out), name, allow_extrapolation, **options)
+    anywhere = allow_extrapolation or not damper.needs_input
+    written: list[Path] = kind.write(damper, Path(out), name, anywhere, **options)
     return written

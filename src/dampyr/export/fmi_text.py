@@ -51,11 +51,10 @@ def variables(damper: Damper, drive: str) -> list[Variable]:
             ("velocity", "m/s", "of the damper"),
         )
     ]
-    low, high = damper.range
     units = {f"{p.name}.{key}": q.unit for p in damper.composition.parts for key, q in p.parameters.items()}
     return [
         *motion,
-        Variable(word, damper.input, "input", f"at the coil, calibrated from {low:g} to {high:g} {damper.input}"),
+        Variable(word, damper.input, "input", f"at the coil; the damper {damper.range_words}"),
         Variable("force", "N", "output", "positive against a positive velocity"),
         *(Variable(key, units.get(key, ""), "local", f"parameter at the present {word}") for key in damper.all_laws),
     ]

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.acceptance import (
     QUANTITIES,
@@ -124,6 +125,11 @@ def accept_records(
     Measured inputs that are constant but for noise count as constants, those close to an input of the reference as that one.
     ``name`` is what the reference is called.
     """
+    check_kinds(
+        "accept_records",
+        Argument("records", records, (Record,), RECORDS, several=True),
+        Argument("reference", reference, (Damper, Record), DAMPER, several=True),
+    )
     options = options or AcceptOptions()
     if not records:
         raise InputError("there are no records to judge; give one or more")

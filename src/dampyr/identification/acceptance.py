@@ -26,8 +26,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.reference_cycles import SAME, Expected, Reference, expected, groups
+from dampyr.models import Damper
 from dampyr.records import Cycle, Record, cycle_table, cycles
 from dampyr.representation import Representation, Summary, Table, data_frame
 
@@ -267,6 +269,11 @@ def accept(
 
     Raises :class:`~dampyr.errors.InputError` for an argument that is wrong. What cannot be judged is a value with a reason.
     """
+    check_kinds(
+        "accept",
+        Argument("record", record, (Record,), RECORD),
+        Argument("reference", reference, (Damper, Record), DAMPER, several=True),
+    )
     band = tolerance or Tolerance()
     requested = _checked_quantities(quantities, band)
     if offset is not None and not math.isfinite(offset):

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
+from dampyr.argument_kinds import MODEL, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.fit_data import piece, weighted
 from dampyr.identification.initial_guess import begin, best_of
@@ -117,6 +118,7 @@ def fit(
     >>> fit.converged, {name: float(f"{value:.4g}") for name, value in fit.parameters.items()}
     (True, {'dahl.kx': 2576.0, 'dahl.kw': 380.6, 'dahl.rho': 13530.0})
     """
+    check_model_and_records("fit", model, records)
     listed = [records] if isinstance(records, Record) else list(records)
     check_loss(loss)
     if starts < 1:
@@ -138,6 +140,15 @@ def fit(
         return build_fit(
             problem, outcome, tuple(listed), bandwidth, search_notes, (starts, agreed), settling, session_prior
         )
+
+
+def check_model_and_records(call: str, model: Any, records: Any) -> None:
+    """Raise InputError where ``call``, which takes a model and then records, is given something else."""
+    check_kinds(
+        call,
+        Argument("model", model, (str, Composition, Damper), MODEL),
+        Argument("records", records, (Record,), RECORDS, several=True),
+    )
 
 
 def prepared(

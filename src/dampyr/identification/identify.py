@@ -14,6 +14,7 @@ from functools import cached_property
 from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
+from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.fit_data import WEIGHTINGS
@@ -219,6 +220,7 @@ def identify(
 
     Raises :class:`~dampyr.errors.InputError` for records or options that cannot be used, before anything is fitted.
     """
+    check_kinds("identify", Argument("records", records, (Record,), RECORDS, several=True))
     options = options or IdentifyOptions()
     tell = progress or (lambda stage, done: None)
     nominal = nominal_inputs(records)

@@ -34,6 +34,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import parallel
 from dampyr.identification.fit import Fit, fit
@@ -302,6 +303,7 @@ def leaderboard(
     model could be fitted.
     """
     parallel.refuse_forks(executor)
+    check_kinds("leaderboard", Argument("records", records, (Record,), RECORDS, several=True))
     listed = [r for r in records if r.role != "validation"]
     unknown = [r.name for r in listed if r.input is None]
     if unknown:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.scoring_window import SETTLING, Window, scoring_window, whole_cycles
 from dampyr.models import Damper
@@ -174,6 +175,9 @@ def prediction_band(
     counts as of a new session. ``settling`` and ``window`` as in `dampyr.identification.score`. Raises
     :class:`~dampyr.errors.InputError` where the damper's card has no prediction error.
     """
+    check_kinds(
+        "prediction_band", Argument("damper", damper, (Damper,), DAMPER), Argument("record", record, (Record,), RECORD)
+    )
     check_level(level)
     where = scoring_window(record, settling, window)
     forces, session = drawn_forces(damper, record, draws, seed, allow_extrapolation)

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -289,6 +290,12 @@ class Fit(Representation):
     def why_no_interval(self, label: str) -> str:
         """Why a number has no interval, in words; empty where it has one."""
         return no_interval(self.within_records[label]) if label in self.within_records else ""
+
+    def save(self, path: str | Path) -> Path:
+        """Write the card of the fitted damper, as `Damper.save`; :class:`~dampyr.errors.InputError` where there is none."""
+        if self.damper is None:
+            raise InputError(f"the fit has no damper to save: {self.reason}")
+        return self.damper.save(path)
 
     def as_dict(self) -> dict[str, Any]:
         """Parameters, errors, notes and scores by name, for `dampyr.to_json`: intervals at 95 %, None where there is none."""

@@ -33,6 +33,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.prediction_band import Band, check_level, prediction_band
 from dampyr.identification.scoring_window import MIN_SCORED, SETTLING, Window, scoring_window, whole_cycles
@@ -121,6 +122,7 @@ def score(
     >>> dp.identification.score(damper, record).l1 < 1e-4
     True
     """
+    check_kinds("score", Argument("damper", damper, (Damper,), DAMPER), Argument("record", record, (Record,), RECORD))
     if band is not None:
         check_level(band)
     plain = compare(record, prediction(damper, record, allow_extrapolation), settling, window, centre)
@@ -137,6 +139,9 @@ def prediction(damper: Damper, record: Record, allow_extrapolation: bool = False
     Where the record's force went through a moving average that is not undone, so does this one; at the ends, over what is there
     of the window.
     """
+    check_kinds(
+        "prediction", Argument("damper", damper, (Damper,), DAMPER), Argument("record", record, (Record,), RECORD)
+    )
     if record.velocity is None or damper.bandwidth is not None:
         record = with_velocity(record, damper.bandwidth)
     temperature = None if record.temperature is None else float(np.mean(record.temperature))

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.fit import fit
+from dampyr.identification.fit import check_model_and_records, fit
 from dampyr.identification.law_coefficients import admissible_damper, law_coefficients, law_matrix
 from dampyr.identification.problem import independent_blocks
 from dampyr.identification.profile_likelihood import variance_ratios
@@ -441,6 +441,8 @@ def fit_specimens(
         raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
     if errors not in ERRORS:
         raise InputError(f"{errors!r} is an unknown kind of errors; choose {' or '.join(ERRORS)}")
+    if not isinstance(records, Mapping):
+        check_model_and_records("fit_specimens", model, records)
     groups = dict(records) if isinstance(records, Mapping) else group_by_specimen(records)
     if len(groups) < MIN_GROUPS:
         raise InputError(

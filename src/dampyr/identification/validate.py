@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
 from dampyr.identification.score import Array, Score, compare, group_by_input, prediction
@@ -161,8 +162,9 @@ class Validated(Representation):
         more = {"no_band": self.no_band} if self.no_band else {}
         return dict(plain({"card": self.card, "scores": scores, "by_input": self.by_input, "bands": bands} | more))
 
-    def write_forces(self, folder: Path) -> list[Path]:
+    def write_forces(self, folder: str | Path) -> list[Path]:
         """Write NAME.csv with the measured and the predicted force of each record; other people's files are not replaced."""
+        folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         for record in self.records:
             check_free(folder / file_name(record))
@@ -185,6 +187,11 @@ def validate(
     end. ``card`` is what the damper is called. Raises :class:`~dampyr.errors.InputError` where two records have one name, and
     where an input lies outside of the calibrated range unless extrapolation is allowed.
     """
+    check_kinds(
+        "validate",
+        Argument("damper", damper, (Damper,), DAMPER),
+        Argument("records", records, (Record,), RECORDS, several=True),
+    )
     options = options or ValidateOptions()
     if not records:
         raise InputError("there are no records to validate by; give one or more")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.identification.fit import fit
+from dampyr.identification.fit import check_model_and_records, fit
 from dampyr.identification.score import Score, score
 from dampyr.identification.scoring_window import SETTLING, check_settling, scorable
 from dampyr.identification.splits import Target, Task, split_tasks
@@ -250,6 +250,7 @@ def validation_jobs(
     **options: Any,
 ) -> tuple[list[Callable[[], Fold]], Callable[[Sequence[Fold]], Validation]]:
     """`cross_validate` as independent jobs, one a fold, and what makes their results a `Validation`."""
+    check_model_and_records("cross_validate", model, records)
     listed = list(records)
     check_settling(settling)
     not_scored = scorable(listed, settling)

@@ -106,7 +106,7 @@ class Damper(Representation):
         returns them: ``[Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)]``; their numbers are constant laws.
     ``laws``
         one law per parameter that no part object has, by its flat name (``"dahl.kx"``), in SI units over the input; a number
-        means a constant.
+        means a constant. A damper of numbers alone holds at every input and needs none.
     ``input``
         ``"V"``: the voltage at the coil, or ``"A"``: its current.
     ``ranges``
@@ -151,7 +151,9 @@ class Damper(Representation):
         object.__setattr__(self, "laws", laws)
         for name, quantity in composition.quantities.items():
             low, high = laws[name].extremes()
-            where = f"{name} between {laws[name].low:g} and {laws[name].high:g} {self.input}"
+            law = laws[name]
+            everywhere = isinstance(law, Constant) and law.is_everywhere
+            where = name if everywhere else f"{name} between {law.low:g} and {law.high:g} {self.input}"
             quantity.check(where, low)
             quantity.check(where, high)
             quantity.doubt(where, low)
@@ -203,8 +205,8 @@ class Damper(Representation):
     def _law(self, law: Law | float) -> Law:
         if isinstance(law, int | float):
             ranged = [k for k in self.laws.values() if not isinstance(k, int | float)]
-            low = max((k.low for k in ranged), default=0.0)
-            high = min((k.high for k in ranged), default=0.0)
+            low = max((k.low for k in ranged), default=-np.inf)
+            high = min((k.high for k in ranged), default=np.inf)
             return Constant(float(law), low, high)
         return law
 
@@ -234,7 +236,11 @@ class Damper(Representation):
 
     def _summary(self) -> Summary:
         quantities, low_high = self.composition.quantities, extent(self.range, self.input)
-        rows = [(INPUTS[self.input], f"calibrated at {low_high}")]
+        rows = [
+            (INPUTS[self.input], f"calibrated at {low_high}")
+            if self.needs_input
+            else ("input", "none: holds at every input")
+        ]
         for name, law in list(self.all_laws.items())[:SHOWN]:
             unit, factor = for_people(quantities[name].unit)
             rows.append(
@@ -276,10 +282,21 @@ class Damper(Representation):
         return dict(self.laws)  # type: ignore[arg-type]
 
     @cached_property
+    def needs_input(self) -> bool:
+        """False where every law is a number that holds at every input."""
+        return not all(isinstance(law, Constant) and law.is_everywhere for law in self.all_laws.values())
+
+    @cached_property
     def range(self) -> tuple[float, float]:
-        """The inputs that every law was calibrated on."""
+        """The inputs that every law was calibrated on; (0, 0) where no input is needed."""
         laws = self.all_laws.values()
-        return max(law.low for law in laws), min(law.high for law in laws)
+        return (max(law.low for law in laws), min(law.high for law in laws)) if self.needs_input else (0.0, 0.0)
+
+    @property
+    def range_words(self) -> str:
+        """The calibrated range as a sentence on the damper says it."""
+        low, high = self.range
+        return f"is calibrated from {low:g} to {high:g} {self.input}" if self.needs_input else "holds at every input"
 
     @cached_property
     def coefficients(self) -> Array:
@@ -406,7 +423,7 @@ class Damper(Representation):
         low, high = self.range
         slack = 1e-9 * max(abs(low), abs(high), 1.0)
         worst = values.max() if values.max() > high + slack else values.min()
-        if low - slack <= worst <= high + slack:
+        if low - slack <= worst <= high + slack or not self.needs_input:
             return values
         text = (
             f"{INPUTS[self.input]} {worst:g} {self.input} is outside the calibrated range "
@@ -455,8 +472,13 @@ class Damper(Representation):
         return models[0] if len(models) == 1 else tuple(models)
 
     def pick_input(self, voltage: ArrayLike | None, current: ArrayLike | None) -> ArrayLike:
-        """The input that this damper takes, of the two; InputError where it is the other one, or none."""
+        """The input that this damper takes, of the two; InputError where it is the other one, or none.
+
+        One that needs no input takes either, and 0 where none is given.
+        """
         given, other = (voltage, current) if self.input == "V" else (current, voltage)
+        if not self.needs_input:
+            return next((each for each in (given, other) if each is not None), 0.0)
         word = INPUTS[self.input]
         if other is not None:
             raise InputError(f"this damper was calibrated over {word} in {self.input}; pass {word}=, not the other")

@@ -6,6 +6,7 @@ the coil's voltage in V, or its current in A, as the damper says.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol, Self
@@ -76,16 +77,22 @@ def _checked_numbers(what: str, numbers: ArrayLike) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Constant:
-    """The same value at every input of the range."""
+    """The same value at every input of the range; without a range, at every input."""
 
     value: float
-    low: float = 0.0
-    high: float = 0.0
+    low: float = -math.inf
+    high: float = math.inf
     kind = "constant"
 
     def __post_init__(self) -> None:
-        _checked_range(self.low, self.high)
+        if not self.is_everywhere:
+            _checked_range(self.low, self.high)
         _checked_numbers("value", self.value)
+
+    @property
+    def is_everywhere(self) -> bool:
+        """Whether it holds at every input."""
+        return (self.low, self.high) == (-math.inf, math.inf)
 
     @property
     def coefficients(self) -> tuple[float, ...]:
@@ -104,7 +111,8 @@ class Constant:
         return self.value, self.value
 
     def card(self) -> dict[str, Any]:
-        return {"kind": self.kind, "value": self.value, "range": [self.low, self.high]}
+        about = {"kind": self.kind, "value": self.value}
+        return about if self.is_everywhere else about | {"range": [self.low, self.high]}
 
 
 @dataclass(frozen=True)
@@ -292,7 +300,7 @@ def from_card(table: dict[str, Any]) -> Law:
     kind = table.get("kind")
     try:
         if kind == "constant":
-            return Constant(float(table["value"]), *map(float, table["range"]))
+            return Constant(float(table["value"]), *map(float, table.get("range", ())))
         if kind == "polynomial":
             return Polynomial(tuple(table["coefficients"]), *map(float, table["range"]))
         if kind == "interpolation":

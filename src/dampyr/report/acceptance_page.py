@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads
 
 
-def write_acceptance_page(result: Accepted, path: Path) -> Path:
+def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
     """Write the page of the result of `dampyr.identification.accept_records` and return its path.
 
     It shows verdicts, the band with the points, the points outside, and what was not judged. Raises
@@ -46,10 +46,9 @@ def write_acceptance_page(result: Accepted, path: Path) -> Path:
         provenance={"reference": reference, "tolerance": str(results[0].tolerance), "offset": _offset(results[0])},
         facts=people_and_parts(result.records),
         files=files_of((*result.records, *result.reference_records)),
-        call=f"dampyr.report.write_acceptance_page(result, {path.name!r})",
+        call=f"dampyr.report.write_acceptance_page(result, {Path(path).name!r})",
     )
-    write_page(path, html)
-    return path
+    return write_page(path, html)
 
 
 def _relevelled(results: Sequence[Acceptance]) -> list[Block]:

@@ -30,7 +30,7 @@ MARGIN = 1.2  # how far a figure reaches, in the largest 84 % fractile of all of
 
 
 def write_ensemble_page(
-    dataset: Any, path: Path, fragilities: Sequence[Fragility] = (), intensity: str = "pga", title: str = ""
+    dataset: Any, path: str | Path, fragilities: Sequence[Fragility] = (), intensity: str = "pga", title: str = ""
 ) -> Path:
     """Write the page of the result of `dampyr.structures.run_ensemble`.
 

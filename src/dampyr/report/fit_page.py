@@ -25,7 +25,7 @@ from dampyr.report.uncertainty_section import uncertainty_section
 
 def write_fit_page(
     fit: Fit | Identified,
-    path: Path,
+    path: str | Path,
     sections: Sequence[Section] = (),
     validation: Validation | Sequence[Validation] | None = None,
 ) -> Path:
@@ -69,10 +69,9 @@ def write_fit_page(
         provenance=provenance,
         facts=people_and_parts(fit.records),
         files=files_of(fit.records),
-        call=f"dampyr.report.write_fit_page(fit, {path.name!r})",
+        call=f"dampyr.report.write_fit_page(fit, {Path(path).name!r})",
     )
-    write_page(path, html)
-    return path
+    return write_page(path, html)
 
 
 def _summary(fit: Fit, checks: Sequence[Validation], beyond: Sequence[str]) -> Section:

@@ -16,7 +16,7 @@ from dampyr.report.html_page import page, write_page
 from dampyr.report.response_page import floor_name
 
 
-def write_hybrid_page(result: HybridResult, path: Path) -> Path:
+def write_hybrid_page(result: HybridResult, path: str | Path) -> Path:
     """Write the page of a hybrid test and return its path."""
     computed = result.computed
     html = page(
@@ -40,8 +40,7 @@ def write_hybrid_page(result: HybridResult, path: Path) -> Path:
         },
         call=f"dampyr.report.write_hybrid_page(result, {Path(path).name!r})",
     )
-    write_page(Path(path), html)
-    return Path(path)
+    return write_page(path, html)
 
 
 def in_short(result: HybridResult) -> str:

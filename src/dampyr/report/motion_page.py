@@ -19,7 +19,7 @@ TABLE = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s, about evenly s
 
 
 def write_motion_page(
-    motion: GroundMotion, path: Path, dampings: Sequence[float] = DAMPINGS, periods: Sequence[float] = TABLE
+    motion: GroundMotion, path: str | Path, dampings: Sequence[float] = DAMPINGS, periods: Sequence[float] = TABLE
 ) -> Path:
     """Write the page; ``dampings`` as ratios, ``periods`` [s] those of the table."""
     html = page(

@@ -20,7 +20,7 @@ COLUMNS = ("test", "what", "duration", "peak speed", "position", "force", "coil"
 UNITS = ("", "", "s", "mm/s", "mm", "N", "V")
 
 
-def write_plan_page(plan: Plan, path: Path) -> Path:
+def write_plan_page(plan: Plan, path: str | Path) -> Path:
     """Write the page."""
     sections = [Section("Planned tests", [plan_table(plan), *_notes(plan)])]
     moving = [each for each in plan.tests if each.peak_speed > 0]

@@ -25,7 +25,7 @@ WIDE = 8  # floors that a table has columns for, and a page figures of each
 FINE = 6  # points of a loop for each sample: some hundred in a turn of a stiff frame, which is smooth on paper
 
 
-def write_response_page(cases: Simulated | Mapping[str, Response], path: Path) -> Path:
+def write_response_page(cases: Simulated | Mapping[str, Response], path: str | Path) -> Path:
     """Write the page of the result of `dampyr.structures.simulate`, or of cases by name.
 
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
@@ -51,8 +51,7 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: Path) -
         provenance={name: f"{r.scheme}, step {1e3 * r.step:.4g} ms" for name, r in cases.items()},
         call=f"dampyr.report.write_response_page(result, {Path(path).name!r})",
     )
-    write_page(path, html)
-    return path
+    return write_page(path, html)
 
 
 def _peaks(cases: Mapping[str, Response]) -> Table:

@@ -35,7 +35,7 @@ OF_ONE = {
 SEEN = {True: "fitted", False: "unseen", None: "unknown"}
 
 
-def write_validate_page(result: Validated, path: Path) -> Path:
+def write_validate_page(result: Validated, path: str | Path) -> Path:
     """Write the page of the result of `dampyr.identification.validate` and return its path.
 
     It shows scores, which records the card was fitted on, what lies outside its range, and the best and the worst record.
@@ -58,10 +58,9 @@ def write_validate_page(result: Validated, path: Path) -> Path:
         provenance={"card": card, **{f"{name} of the card": text for name, text in of_card(damper).items()}},
         facts=people_and_parts(records),
         files=files_of(records),
-        call=f"dampyr.report.write_validate_page(result, {path.name!r})",
+        call=f"dampyr.report.write_validate_page(result, {Path(path).name!r})",
     )
-    write_page(path, html)
-    return path
+    return write_page(path, html)
 
 
 def _along(records: Sequence[Record]) -> str:

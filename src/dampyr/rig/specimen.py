@@ -21,7 +21,7 @@ def original_specimen() -> Damper:
     return Damper.load(CARD)
 
 
-def specimen_of(settings: RigSettings, folder: Path | None = None) -> Damper:
+def specimen_of(settings: RigSettings, folder: str | Path | None = None) -> Damper:
     """The damper that the settings name, without a card the original one; a relative card is in ``folder``.
 
     In place of a card the name of a set of `dampyr.models.published` will do.

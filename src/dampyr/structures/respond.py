@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion, followed_by_rest
 from dampyr.structures.building import Building
@@ -79,6 +80,11 @@ def respond(
     >>> (1e3 * response.peak_displacement).round(2)
     array([ 7.45, 15.91])
     """
+    check_kinds(
+        "respond",
+        Argument("building", building, (Building,), BUILDING),
+        Argument("motion", motion, (GroundMotion,), MOTION),
+    )
     sites = make_sites(building, dampers, voltage, current, allow_extrapolation)
     motion = followed_by_rest(motion, after)
     run = runner(building, motion, sites)

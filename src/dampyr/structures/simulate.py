@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dampyr import units
+from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, end_in_words
 from dampyr.models import Damper
@@ -202,6 +203,11 @@ def simulate(
     ``damper`` is None where ``options.bare`` is set, and a damper else.
     ``progress`` is called with a stage and the fraction that is done.
     """
+    check_kinds(
+        "simulate",
+        Argument("building", building, (Building,), BUILDING),
+        Argument("motion", motion, (GroundMotion,), MOTION),
+    )
     tell = progress or (lambda stage, done: None)
     if (damper is None) is not options.bare:
         raise InputError("a damper is given with bare = True, or none without it; give one of the two")

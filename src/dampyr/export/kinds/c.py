@@ -101,7 +101,6 @@ def c_source(
 
 
 def _header(damper: Damper, name: str, precision: Precision, history: int, libm: tuple[str, ...]) -> str:
-    low, high = damper.range
     word, real = INPUTS[damper.input], precision.real
     late = damper.composition.has_delay
     delay = (
@@ -124,7 +123,7 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
 /* A damper written by dampyr {full_version()}: {damper.composition}.
  *
  * Units: s, m, m/s, {damper.input} ({word} at the coil), N. A positive force opposes a positive velocity.
- * Calibrated from {low:g} to {high:g} {damper.input}. {"Single" if precision == SINGLE else "Double"} precision. {link}
+ * The damper {damper.range_words}. {"Single" if precision == SINGLE else "Double"} precision. {link}
  *
  *     {name}_state d;
  *     {real} f0 = {name}_start(&d, t0, x0, v0, u0);

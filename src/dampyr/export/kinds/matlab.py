@@ -52,7 +52,7 @@ function [f, state] = {name}(t, x, v, u, state)
 %   velocity. The path begins at rest.
 %   [f, state] = {name}(t, x, v, u, state) goes on from the state that an earlier call returned, with later samples.
 %
-%   The model: {composition}. Calibrated from {low:g} to {high:g} {unit}. Written by dampyr {full_version()}.
+%   The model: {composition}. The damper {damper.range_words}. Written by dampyr {full_version()}.
     if nargin < 5, state = []; end
     if isscalar(u), u = repmat(u, size(x)); end
     if ~isequal(numel(t), numel(x), numel(v), numel(u))

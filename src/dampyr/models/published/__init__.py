@@ -69,14 +69,14 @@ MAX_FILES = 6  # of a folder that an error names
 
 
 def card_or_published(
-    name: str | Path, folder: Path | None = None, others: Mapping[str, Callable[[], Damper]] | None = None
+    name: str | Path, folder: str | Path | None = None, others: Mapping[str, Callable[[], Damper]] | None = None
 ) -> Damper:
     """The damper of a card, which a relative ``name`` has in ``folder``, or the published one of that name.
 
     A file of this name comes first. ``others`` are published dampers besides the sets of this package, by their names.
     :class:`~dampyr.errors.MissingData` where there is neither: it lists the names, and the cards that are there.
     """
-    path = (folder or Path()) / name
+    path = Path(folder or "") / name
     if path.is_file():
         return Damper.load(path)
     published = dict(others or {}) | {own: partial(damper, own) for own in available_sets()}
