@@ -277,7 +277,7 @@ def _matrix_of_file(key: str, value: Mapping[str, Any], si: str, folder: Path) -
     except (ValueError, TypeError, NotImplementedError) as problem:
         # numpy quotes the text that is no number: of a message only the place is handed on, not what the file holds.
         place = re.search(r"at row (\d+)(?:, column (\d+))?", str(problem))
-        row, column = place.groups() if place else (None, None)
+        row, column = (place[1], place[2]) if place else ("", "")
         where = f", see row {int(row) + 1}, column {column}" if column else f", see row {row}" if row else ""
         raise FileError(
             path, f"is no matrix of numbers{where}; give text with a row in each line, .npz, or .mat before v7.3"
