@@ -1,7 +1,9 @@
 """National Instruments' TDMS, as LabVIEW writes it: each channel is a column, ``variable`` names the group of channels.
 
 The unit is the channel's property ``unit_string``, as LabVIEW writes it. Without a channel of time, the interval of
-the waveforms, ``wf_increment``, gives it. Read with npTDMS, the extra ``interop``.
+the waveforms, ``wf_increment``, gives it. Waveforms that begin at different times (``wf_start_time``, ``wf_start_offset``),
+as those of tasks that were started one after the other do, are brought to one time base: that of the channel that begins
+last, over the time that all of them cover, by straight lines between samples. Read with npTDMS, the extra ``interop``.
 """
 
 from __future__ import annotations
@@ -18,7 +20,8 @@ from dampyr.records.record import GROUPS, Record
 from dampyr.records.record_files import Request
 
 TITLE = "TDMS"
-UNIT, INTERVAL = "unit_string", "wf_increment"
+UNIT, INTERVAL, START, OFFSET = "unit_string", "wf_increment", "wf_start_time", "wf_start_offset"
+SAME_START = 1e-3  # of an interval: what stamps are rounded by; a thousandth of a sample moves no number of a fit
 
 
 def read(path: Path, request: Request) -> Record:
@@ -32,7 +35,8 @@ def read(path: Path, request: Request) -> Record:
         with path.open("rb") as stream, TdmsFile.open(stream) as file:
             group = _group(path, file, request.variable)
             channels = [channel for channel in group.channels() if len(channel)]
-            table, interval = _table(path, group.name, channels, {**file.properties, **group.properties})
+            declared = None if request.dt is None else float(request.dt)
+            table, interval = _table(path, group.name, channels, {**file.properties, **group.properties}, declared)
     except InputError:
         raise
     except Exception as problem:  # npTDMS raises whatever the broken bytes lead it to
@@ -57,10 +61,21 @@ def _group(path: Path, file: Any, wanted: str | None) -> Any:
     return next(iter(groups.values()))
 
 
-def _table(path: Path, group: str, channels: list[Any], properties: dict[str, Any]) -> tuple[Table, float | None]:
-    """The channels as columns, and the interval of the waveforms where they have one."""
+def _table(
+    path: Path, group: str, channels: list[Any], properties: dict[str, Any], declared: float | None
+) -> tuple[Table, float | None]:
+    """The channels as columns, and the interval [s] of the waveforms where they have one; ``declared`` is that of a person."""
+    increments = {channel.name: declared or float(channel.properties.get(INTERVAL, 0.0)) for channel in channels}
+    intervals = {value for value in increments.values() if value > 0.0}
+    if len(intervals) > 1:
+        listed = ", ".join(f"{name} {value:g} s" for name, value in increments.items())
+        raise FileError(
+            path, f"the waveforms of {group!r} have several intervals ({listed}); give one, --dt 0.001 or dt=0.001"
+        )
+    interval = intervals.pop() if intervals else None
+    starts = _starts(path, group, channels, increments)
     sizes = {channel.name: len(channel) for channel in channels}
-    if len(set(sizes.values())) > 1:
+    if not starts and len(set(sizes.values())) > 1:
         listed = ", ".join(f"{name} {size}" for name, size in sizes.items())
         raise FileError(
             path, f"the channels of {group!r} differ in length ({listed}); export them at one rate, or in groups"
@@ -80,13 +95,10 @@ def _table(path: Path, group: str, channels: list[Any], properties: dict[str, An
             raise FileError(
                 path, f"the channel {channel.name!r} holds {values.dtype} and no numbers; export it without"
             )
-    increments = {channel.name: float(channel.properties.get(INTERVAL, 0.0)) for channel in channels}
-    intervals = {value for value in increments.values() if value > 0.0}
-    if len(intervals) > 1:
-        listed = ", ".join(f"{name} {value:g} s" for name, value in increments.items())
-        raise FileError(
-            path, f"the waveforms of {group!r} have several intervals ({listed}); give one, --dt 0.001 or dt=0.001"
-        )
+    notes = [f"the group {group!r}"]
+    if starts and interval is not None:
+        columns, note = _aligned(path, group, columns, starts, interval)
+        notes.append(note)
     cells = [(name_and_unit(channel.name), str(channel.properties.get(UNIT, "")).strip()) for channel in channels]
     return Table(
         names=tuple(name for (name, _), _ in cells),
@@ -95,8 +107,65 @@ def _table(path: Path, group: str, channels: list[Any], properties: dict[str, An
         kinds=tuple(kinds),
         stamps=stamps,
         groups={name: str(properties[name]).strip() for name in GROUPS if str(properties.get(name, "")).strip()},
-        notes=(f"the group {group!r}",),
-    ), (intervals.pop() if intervals else None)
+        notes=tuple(notes),
+    ), interval
+
+
+def _starts(path: Path, group: str, channels: list[Any], increments: dict[str, float]) -> dict[str, float]:
+    """When each waveform begins, s after the first of them; empty where all begin together, or none says when it does."""
+    needed = START if any(START in each.properties for each in channels) else OFFSET
+    stated = {each.name: each for each in channels if needed in each.properties}
+    clocks = {
+        name: (np.datetime64(each.properties.get(START, 0), "us"), float(each.properties.get(OFFSET, 0.0)))
+        for name, each in stated.items()
+    }
+    if not clocks:
+        return {}
+    first = min(clock for clock, _ in clocks.values())
+    begins = {
+        name: float((clock - first) / np.timedelta64(1, "s")) + offset for name, (clock, offset) in clocks.items()
+    }
+    earliest = min(begins.values())
+    begins = {name: value - earliest for name, value in begins.items()}
+    shortest = min((value for value in increments.values() if value > 0.0), default=0.0)
+    if max(begins.values()) <= SAME_START * shortest:
+        return {}
+    unclear = [each.name for each in channels if each.name not in begins or increments[each.name] <= 0.0]
+    if unclear:
+        listed = ", ".join(f"{name} {value:.6g} s" for name, value in begins.items())
+        raise FileError(
+            path,
+            f"the waveforms of {group!r} begin at different times ({listed} after the first), and {unclear[0]!r} does not say "
+            f"when it was sampled ({START} and {INTERVAL}); export it with both, or without that channel",
+        )
+    return begins
+
+
+def _aligned(
+    path: Path, group: str, columns: list[Any], starts: dict[str, float], interval: float
+) -> tuple[list[Any], str]:
+    """The channels on the samples of the one that begins last, over the time that all cover, and what the history says."""
+    begins = np.array(list(starts.values()))
+    ends = begins + interval * np.array([len(column) - 1 for column in columns])
+    last = int(np.argmax(begins))
+    own = begins[last] + interval * np.arange(len(columns[last]))
+    base = own[own <= ends.min() + SAME_START * interval]
+    listed = ", ".join(f"{name} {value:.6g} s" for name, value in starts.items())
+    if base.size < 2:
+        raise FileError(
+            path,
+            f"the waveforms of {group!r} begin at different times ({listed} after the first) and have no time in common; "
+            "export channels that were sampled together",
+        )
+    aligned = [
+        np.interp(base, begin + interval * np.arange(len(column)), column)
+        for begin, column in zip(begins, columns, strict=True)
+    ]
+    note = (
+        f"channels begin at different times ({listed} after the first): interpolated between samples at those of "
+        f"{list(starts)[last]}, over the {base[-1] - base[0]:.4g} s that all cover"
+    )
+    return aligned, note
 
 
 def _has_time(table: Table, request: Request) -> bool:
