@@ -110,3 +110,53 @@ def test_the_real_records(campaign_folder):
     assert sum(value > 1.95 for value in start.values()) == 13
     at_once = {name for name, value in start.items() if value <= 0.15}
     assert at_once == {"ensaio.A.3", "ensaio.A.8", "ensaio.A.9", "ensaio.B.7"}
+
+
+def test_a_position_that_runs_away_is_reported(make_sine):
+    """An encoder that counts a fifth less backwards: after each cycle it stands that share of the stroke too far."""
+    record = make_sine()
+    steps = np.diff(record.displacement)
+    lost = np.r_[record.displacement[0], record.displacement[0] + np.cumsum(np.where(steps < 0.0, 0.8 * steps, steps))]
+    bad = quality(record.replace(note="loses counts", displacement=lost))
+    per_cycle = 0.2 * np.ptp(record.displacement)
+    assert bad.run_away == pytest.approx(per_cycle * len(cycles(record)), rel=0.15)
+    assert any("runs away" in note and "encoder counts less one way" in note for note in bad.notes)
+    slowly = record.replace(note="the table drifts", displacement=record.displacement + 1e-4 * record.time)
+    assert quality(slowly).run_away == 0.0
+
+
+def test_leaps_of_the_position_are_reported_with_their_times(make_sine):
+    record = make_sine()
+    at = [record.n // 3, record.n // 2]
+    leapt = record.displacement.copy()
+    leapt[at[0] :] += 4e-3
+    leapt[at[1] :] -= 4e-3
+    bad = quality(record.replace(note="slips", displacement=leapt))
+    assert bad.leaps == tuple(record.time[at])
+    assert any("leaps 2 times within one sample" in note for note in bad.notes)
+    assert not bad.spikes
+
+
+def test_false_and_flat_samples_of_the_position_are_reported(make_sine):
+    record = make_sine()
+    values = record.displacement.copy()
+    values[record.n // 2] += np.ptp(values)
+    spiked = quality(record.replace(note="a false sample", displacement=values))
+    assert spiked.spikes["displacement"] == (record.time[record.n // 2],)
+    assert not spiked.leaps
+    top = 0.8 * record.displacement.max()
+    flat = quality(record.replace(note="clipped", displacement=np.minimum(record.displacement, top)))
+    assert flat.saturated["displacement"] > 100
+
+
+def test_fast_motions_have_no_leaps():
+    """Ramps, steps that take three samples, random motions and a gap: all move fast, none slips."""
+    t = 0.005 * np.arange(2000)
+    rng = np.random.default_rng(5)
+    square = np.clip(60.0 * np.sin(2 * np.pi * t), -1.0, 1.0) * 0.01
+    walk = np.cumsum(rng.normal(0.0, 1e-4, t.size))
+    for x in (square, walk, 0.01 * np.abs((2.0 * t) % 2.0 - 1.0), 0.01 * np.sin(2 * np.pi * 15.0 * t)):
+        assert not quality(Record(t, x, np.gradient(x, t) * 1e3)).leaps
+    kept = np.r_[0:600, 640 : t.size]
+    x = 0.01 * np.sin(2 * np.pi * t)
+    assert not quality(Record(t[kept], x[kept], x[kept])).leaps

@@ -18,6 +18,11 @@ SPIKE_WINDOW = 5  # samples of the running median: a false value of one or two s
 SPIKE_SHARE = 0.10  # of the channel's range but for a hundredth at either end: smaller ones move no score
 SPIKE_OVER_REST = 5.0  # times what 99 of 100 samples differ from the running median: steep loops are no spikes
 PLATEAU_OF_CYCLE = 0.05  # of a cycle: a sine counted in fine steps stays at its extreme for less
+LEAP_OVER_FASTEST = 5.0  # times the step that 99 of 100 samples stay below: a sine's fastest is 1.6 times its mean
+LEAP_OVER_NEIGHBOURS = 3.0  # times the steps before and after: a motion that is only fast has neighbours as fast
+RUN_AWAY = 1.0  # of the stroke, in the whole record: the table of the published campaign drifts by up to 0.76 of it
+RUN_AWAY_PER_CYCLE = 0.08  # of the stroke: there up to 0.051; what an encoder loses that counts so much less one way
+RUN_AWAY_STRAIGHT = 0.9  # of the variance of the cycles' middles that a straight line holds
 EXCURSION = 0.1  # of the median distance between turning points: far beyond noise and encoder steps
 
 
@@ -43,6 +48,11 @@ class Quality(Representation):
         channel's range, and far more than others do; channels without such are not in it.
     per_cycle
         Samples per cycle, or None without whole cycles.
+    leaps
+        The times in s at which the displacement leaps to another place within one sample, and stays there.
+    run_away
+        m by which the middle of the stroke goes one way over the whole cycles, where that is more than the stroke, or than
+        8 % of it in each cycle; 0 else.
     """
 
     samples: int
@@ -53,6 +63,8 @@ class Quality(Representation):
     saturated: Mapping[str, int]
     per_cycle: float | None
     spikes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    leaps: tuple[float, ...] = ()
+    run_away: float = 0.0
 
     def _summary(self) -> Summary:
         per_cycle = "no whole cycle" if self.per_cycle is None else f"{self.per_cycle:.4g} per cycle"
@@ -66,6 +78,10 @@ class Quality(Representation):
         rows += [
             (f"{name} spikes", f"{len(times)}, the first at {times[0]:.4g} s") for name, times in self.spikes.items()
         ]
+        if self.leaps:
+            rows.append(("displacement leaps", f"{len(self.leaps)}, the first at {self.leaps[0]:.4g} s"))
+        if self.run_away:
+            rows.append(("middle of the stroke", f"runs away by {1e3 * self.run_away:.3g} mm"))
         return "Quality", rows
 
     @property
@@ -84,6 +100,17 @@ class Quality(Representation):
             "back; cut or repair them, or fit with a loss of huber or l1"
             for channel, times in self.spikes.items()
         ]
+        if self.leaps:
+            said.append(
+                f"the displacement leaps {len(self.leaps)} time{'s' * (len(self.leaps) > 1)} within one sample, at "
+                f"{', '.join(f'{t:.4g}' for t in self.leaps[:3])}{' ...' * (len(self.leaps) > 3)} s, and stays there: the encoder "
+                "slipped, or counts were lost; cut the record there, or record it again"
+            )
+        if self.run_away:
+            said.append(
+                f"the displacement runs away: its middle moves by {1e3 * self.run_away:.3g} mm in one direction; look whether the "
+                "encoder counts less one way than the other, or the table drifts; record it again, or fit a part of it"
+            )
         if self.per_cycle is not None and self.per_cycle < 40:
             said.append(f"only {self.per_cycle:.0f} samples per cycle")
         return tuple(said)
@@ -114,6 +141,8 @@ def quality(record: Record) -> Quality:
             for name in ("displacement", "force")
             if len(at := spikes(getattr(record, name)))
         },
+        leaps=tuple(map(float, record.time[leaps(record)])),
+        run_away=_run_away(record, spans),
     )
 
 
@@ -130,6 +159,35 @@ def spikes(values: Array) -> NDArray[np.int64]:
     # Beside a spike the running median is off too, but by less than the spike itself.
     foremost = apart > 0.5 * maximum_filter(apart, SPIKE_WINDOW, mode="nearest")
     return np.asarray(np.flatnonzero((apart > limit) & foremost), dtype=np.int64)
+
+
+def leaps(record: Record) -> NDArray[np.int64]:
+    """The samples at which the displacement is suddenly at another place, and stays there, as their numbers."""
+    steps = np.abs(np.diff(record.displacement))
+    steps[np.diff(record.time) > GAP * record.dt] = 0.0  # across a gap it had the time to move
+    if len(steps) < 4:
+        return np.empty(0, dtype=np.int64)
+    limit = max(LEAP_OVER_FASTEST * float(np.quantile(steps, 0.99)), 3.0 * (quantum(record.displacement) or 0.0))
+    padded = np.r_[0.0, steps, 0.0]
+    around = np.maximum(padded[:-2], padded[2:])  # a spike leaps back at once: its two steps are alike
+    alone = (steps > limit) & (steps > LEAP_OVER_NEIGHBOURS * around)
+    return np.asarray(np.flatnonzero(alone) + 1, dtype=np.int64) if limit > 0.0 else np.empty(0, dtype=np.int64)
+
+
+def _run_away(record: Record, spans: list[tuple[int, int]]) -> float:
+    """How far, m, the middle of the stroke goes one way; 0 where that is little, or no straight line."""
+    if len(spans) < 3:
+        return 0.0
+    extremes = [(float(x.min()), float(x.max())) for i0, i1 in spans for x in [record.displacement[i0 : i1 + 1]]]
+    middles = np.array([0.5 * (low + high) for low, high in extremes])
+    stroke = float(np.median([high - low for low, high in extremes]))
+    count = np.arange(len(middles)) - 0.5 * (len(middles) - 1)
+    line = float(count @ middles / (count @ count)) * count
+    rest = middles - middles.mean() - line
+    moved = float(line[-1] - line[0]) * len(middles) / (len(middles) - 1)  # from the first begin to the last end
+    far = abs(moved) > stroke * min(RUN_AWAY, RUN_AWAY_PER_CYCLE * len(middles))
+    straight = float(rest @ rest) <= (1.0 - RUN_AWAY_STRAIGHT) * float(np.sum((middles - middles.mean()) ** 2))
+    return moved if straight and far else 0.0
 
 
 def quantum(values: Array) -> float | None:

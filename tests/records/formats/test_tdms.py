@@ -163,7 +163,7 @@ def test_waveforms_without_a_common_time_are_refused(tmp_path: Path) -> None:
 
 
 def test_the_energy_of_a_file_with_a_late_force_is_that_of_its_closed_form(tmp_path: Path) -> None:
-    """A viscous loop of 1.2 N s/mm on 10 mm at 1 Hz: pi c w A^2; paired by index 10 ms of phase lose 0.2 %, and the fit 25 %."""
+    """A viscous loop of 1.2 N s/mm on 10 mm at 1 Hz: pi c w A^2; paired by index, 10 ms of phase are in it."""
     n, late, w = 1200, 0.010, 2 * np.pi
     t = 0.005 * np.arange(n)
     x, f = 10.0 * np.sin(w * t), 1.2 * 10.0 * w * np.cos(w * (t + late))
