@@ -103,13 +103,13 @@ class Quality(Representation):
         if self.leaps:
             said.append(
                 f"the displacement leaps {len(self.leaps)} time{'s' * (len(self.leaps) > 1)} within one sample, at "
-                f"{', '.join(f'{t:.4g}' for t in self.leaps[:3])}{' ...' * (len(self.leaps) > 3)} s, and stays there: the encoder "
-                "slipped, or counts were lost; cut the record there, or record it again"
+                f"{', '.join(f'{t:.4g}' for t in self.leaps[:3])}{' ...' * (len(self.leaps) > 3)} s, and stays there: the "
+                "encoder slipped, or counts were lost; cut the record there, or record it again"
             )
         if self.run_away:
             said.append(
-                f"the displacement runs away: its middle moves by {1e3 * self.run_away:.3g} mm in one direction; look whether the "
-                "encoder counts less one way than the other, or the table drifts; record it again, or fit a part of it"
+                f"the displacement runs away: its middle moves by {1e3 * self.run_away:.3g} mm in one direction; look whether "
+                "the encoder counts less one way than the other, or the table drifts; record it again, or fit a part of it"
             )
         if self.per_cycle is not None and self.per_cycle < 40:
             said.append(f"only {self.per_cycle:.0f} samples per cycle")
