@@ -47,7 +47,6 @@ def test_a_multiple_of_the_motions_frequency_and_the_history():
         ("fast", "is no frequency"),
         (True, "is no frequency"),
         (80.0, "lowpass: bandwidth_hz = 80 Hz is not allowed; samples 0.005 s apart"),
-        ("3 f", "its motion does not repeat itself"),
     ],
 )
 def test_what_is_no_low_pass_is_refused(lowpass, words):

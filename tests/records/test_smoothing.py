@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from dampyr.cli import cli
-from dampyr.errors import FileError, InputError
+from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.records import MovingAverage, Record, read, read_campaign, with_smoothing, write
 from dampyr.records.moving_average import averaged, reach_of
 from dampyr.records.smoothing import comparable
@@ -263,3 +263,26 @@ def test_dampyrs_own_file_holds_what_is_not_undone(tmp_path):
         with pytest.raises(FileError, match=r"cannot say that the record is smoothed; write .h5"):
             write(record, tmp_path / name)
     assert read(write(raw(), tmp_path / "b.h5")).smoothed is None
+
+
+def test_a_multiple_that_one_record_cannot_carry_leaves_that_one_off_and_not_the_folder(tmp_path):
+    """15 times 5 Hz is more than 200 samples per second carry; a random motion has no frequency to take a multiple of."""
+    t = 0.005 * np.arange(1200)
+    for name, x in (
+        ("slow", 0.01 * np.sin(2 * np.pi * 1.0 * t)),
+        ("fast", 0.01 * np.sin(2 * np.pi * 5.0 * t)),
+        ("random", np.cumsum(np.random.default_rng(2).normal(0.0, 2e-4, t.size))),
+    ):
+        written(tmp_path, f"{name}.csv", Record(t, x, 1e3 * x, voltage=1.0))
+    with pytest.warns(DampyrWarning, match="low-pass of 15 f left off") as caught:
+        read_back = {each.name: each for each in read_campaign(tmp_path, voltage=1.0, lowpass="15 f")}
+    assert {str(each.message).partition(":")[0] for each in caught} == {"fast", "random"}
+    assert float(read_back["slow"].provenance["displacement_lowpass_hz"]) == pytest.approx(15.0, rel=1e-2)
+    for name, why in (("fast", "75 Hz"), ("random", "does not repeat itself")):
+        assert "displacement_lowpass_hz" not in read_back[name].provenance
+        assert "low-pass of 15 f left off" in read_back[name].history[-1]
+        assert why in read_back[name].history[-1]
+    with pytest.raises(
+        InputError, match="fast: lowpass"
+    ):  # what is said of a file in Hz is a mistake where it cannot be
+        read(tmp_path / "fast.csv", voltage=1.0, lowpass=95.0)

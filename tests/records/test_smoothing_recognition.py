@@ -5,7 +5,8 @@ import pytest
 from tests.stories.laboratory import MOTIONS, earthquake, sine
 
 from dampyr.records import Record, describe, measure, read_campaign, recognise_smoothing
-from dampyr.records.moving_average import averaged, reach_of
+from dampyr.records.moving_average import Declaration, averaged, reach_of
+from dampyr.records.smoothing_recognition import Recognised, common_windows
 
 CHANNELS = ("displacement", "velocity", "force")
 
@@ -112,3 +113,38 @@ def test_uneven_sampling_and_what_is_declared_are_left_alone():
     )
     assert recognise_smoothing(record)
     assert recognise_smoothing(record.replace(note="", time=t**1.05)) == ()
+
+
+def shown_window(samples, dt, hz):
+    return Recognised("force", samples, samples * dt, samples * dt * hz, 12.0, 9.0)
+
+
+@pytest.mark.parametrize(
+    ("recognised", "windows"),
+    [
+        # 0.1 s at three rates, of a motion of 1.016 Hz: 0.1 periods would be 98, 197 and 79 samples
+        ([(100, 1e-3, 1.016), (200, 5e-4, 1.016), (80, 1.25e-3, 1.016)], {"0.1 s": 3}),
+        # a tenth of the period of each of three sines, and 0.3 s of an earthquake
+        ([(100, 1e-3, 1.0), (50, 1e-3, 2.0), (29, 1e-3, 3.5), (300, 1e-3, None)], {"0.1 periods": 3, "0.3 s": 1}),
+        # 15 samples, whatever the rate
+        ([(15, 1e-3, 1.0), (15, 5e-3, 2.0), (15, 2e-3, 3.0)], {"15 samples": 3}),
+        # one record alone, and one whose window has digits
+        ([(25, 4e-3, 1.0)], {"0.1 s": 1}),
+        ([(496, 1e-3, None)], {"0.496 s": 1}),
+    ],
+)
+def test_a_common_window_is_told_in_s_before_samples_before_periods(recognised, windows):
+    named = {
+        f"r{k}": shown_window(n, dt, hz) if hz else Recognised("force", n, n * dt, None, 12.0, 9.0)
+        for k, (n, dt, hz) in enumerate(recognised)
+    }
+    found = common_windows(named)
+    assert {window: len(names) for window, names in found.items()} == windows or (
+        len(recognised) == 1 and {len(names) for names in found.values()} == {1}
+    )
+    for window, names in found.items():  # what is told is read as a declaration, and undoes them
+        declared = Declaration.of(window)
+        for name in names:
+            one = named[name]
+            if declared.seconds is not None:
+                assert round(declared.seconds * one.samples / one.window) == pytest.approx(one.samples, abs=1)

@@ -155,22 +155,20 @@ def _print_by_input(descriptions: list[dict[str, Any]]) -> None:
 
 def _print_smoothing(descriptions: list[dict[str, Any]]) -> None:
     """How many records show which moving average, and how to declare it."""
-    shown: dict[str, list[str]] = {}
-    for each in descriptions:
-        if each["smoothing"]:
-            one = each["smoothing"][0]
-            window = f"{one.window:.2g} s" if one.periods is None else f"{one.periods:.2g} periods"
-            shown.setdefault(window, []).append(each["name"])
+    from dampyr.records.smoothing_recognition import common_windows
+
+    shown = common_windows({each["name"]: each["smoothing"][0] for each in descriptions if each["smoothing"]})
     if not shown:
         return
     rows = [
         [window, len(names), ", ".join(names[:3]) + (", …" if names[3:] else "")] for window, names in shown.items()
     ]
     notes = [
-        "if a laboratory smoothed its files, declare it by pattern in reading.toml: [smoothed] 'sine*' = '0.1 periods'"
+        "if a laboratory smoothed its files, declare it by pattern in reading.toml, such as "
+        f"[smoothed] 'sine*' = '{next(iter(shown))}'"
     ]
     click.echo()
-    print_table("Moving averages that show", ["window", "records", "which"], sorted(rows), ["", "", ""], notes=notes)
+    print_table("Moving averages that show", ["window", "records", "which"], rows, ["", "", ""], notes=notes)
 
 
 def _span(values: list[float]) -> str | None:

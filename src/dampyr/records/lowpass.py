@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from dampyr.errors import InputError
+from dampyr.errors import DampyrWarning, InputError
 from dampyr.models.numerics.differentiation import response, smooth
 from dampyr.records.measure import fundamental
 from dampyr.records.overview import repeats
@@ -134,22 +135,32 @@ def with_lowpass(record: Record, lowpass: Any) -> Record:
     :math:`u = 1.078 (f/f_c)^2`: 3 % at half the frequency, 0.6 % at a third. Force and velocity stay as they are. The history
     states the frequency, and ``provenance["displacement_lowpass_hz"]``.
 
+    A multiple is declared of many records at once. One that it does not fit, whose motion does not repeat itself or whose
+    samples do not carry the frequency, stays as it is, with a warning and a line in its history.
+
     Raises
     ------
     InputError
-        It is no frequency that the samples carry, or a multiple of a motion that does not repeat itself.
+        It is no frequency that the samples carry.
     """
     value, is_multiple = multiple_or_hz(lowpass)
+    if is_multiple and not repeats(record):
+        return _left_off(record, lowpass, "its motion does not repeat itself, so that it has no frequency")
     if is_multiple:
-        if not repeats(record):
-            raise InputError(
-                f"{record.name}: its motion does not repeat itself, so that {lowpass!r} is no frequency; give it in Hz"
-            )
         value *= fundamental(record)[0]
     try:
         passed: Array = smooth(record.time, record.displacement, value)
     except InputError as problem:
+        if is_multiple:
+            return _left_off(record, lowpass, f"{value:.4g} Hz: {problem}")
         raise InputError(f"{record.name}: lowpass: {problem}") from problem
     note = f"displacement after a low-pass: local cubic, no phase, -3 dB at {value:.4g} Hz"
     provenance = dict(record.provenance) | {PROVENANCE: f"{value:.6g}"}
     return record.replace(note=note, displacement=passed, provenance=provenance)
+
+
+def _left_off(record: Record, lowpass: Any, reason: str) -> Record:
+    """The record as it is, with the reason why a low-pass that is declared for several records is left off here."""
+    note = f"low-pass of {lowpass} left off: {reason}"
+    warnings.warn(f"{record.name}: {note}", DampyrWarning, stacklevel=3)
+    return record.replace(note=note)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.records.measure import fundamental
-from dampyr.records.moving_average import AVERAGED
+from dampyr.records.moving_average import AVERAGED, UNITS
 from dampyr.records.overview import repeats
 from dampyr.records.record import Array, Record
 
@@ -96,6 +96,42 @@ def recognise_smoothing(record: Record, steps: Mapping[str, float] | None = None
         shown = step if on_grid is not None else None
         recognised.append(Recognised(channel, samples, samples * record.dt, periods, contrast, sigmas, shown))
     return tuple(recognised)
+
+
+def common_windows(recognised: Mapping[str, Recognised]) -> dict[str, list[str]]:
+    """The windows to declare, each with the names of the records that it undoes, those of the most records first.
+
+    A declared window is rounded to samples in each record, and one of s or of periods is tried a sample longer and shorter
+    (`dampyr.records.smoothing.with_smoothing`). Of the windows that undo as many records s are preferred to samples, and these
+    to periods: a motion's measured period is known to a hundredth at best, which is more than a sample of a wide window.
+    """
+    remaining, windows = dict(recognised), dict[str, list[str]]()
+    while remaining:
+        declared = [(unit, value) for unit in UNITS for one in remaining.values() for value in _rounded(one, unit)]
+        undone = {each: [name for name, one in remaining.items() if _undoes(one, *each)] for each in declared}
+        unit, value = max(undone, key=lambda each: len(undone[each]))  # the first of equals
+        windows[f"{value:g} {unit}"] = undone[unit, value]
+        remaining = {name: one for name, one in remaining.items() if name not in undone[unit, value]}
+    return dict(sorted(windows.items(), key=lambda each: -len(each[1])))
+
+
+def _size(one: Recognised, unit: str) -> float | None:
+    """The window in one of `UNITS`."""
+    return {"s": one.window, "samples": float(one.samples), "periods": one.periods}[unit]
+
+
+def _rounded(one: Recognised, unit: str) -> list[float]:
+    """The window as it could be declared in a unit, from one digit to four."""
+    size = _size(one, unit)
+    return [] if size is None else [float(f"{size:.{digits}g}") for digits in range(1, 5)]
+
+
+def _undoes(one: Recognised, unit: str, value: float) -> bool:
+    """Whether a declared window is that of a record, with the sample more or less that is tried where it is not in samples."""
+    size = _size(one, unit)
+    if size is None:
+        return False
+    return abs(round(value * one.samples / size) - one.samples) <= (0 if unit == "samples" else 1)
 
 
 def _last_window(n: int, period: float | None) -> int:
