@@ -125,6 +125,39 @@ def _by_pint(unit: str, si: str) -> tuple[float, float]:
     return float(one - zero), float(zero)
 
 
+def in_si(values: Any, si: str, name: str) -> Any:
+    """What a caller gave, in the SI unit ``si``: the unit of a quantity (pint, astropy) or of a labelled array (xarray) counts.
+
+    A labelled array has its unit in ``attrs["units"]`` or ``attrs["unit"]``; without one it is SI, as plain numbers are. A text
+    is a number with its unit. A list of quantities is one of numbers. Raises :class:`~dampyr.errors.InputError`, which begins
+    with ``name``, where the unit is unknown or measures something else.
+    """
+    try:
+        if isinstance(values, str):
+            return parse(values, si)
+        if isinstance(values, list | tuple) and any(_unit_of(each)[1] for each in values):
+            return np.array([in_si(each, si, name) for each in values], dtype=float)
+        numbers, unit = _unit_of(values)
+        return to_si(numbers, unit, si) if unit else values
+    except InputError as problem:
+        raise InputError(f"{name}: {problem}") from None
+
+
+def _unit_of(values: Any) -> tuple[Any, str]:
+    """The numbers of a quantity or of a labelled array, and the unit of these; "" where none is stated."""
+    data = getattr(values, "data", None)
+    for one in (values, data):
+        if hasattr(one, "magnitude") and hasattr(one, "units"):  # pint, also in a labelled array
+            return one.magnitude, str(one.units) or "dimensionless"
+        if hasattr(one, "unit") and hasattr(one, "value"):  # astropy
+            return one.value, str(one.unit) or "dimensionless"
+    attributes = getattr(values, "attrs", None)
+    if isinstance(attributes, dict):
+        stated = attributes.get("units", attributes.get("unit", ""))
+        return np.asarray(values, dtype=float), str(stated).strip()
+    return values, ""
+
+
 def to_si(values: Any, unit: str, si: str) -> Any:
     """Numbers in ``unit`` as numbers in the SI unit ``si``: a float for a number, else an array."""
     factor, shift = _scale(unit, si)

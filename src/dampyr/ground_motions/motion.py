@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dampyr.errors import InputError
+from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import integrals
 from dampyr.ground_motions.oscillator import oscillator_peaks
 from dampyr.representation import Representation, Summary, data_frame
-from dampyr.units import STANDARD_GRAVITY
+from dampyr.units import STANDARD_GRAVITY, in_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+STRONGEST = 5.0  # g: 4.4 g were recorded near Iwate-Miyagi in 2008, the largest so far
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -25,7 +27,9 @@ class GroundMotion(Representation):
     """Ground acceleration (n,) [m/s2] every ``dt`` seconds from t = 0, linear between samples.
 
     Checked when made: at least two finite samples, dt > 0; an :class:`~dampyr.errors.InputError` says what
-    is wrong. ``source`` says where the numbers are from, ``history`` what was done to them since, in order. The
+    is wrong; above 5 g a warning asks about the unit. Quantities and labelled arrays are converted from their units.
+
+    ``source`` says where the numbers are from, ``history`` what was done to them since, in order. The
     array is a copy and read-only.
     """
 
@@ -36,7 +40,8 @@ class GroundMotion(Representation):
     history: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        values = np.array(self.acceleration, dtype=float)
+        values = np.array(in_si(self.acceleration, "m/s^2", f"{self.name}: acceleration"), dtype=float)
+        object.__setattr__(self, "dt", in_si(self.dt, "s", f"{self.name}: dt"))
         if values.ndim != 1 or len(values) < 2:
             raise InputError(
                 f"{self.name}: acceleration has shape {values.shape}; it must be one row of at least 2 samples"
@@ -50,6 +55,14 @@ class GroundMotion(Representation):
             )
         if not np.isfinite(self.dt) or self.dt <= 0:
             raise InputError(f"{self.name}: dt = {self.dt!r} s is not allowed; it must be greater than 0")
+        peak = float(np.abs(values).max())
+        if peak > STRONGEST * STANDARD_GRAVITY and not self.history:  # what was scaled was asked for
+            warnings.warn(
+                f"{self.name}: peaks at {peak:.4g} m/s2, {peak / STANDARD_GRAVITY:.3g} g; no earthquake is known above "
+                f"{STRONGEST:g} g, so check the unit of the acceleration (gal = cm/s2, g, mg)",
+                DampyrWarning,
+                stacklevel=3,
+            )
         values.flags.writeable = False
         object.__setattr__(self, "acceleration", values)
         object.__setattr__(self, "dt", float(self.dt))
@@ -117,6 +130,7 @@ class GroundMotion(Representation):
 
     def scaled(self, factor: float) -> GroundMotion:
         """The same motion, ``factor`` times as strong; a negative factor turns it round."""
+        factor = float(in_si(factor, "dimensionless", "the scale"))
         if not np.isfinite(factor):
             raise InputError(f"the scale {factor!r} is not a finite number")
         values = np.asarray(self.acceleration) * factor
@@ -125,10 +139,12 @@ class GroundMotion(Representation):
 
     def scaled_to_pga(self, value: float) -> GroundMotion:
         """The same motion with a peak ground acceleration of ``value`` [m/s2]."""
+        value = in_si(value, "m/s^2", "the PGA")
         return self.scaled(_factor(value, self.pga, f"{self.name}: a PGA of"))
 
     def scaled_to_sa(self, value: float, period: float, damping: float = 0.05) -> GroundMotion:
         """The same motion with a pseudo-acceleration of ``value`` [m/s2] at ``period`` [s] and ``damping`` (ratio)."""
+        value, period = in_si(value, "m/s^2", "the spectral acceleration"), in_si(period, "s", "the period")
         period_, damping_ = np.array(period, dtype=float), np.array(damping, dtype=float)
         current = float(oscillator_peaks(self.acceleration, self.dt, period_, damping_)[-1])
         return self.scaled(_factor(value, current, f"{self.name}: Sa({period:g} s) of"))

@@ -19,7 +19,7 @@ from dampyr.models.laws import Constant, Law, WithTemperature
 from dampyr.models.part import part_name
 from dampyr.models.prediction_error import PredictionError, at_level, draws_of, session_words
 from dampyr.representation import Representation, Summary, Table, column_name, data_frame, extent, listing
-from dampyr.units import for_people
+from dampyr.units import for_people, in_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,6 +28,10 @@ Array = NDArray[np.float64]
 INPUTS = {"V": "voltage", "A": "current"}
 RANGES = {"displacement": "m", "velocity": "m/s", "frequency": "Hz"}
 SHOWN = 6  # parameters that a short text lists one by one
+FAR = (
+    20.0  # times the calibrated displacement or velocity: a path of a test is not there, and one in mm is at 1000 times
+)
+UNLIKELY = {"displacement": 1.0, "velocity": 10.0}  # m, m/s, where no calibrated range says what is usual
 SAME_TEMPERATURE = 0.5  # °C: less than one tells two temperatures of a damper apart by
 COLUMNS = 5  # inputs of a table where no law has knots
 ROWS = 11  # inputs of a table over the calibrated range: each tenth of it
@@ -147,7 +151,8 @@ class Damper(Representation):
         object.__setattr__(self, "parts", composition.names)
         object.__setattr__(self, "composition", composition)
         self._check_names()
-        laws = {name: self._law(self.laws[name]) for name in composition.parameters}
+        units = {name: quantity.unit or "dimensionless" for name, quantity in composition.quantities.items()}
+        laws = {name: self._law(in_si(self.laws[name], units[name], name)) for name in composition.parameters}
         object.__setattr__(self, "laws", laws)
         for name, quantity in composition.quantities.items():
             low, high = laws[name].extremes()
@@ -417,7 +422,7 @@ class Damper(Representation):
 
     def check_input(self, u: ArrayLike, allow_extrapolation: bool = False) -> Array:
         """``u`` as an array; :class:`~dampyr.errors.RangeError` outside the calibrated range unless allowed by name."""
-        values = np.asarray(u, dtype=float)
+        values = np.asarray(in_si(u, self.input, INPUTS[self.input]), dtype=float)
         if not np.all(np.isfinite(values)):
             raise InputError(f"the {INPUTS[self.input]} holds a value that is not finite")
         low, high = self.range
@@ -463,7 +468,7 @@ class Damper(Representation):
         >>> dp.studies.raminelli_2020.damper().at(0.0)
         Dahl(kx=802.0, kw=50.237, rho=42745.0)
         """
-        values = self.values(float(u), allow_extrapolation=allow_extrapolation)
+        values = self.values(float(in_si(u, self.input, INPUTS[self.input])), allow_extrapolation=allow_extrapolation)
         models, start = [], 0
         for p in self.composition.parts:
             stop = start + len(p.parameters)
@@ -500,10 +505,12 @@ class Damper(Representation):
         """The force in N, shape (n,), along a path.
 
         ``t`` (n,) s rising, ``x`` (n,) m, ``velocity`` (n,) m/s or None for the derivative of x (see ``bandwidth``),
-        ``voltage`` a number or (n,) V, ``state0`` the hysteretic states at the start (0: no memory). Between samples the
-        path is straight. ``temperature`` in degC is that of a damper whose laws depend on it (see `at_temperature`). A motion
-        beyond the calibrated displacement or velocity gives one warning that names the limit, and samples too far apart for a
-        part's friction (`dampyr.models.sampling_error`) one that says by how much.
+        ``voltage`` a number or (n,) V, ``state0`` the hysteretic states at the start (0: no memory). Quantities and labelled
+        arrays are converted from their units (`dampyr.units.in_si`). Between samples the path is straight. ``temperature`` in
+        degC is that of a damper whose laws depend on it (see `at_temperature`). A motion beyond the calibrated displacement or
+        velocity gives one warning that names the limit; beyond 20 times either, or 1 m and 10 m/s where the card states none,
+        it is a :class:`~dampyr.errors.RangeError` that asks about the unit, unless ``allow_extrapolation``. Samples too far
+        apart for a part's friction (`dampyr.models.sampling_error`) give a warning that says by how much.
 
         Examples
         --------
@@ -525,7 +532,7 @@ class Damper(Representation):
         t, x = _path(t, x)
         u = self._input_along(self.pick_input(voltage, current), t)
         v = self._velocity(t, x, velocity)
-        self._warn_outside(x, v)
+        self._check_motion(x, v, allow_extrapolation)
         values = self.values(self._behind(t, u), allow_extrapolation=allow_extrapolation)
         start = self._state0(state0)
         undelayed = along(self.composition, t, x, v, values, start)
@@ -577,7 +584,7 @@ class Damper(Representation):
         return u if k is None else lagged(t, u, float(list(self.all_laws.values())[k](float(np.mean(u)))))
 
     def _input_along(self, u: ArrayLike, t: Array) -> Array:
-        values = np.asarray(u, dtype=float)
+        values = np.asarray(in_si(u, self.input, INPUTS[self.input]), dtype=float)
         if values.ndim and values.shape != t.shape:
             raise InputError(
                 f"{INPUTS[self.input]} has shape {values.shape}, the path {t.shape}; give one number or as many"
@@ -589,7 +596,7 @@ class Damper(Representation):
 
         if velocity is None:
             return differentiate(t, x, self.bandwidth)
-        v = np.ascontiguousarray(velocity, dtype=float)
+        v = np.ascontiguousarray(in_si(velocity, "m/s", "velocity"), dtype=float)
         if v.shape != x.shape or not np.all(np.isfinite(v)):
             raise InputError(f"velocity has shape {v.shape}, the path {x.shape}; give as many finite values")
         return v
@@ -606,12 +613,23 @@ class Damper(Representation):
                 raise InputError(f"the initial state {name} = {value:g} must lie between {low:g} and {high:g}")
         return s
 
-    def _warn_outside(self, x: Array, v: Array) -> None:
+    def _check_motion(self, x: Array, v: Array, allow_extrapolation: bool) -> None:
+        """Warn of a motion beyond what was calibrated; far beyond, ask whether its unit is right."""
         peaks = {"displacement": 0.5 * float(np.ptp(x)), "velocity": float(np.abs(v).max())}
         for name, peak in peaks.items():
-            limit = self.ranges.get(name, (0.0, np.inf))[1]
+            unit, stated = RANGES[name], self.ranges.get(name)
+            limit = np.inf if stated is None else stated[1]
+            if peak > (UNLIKELY[name] if stated is None else FAR * limit) and not allow_extrapolation:
+                calibrated = (
+                    f"and the card states no calibrated {name}, of which more than {UNLIKELY[name]:g} {unit} is unlikely"
+                    if stated is None
+                    else f"{peak / limit:.0f} times what the damper was calibrated on, {limit:.4g} {unit}"
+                )
+                raise RangeError(
+                    f"{name} reaches {peak:.4g} {unit}, {calibrated}; is the path in mm? Give it in m, or as a quantity with "
+                    "its unit; for what is meant so, pass allow_extrapolation=True"
+                )
             if peak > 1.01 * limit:
-                unit = RANGES[name]
                 warnings.warn(
                     f"{name} reaches {peak:.4g} {unit}; the damper was calibrated up to {limit:.4g} {unit}",
                     DampyrWarning,
@@ -725,7 +743,8 @@ def _shortened(labels: tuple[str, ...]) -> str:
 
 
 def _path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
-    time, displacement = (np.ascontiguousarray(a, dtype=float) for a in (t, x))
+    time = np.ascontiguousarray(in_si(t, "s", "t"), dtype=float)
+    displacement = np.ascontiguousarray(in_si(x, "m", "x"), dtype=float)
     if time.ndim != 1 or time.shape != displacement.shape or time.size < 2:
         raise InputError(f"t {time.shape} and x {displacement.shape} must be two vectors of the same length, 2 or more")
     if not (np.all(np.isfinite(time)) and np.all(np.isfinite(displacement))):

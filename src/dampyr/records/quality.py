@@ -23,6 +23,7 @@ LEAP_OVER_NEIGHBOURS = 3.0  # times the steps before and after: a motion that is
 RUN_AWAY = 1.0  # of the stroke, in the whole record: the table of the published campaign drifts by up to 0.76 of it
 RUN_AWAY_PER_CYCLE = 0.08  # of the stroke: there up to 0.051; what an encoder loses that counts so much less one way
 RUN_AWAY_STRAIGHT = 0.9  # of the variance of the cycles' middles that a straight line holds
+UNLIKELY_STROKE = 2.0  # m: dampers of buildings and bridges reach 1 m; 2 mm read as m are there
 EXCURSION = 0.1  # of the median distance between turning points: far beyond noise and encoder steps
 
 
@@ -53,6 +54,8 @@ class Quality(Representation):
     run_away
         m by which the middle of the stroke goes one way over the whole cycles, where that is more than the stroke, or than
         8 % of it in each cycle; 0 else.
+    stroke
+        m from the least displacement to the greatest.
     """
 
     samples: int
@@ -65,6 +68,7 @@ class Quality(Representation):
     spikes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     leaps: tuple[float, ...] = ()
     run_away: float = 0.0
+    stroke: float = 0.0
 
     def _summary(self) -> Summary:
         per_cycle = "no whole cycle" if self.per_cycle is None else f"{self.per_cycle:.4g} per cycle"
@@ -111,6 +115,11 @@ class Quality(Representation):
                 f"the displacement runs away: its middle moves by {1e3 * self.run_away:.3g} mm in one direction; look whether "
                 "the encoder counts less one way than the other, or the table drifts; record it again, or fit a part of it"
             )
+        if self.stroke > UNLIKELY_STROKE:
+            said.append(
+                f"the displacement covers {self.stroke:.4g} m: is its unit right? Give it in m, or name the "
+                "unit (--unit, units=)"
+            )
         if self.per_cycle is not None and self.per_cycle < 40:
             said.append(f"only {self.per_cycle:.0f} samples per cycle")
         return tuple(said)
@@ -143,6 +152,7 @@ def quality(record: Record) -> Quality:
         },
         leaps=tuple(map(float, record.time[leaps(record)])),
         run_away=_run_away(record, spans),
+        stroke=float(np.ptp(record.displacement)),
     )
 
 

@@ -19,6 +19,7 @@ from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.moving_average import MovingAverage
 from dampyr.representation import Representation, Summary, column_name, data_frame, extent
 from dampyr.source_file import SourceFile
+from dampyr.units import in_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -112,7 +113,8 @@ class Record(Representation):
     Parameters
     ----------
     time, displacement, force
-        ``(n,)`` in s, m and N; time strictly increases, everything is finite, n is at least 8.
+        ``(n,)`` in s, m and N; time strictly increases, everything is finite, n is at least 8. Quantities and labelled arrays
+        are converted from their units, in every channel (:func:`dampyr.units.in_si`).
     velocity
         ``(n,)`` in m/s as recorded or as derived (the history says which), or None.
     voltage, current
@@ -295,7 +297,9 @@ def _frozen(channel: str, value: Any) -> Any:
     if value is None:
         return None
     try:
-        array = np.array(value, dtype=np.float64)
+        array = np.array(in_si(value, CHANNELS[channel], channel), dtype=np.float64)
+    except InputError:
+        raise
     except (TypeError, ValueError):
         raise InputError(f"{channel} is not numbers; give an array of them in {CHANNELS[channel]}") from None
     if array.ndim == 0 and channel in ("voltage", "current"):

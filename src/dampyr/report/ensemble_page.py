@@ -13,6 +13,7 @@ from dampyr.figures.incremental import incremental_curves
 from dampyr.figures.style import case_colours
 from dampyr.ground_motions import end_in_words
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
+from dampyr.report.blocks import sentence as as_sentence
 from dampyr.report.fragility_section import fragility_section
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental, summary
@@ -143,8 +144,9 @@ def trust(dataset: Any) -> list[str]:
         else "No case grew without bound."
     )
     warned = [f"Warning: {sentence}." for sentence in doubts(attributes | {"unbounded": 0})]
+    beyond = [as_sentence(attributes["outside"])] if attributes.get("outside") else []
     end = f"Each case {end_in_words(attributes.get('after_s', 0.0))}."
-    return [*warned, measured, fast if attributes["accuracy"] == "fast" else strict, end, lost]
+    return [*warned, measured, fast if attributes["accuracy"] == "fast" else strict, *beyond, end, lost]
 
 
 def _provenance(dataset: Any) -> dict[str, str]:

@@ -13,6 +13,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from dampyr.errors import DampyrWarning
@@ -25,6 +26,7 @@ from dampyr.structures.ensemble_grid import Cases, cases
 from dampyr.structures.sites import warn_of_parts
 from dampyr.structures.store import Store
 
+AT_LIMIT = 1.01  # times the calibrated displacement: what rounding and peaks between samples add is none
 IN_FLIGHT = 4  # shards per worker that wait or run at a time: bounds the memory, and no worker waits for the next
 Progress = Callable[[int, int], None]
 
@@ -76,7 +78,8 @@ def ensemble(
 
     Peaks are those of the motion itself, between steps too. ``attrs`` hold the measured error, of all peaks
     (``error_estimate``) and of those above the sizes above (``error_estimate_moving``), on how many cases it was measured
-    (``judged``: the hardest, and others at random), and how many grew without bound (their peaks are NaN). A
+    (``judged``: the hardest, and others at random), how many grew without bound (their peaks are NaN), and in ``outside`` how
+    many leave the calibrated displacement of a damper. A
     :class:`~dampyr.errors.DampyrWarning` tells of an error above the bound of the accuracy. Raises
     :class:`~dampyr.errors.InputError` for a wrong argument before anything runs. Warns of dampers
     with a part that is not for buildings.
@@ -129,8 +132,40 @@ def run(
         if own:
             pool.shutdown(cancel_futures=True)
     dataset = store.dataset()
+    if words := outside_words(what, dataset):
+        dataset.attrs["outside"] = words
     warn_of(dataset)
     return dataset
+
+
+def outside_words(what: Cases, dataset: Any) -> str:
+    """How many cases leave the displacement that their dampers were calibrated on, and by how much; "" for none.
+
+    A note and no error: strong motion takes most dampers beyond the strokes of their tests. Velocities are not among the peaks.
+    """
+    if "stroke" not in dataset:
+        return ""
+    cases, beyond, worst, limits = 0, 0, 0.0, set()
+    for number, placed in enumerate(what.placements):
+        dampers = [
+            each for entry in placed.values() for each in (entry if isinstance(entry, list | tuple) else (entry,))
+        ]
+        calibrated = np.array([each.ranges.get("displacement", (0.0, np.inf))[1] for each in dampers])
+        if not np.any(np.isfinite(calibrated)):
+            continue
+        strokes = dataset.stroke.isel(damper=number, site=slice(len(dampers))).transpose(..., "site").values
+        times = np.max(np.nan_to_num(strokes, nan=np.inf) / calibrated, axis=-1)
+        cases, beyond = cases + times.size, beyond + int(np.sum(times > AT_LIMIT))
+        if np.any(finite := times[np.isfinite(times)]):
+            worst = max(worst, float(finite.max()))
+        limits |= {float(limit) for limit in calibrated[np.isfinite(calibrated)]}
+    if not beyond:
+        return ""
+    span = " to ".join(dict.fromkeys(f"{1e3 * limit:.3g}" for limit in (min(limits), max(limits))))
+    return (
+        f"in {beyond} of {cases} cases ({100 * beyond / cases:.0f} %) a damper's stroke leaves the {span} mm that it was "
+        f"calibrated on, by up to {worst:.1f} times: the force there is extrapolated"
+    )
 
 
 def completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> Iterator[Shard]:

@@ -23,6 +23,7 @@ from dampyr.structures.batch.gpu import missing
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import gains, is_control_law, parts, spelled
 from dampyr.structures.sites import Site, make_sites, placement
+from dampyr.units import in_si
 
 Array = NDArray[np.float64]
 # Of the longest step that the rule allows: with 0.4 of it the error was below 0.1 % in 6,000 random cases.
@@ -217,14 +218,14 @@ def _several(name: str, given: Any, kind: type) -> tuple[Any, ...]:
 
 def _inputs(name: str, given: Any) -> tuple[Any, ...]:
     """Numbers and control laws, one or a list, in their order."""
-    listed = list(given) if isinstance(given, list | tuple) else [given]
+    listed, unit = list(given) if isinstance(given, list | tuple) else [given], {"voltages": "V", "currents": "A"}[name]
     if not any(is_control_law(each) for each in listed):
-        return _numbers(name, given)
-    return tuple(u for each in listed for u in ((each,) if is_control_law(each) else _numbers(name, each)))
+        return _numbers(name, given, unit)
+    return tuple(u for each in listed for u in ((each,) if is_control_law(each) else _numbers(name, each, unit)))
 
 
-def _numbers(name: str, given: ArrayLike) -> tuple[float, ...]:
-    values = np.atleast_1d(np.asarray(given, dtype=float))
+def _numbers(name: str, given: ArrayLike, unit: str = "dimensionless") -> tuple[float, ...]:
+    values = np.atleast_1d(np.asarray(in_si(given, unit, name), dtype=float))
     if values.ndim != 1 or not values.size or not np.all(np.isfinite(values)):
         raise InputError(f"{name} = {given!r} must be finite numbers, one or a list")
     return tuple(float(v) for v in values)

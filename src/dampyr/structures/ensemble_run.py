@@ -118,7 +118,8 @@ class EnsembleResult(Representation):
     @property
     def notes(self) -> list[str]:
         """What is wrong with the accuracy or the cases, in sentences; none where nothing is."""
-        return doubts(self.dataset.attrs)
+        outside = self.dataset.attrs.get("outside")
+        return [*doubts(self.dataset.attrs), *([outside] if outside else [])]
 
     def to_dataframe(self) -> Any:
         """Medians and 84 % fractiles of the peaks as a ``pandas.DataFrame``, SI units: one row a case and scale."""

@@ -76,7 +76,7 @@ def road(height: ArrayLike, spacing: float, speed: float, name: str = "road") ->
             raise InputError(f"{key} = {value!r} is not allowed; it must be greater than 0")
     dt = spacing / speed
     spline = CubicSpline(dt * np.arange(len(y)), y, bc_type=((1, 0.0), (2, 0.0)))
-    return GroundMotion(spline(spline.x, 2), dt, name, f"road profile at {speed:g} m/s")
+    return GroundMotion(spline(spline.x, 2), dt, name, f"road profile at {speed:g} m/s", ("a road",))
 
 
 def _chain(first: float, second: float) -> np.ndarray:

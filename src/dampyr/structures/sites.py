@@ -15,6 +15,7 @@ from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError
 from dampyr.models.damper import INPUTS
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import is_control_law, values_at
+from dampyr.units import in_si
 
 Array = NDArray[np.float64]
 MIN_DELAY = 2e-5  # s; a step may not be longer than a delay, so a shorter one would need a million steps in 20 s
@@ -177,6 +178,7 @@ def _input(there: Any, damper: Any, voltage: Any, current: Any) -> Any:
         )
     if is_control_law(value):
         return value
+    value = in_si(value, kind, f"{INPUTS[kind]} {describe_place(there)}")
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise InputError(
             f"{INPUTS[kind]} = {value!r} {describe_place(there)} is not a finite number; write a constant in {kind}, or a "

@@ -96,6 +96,10 @@ class About:
         laws = MODELS[self.model](Printed(self.numbers, self.letters, LENGTHS[self.length]), self.limits)
         source = {"paper": self.paper, "where": self.where, "read": self.read, "device": self.device}
         source |= {"limits": self.limits_from}
+        source["motion"] = (
+            "no calibrated displacement or velocity is stated in what was read; it runs a sine of "
+            f"{1e3 * self.motion.amplitude:g} mm at {self.motion.frequency:g} Hz"
+        )
         if self.eta is not None:
             source["filter"] = (
                 f"the source filters the command V first, u' = -{self.eta:g} (u - V): the part lag, tau = 1/eta"
