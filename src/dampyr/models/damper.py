@@ -152,7 +152,9 @@ class Damper(Representation):
         object.__setattr__(self, "composition", composition)
         self._check_names()
         units = {name: quantity.unit or "dimensionless" for name, quantity in composition.quantities.items()}
-        laws = {name: self._law(in_si(self.laws[name], units[name], name)) for name in composition.parameters}
+        given = {name: in_si(self.laws[name], units[name], name) for name in composition.parameters}
+        object.__setattr__(self, "laws", given)
+        laws = {name: self._law(law) for name, law in given.items()}
         object.__setattr__(self, "laws", laws)
         for name, quantity in composition.quantities.items():
             low, high = laws[name].extremes()
