@@ -16,7 +16,7 @@ cycles of sine and has no energy balance (see `hysteretic_biviscous`); there use
 Where the velocity turns within vh of zero, its sign and that of the force differ until w has followed, and c makes the force
 fall while the velocity rises. Behind a `compliance` or `free_play` nothing holds the piston's velocity there: the equation has
 several roots. So in series c acts where it resists the motion and nowhere else,
-:math:`F = (f_t + c\max(0, v \operatorname{sgn}\tau))\,\tau` with :math:`\tau = \tanh((v - v_h w)/v_k)`: one force for every motion.
+:math:`F = (f_t + c\max(0, v \operatorname{sgn}\tau))\,\tau` with :math:`\tau = \tanh((v - v_h w)/v_k)`, one for every motion.
 It differs from the one above by at most :math:`c\,v_h^2/(4 v_k)`, and by nothing where the two signs agree.
 
 Ma, Wang, Rakheja and Su (2002), Proceedings of the 41st IEEE Conference on Decision and Control; Wang, Ma, Rakheja and Su
