@@ -168,8 +168,8 @@ def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -
             turned = changes(run(m, imposed=others).out, fine.out)
             if largest(turned) > tolerance:
                 share = f"{np.isfinite(others).sum()} of {fine.decisions.count} decisions of its laws"
-                change = f"{100 * largest(turned):.2g} %"
-                reason = f"{share} hang on the step, and taken the other way they change a peak by {change}"
+                change = largest(turned)
+                reason = f"{share} hang on the step, and taken the other way they change a peak by {100 * change:.2g} %"
             changed = {name: max(changed[name], turned[name]) for name in changed}
         elif not (agreed and agreed_before):
             change = max(largest(changed), largest(last) if last else 0.0)
