@@ -156,26 +156,23 @@ def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -
     """
     samples = len(motion.acceleration)
     max_step_count = min(MAX_STEP_COUNT, max(MAX_STEP_COUNT_UNDER_LAWS, 4 * m * samples))
-    coarse, agreed, reason = run(m), False, ""
-    last: dict[str, float] = {}
+    coarse, last, agreed, reason = run(m), dict[str, float](), False, ""
     while 2 * m * samples <= max_step_count:
         m *= 2
         fine = run(m, before=coarse.decisions.sensed)
-        changed = changes(coarse.out, fine.out)
-        others, reason = fine.decisions.others(), ""
-        agreed_before, agreed = agreed, largest(changed) <= tolerance and fine.out.misfit[0] == 0
-        if agreed and agreed_before and others is not None:
-            turned = changes(run(m, imposed=others).out, fine.out)
-            if largest(turned) > tolerance:
-                share = f"{np.isfinite(others).sum()} of {fine.decisions.count} decisions of its laws"
-                change = largest(turned)
-                reason = f"{share} hang on the step, and taken the other way they change a peak by {100 * change:.2g} %"
-            changed = {name: max(changed[name], turned[name]) for name in changed}
-        elif not (agreed and agreed_before):
+        changed, others, missed = changes(coarse.out, fine.out), fine.decisions.others(), fine.out.misfit[0]
+        agreed_before, agreed, reason = agreed, largest(changed) <= tolerance, ""
+        if not (agreed and agreed_before):
             change = max(largest(changed), largest(last) if last else 0.0)
             reason = f"peaks of displacement and drift changed by {100 * change:.2g} % in the last two halvings"
-            if missed := fine.out.misfit[0]:
-                reason = f"the forces of {missed:.0f} steps converged to {fine.out.misfit[1]:.1g} only"
+        elif missed:
+            reason = f"the forces of {missed:.0f} steps converged to {fine.out.misfit[1]:.1g} only"
+        elif others is not None:
+            turned = changes(run(m, imposed=others).out, fine.out)
+            if (change := largest(turned)) > tolerance:
+                share = f"{np.isfinite(others).sum()} of {fine.decisions.count} decisions of its laws"
+                reason = f"{share} hang on the step, and taken the other way they change a peak by {100 * change:.2g} %"
+            changed = {name: max(changed[name], turned[name]) for name in changed}
         told = {name: max(value, last.get(name, 0.0)) for name, value in changed.items()} if reason else changed
         coarse, last = Run(fine.out, fine.step, tolerance, told, decisions=fine.decisions), changed
         if not reason:
