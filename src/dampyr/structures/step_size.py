@@ -173,8 +173,8 @@ def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -
                 share = f"{np.isfinite(others).sum()} of {fine.decisions.count} decisions of its laws"
                 reason = f"{share} hang on the step, and taken the other way they change a peak by {100 * change:.2g} %"
             changed = {name: max(changed[name], turned[name]) for name in changed}
-        told = {name: max(value, last.get(name, 0.0)) for name, value in changed.items()} if reason else changed
-        coarse, last = Run(fine.out, fine.step, tolerance, told, decisions=fine.decisions), changed
+        errors = {name: max(value, last.get(name, 0.0)) for name, value in changed.items()} if reason else changed
+        coarse, last = Run(fine.out, fine.step, tolerance, errors, decisions=fine.decisions), changed
         if not reason:
             break
     if not coarse.changes:
