@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
-from dampyr.ground_motions import GroundMotion, el_centro, resampled
+from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi, resampled
 from dampyr.models import Damper
 from dampyr.structures import Building, available_control_laws, control_law, respond, two_storey
 from dampyr.structures.kernel_run import runner
@@ -460,3 +460,22 @@ def test_each_quantity_has_its_own_change_on_halving(damper):
     assert f"{law.error_estimates['mean_input']:.2g} V of a mean input" in law.error_in_words
     assert law.as_dict()["error_estimates"] == law.error_estimates
     assert law.to_xarray().attrs["error_estimate_acceleration"] == law.error_estimates["acceleration"]
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize(
+    ("name", "motion"),
+    [
+        ("lyapunov", el_centro().scaled(0.3)),  # one halving agreed to 1.3e-4 and was 3.1e-4 off
+        ("clipped_optimal", kanai_tajimi(30.0, 0.02, seed=(11, 2), pga=0.7)),  # to 1.1e-4, and was 9.0e-3 off
+    ],
+)
+def test_what_is_called_converged_is_so_at_a_quarter_of_the_step(damper, name, motion):
+    law = control_law(name, high=HIGH, lag=0.01)
+    ours = respond(two_storey(), motion, {1: damper}, voltage=law)
+    fine = respond(two_storey(), motion, {1: damper}, voltage=law, step=ours.step / 4)
+    assert ours.converged, ours.reason
+    for quantity in ("peak_displacement", "peak_drift"):
+        exact = getattr(fine, quantity)
+        error = np.max(np.abs(getattr(ours, quantity) / exact - 1.0))
+        assert error <= ours.error_estimate <= 2e-4
