@@ -40,7 +40,7 @@ def functions(layout: Layout) -> list[Function]:
 def derivatives(p: Part) -> dict[str, str]:
     """The formulas of a part with their derivatives: along any direction, and by each argument."""
     texts = {}
-    for formula in (p.force, p.force_in_series, p.stretch):
+    for formula in (p.force_in_series, p.stretch):
         if formula is not None:
             name = f"{formula.name}_towards"
             texts[name] = tangents(formula, name, _active(formula), [None])
