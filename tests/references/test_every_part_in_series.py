@@ -273,6 +273,70 @@ def namespace(one: Damper) -> dict[str, object]:
     return names
 
 
+INNER = [name for name in NAMES if not part(name).needs_acceleration]
+RISE = {"sigmoid": {"c": 3000.0}}  # N s/m: it makes force and velocity differ in sign where that turns
+
+
+@pytest.mark.parametrize("rate", [1e3, 1e4])
+@pytest.mark.parametrize("name", INNER)
+def test_the_equation_in_series_has_one_root(name: str, rate: float) -> None:
+    """What the parts give falls as the guess at their force rises, from any memory, on any short path."""
+    each, rng, dt = reference_of(name, FULL).with_numbers(RISE.get(name, {})), np.random.default_rng(2), 1.0 / rate
+    one = damper(name, each, elements(FULL)["both"])
+    values, names, inner = one.values(0.0), namespace(one), list(part(name).states)
+    for _ in range(40):
+        s = np.zeros(one.composition.n_states)
+        s[: len(inner)] = rng.uniform(-1.0, 1.0, len(inner)) * (1e-3 if part(name).within_stroke else 1.0)
+        v0, v1 = 10 ** rng.uniform(-4.0, -1.0) * rng.uniform(-1.0, 1.0, 2)
+        x0 = 0.01 * rng.uniform(-1.0, 1.0)
+        guesses = np.sort(10 ** rng.uniform(-2.0, 3.0) * rng.standard_normal(20))
+        piece = (x0, x0 + 0.5 * dt * (v0 + v1), v0, v1, dt)
+        given = np.array([names["phi_0"](s, 0.0, f, *piece, values) for f in guesses])
+        assert np.all(np.diff(guesses - given) > 0.0), (s, piece)
+
+
+def slow_turns(rate: float, seconds: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """t, x and v that turns 2 mm/s beyond zero after strokes of 12 mm/s, and of five times that."""
+    t = np.arange(round(seconds * rate)) / rate
+    size = np.where(t < 0.2, 1.0, 1.0 + 4.0 * np.sin(np.pi * t / 0.7) ** 2)
+    v = size * (0.005 * np.minimum(t / 0.01, 1.0) + 0.007 * np.sin(2 * np.pi * 10.0 * t))
+    return t, np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1])) / rate]), v
+
+
+def rings(force: np.ndarray) -> bool:
+    """Whether the force goes up and down in three successive samples, by more than rounding, again and again."""
+    jumps = np.diff(force)
+    turns = (jumps[1:] * jumps[:-1] < 0.0) & (np.abs(jumps[1:]) > 1e-7 * np.abs(force).max())
+    return int(np.sum(turns[1:] & turns[:-1])) > 2
+
+
+@pytest.mark.usefixtures("plain")
+@pytest.mark.parametrize("rate", [1e3, 1e4])
+def test_the_rise_of_a_sigmoid_does_not_ring_behind_a_compliance(rate: float) -> None:
+    """A hundredfold of rounding stays one, and no sample answers the one before."""
+    one = damper("sigmoid", reference_of("sigmoid", FULL).with_numbers(RISE["sigmoid"]), COMPLIANCE)
+    t, x, v = slow_turns(rate, 0.12)
+    force = one.force(t, x, voltage=0.0, velocity=v)
+    moved = one.force(t, x, voltage=0.0, velocity=v * (1 + 1e-14))
+    np.testing.assert_allclose(moved, force, rtol=0.0, atol=1e-10 * np.abs(force).max())
+    assert not rings(force)
+
+
+@pytest.mark.prove  # their kernels take long to compile
+@pytest.mark.parametrize("name", INNER)
+def test_no_part_in_series_rings_at_any_rate(name: str) -> None:
+    """At 1 kHz and 10 kHz, behind a compliance, free play and both: as above, of all parts, for ten seconds."""
+    each = reference_of(name, FULL).with_numbers(RISE.get(name, {}))
+    for rate in (1e3, 1e4):
+        t, x, v = slow_turns(rate, 10.0)
+        for stands in ("compliance", "free play", "both"):
+            one = damper(name, each, elements(FULL)[stands], True)
+            force = one.force(t, x, voltage=0.0, velocity=v)
+            moved = one.force(t, x, voltage=0.0, velocity=v * (1 + 1e-14))
+            np.testing.assert_allclose(moved, force, rtol=0.0, atol=1e-9 * np.abs(force).max())
+            assert not rings(force), (rate, stands)
+
+
 BRACED = [name for name in NAMES if not part(name).needs_acceleration and not part(name).static]
 DT = 0.01  # s, of the ground motion
 SHAKE = {FULL: 1.5, SMALL: 7e-4}  # m/s2: drifts of up to 10 mm, and of micrometres

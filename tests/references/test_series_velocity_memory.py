@@ -2,7 +2,7 @@
 """Parts whose memory follows their velocity, behind what stretches: beside marches that share no code with dampyr.
 
 The equations: F = G(u, w, y), with the piston's velocity u = dy/dt, its place y = x - z(F), and w that follows u/vh between
--1 and 1. The first march solves for y, the second for F.
+-1 and 1. The first march solves for y, the second for F. A sigmoid's rise c acts, in series, where it resists the motion.
 """
 
 import numba
@@ -18,9 +18,7 @@ COMPLIANCE, FREE_PLAY = 0, 1
 PARTS = {"hysteretic_biviscous": BIVISCOUS, "sigmoid": SIGMOID}
 NAMES = {"hysteretic_biviscous": ("c", "fy", "vy", "vh"), "sigmoid": ("c", "ft", "vk", "vh")}
 YIELD, V_YIELD, V_SHIFT, K0 = 560.0, 0.012, 0.008, 500.0  # N, m/s, m/s, N/m
-# N s/m. Where a sigmoid's velocity turns within vh of zero, c|u| makes the force fall as the velocity rises; in series there is
-# no single answer to that then, so it is left at 0.
-C = {"hysteretic_biviscous": 3000.0, "sigmoid": 0.0}
+C = 3000.0  # N s/m
 S, G, FC = 5e-7, 5e-5, 30.0  # m/N, m, N
 
 
@@ -34,7 +32,8 @@ def pushed(part, u, w, y, c, f, vy, vh, k0):
     """G(u, w, y), N."""
     if part == BIVISCOUS:
         return c * u + f * min(max((u - vh * w) / vy, -1.0), 1.0) + k0 * y
-    return (f + c * abs(u)) * np.tanh((u - vh * w) / vy) + k0 * y
+    bend = np.tanh((u - vh * w) / vy)
+    return (f + c * max(0.0, u * np.sign(bend))) * bend + k0 * y  # c acts where it resists the motion
 
 
 @numba.njit
@@ -88,7 +87,7 @@ def motion(seed: int, peak: float, n: int) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def damper(part: str, stretcher: str) -> Damper:
-    values = dict(zip(NAMES[part], (C[part], YIELD, V_YIELD, V_SHIFT), strict=True))
+    values = dict(zip(NAMES[part], (C, YIELD, V_YIELD, V_SHIFT), strict=True))
     laws = {f"{part}.{key}": value for key, value in values.items()} | {"spring.k0": K0}
     if stretcher == "brace":
         return Damper(f"{part} + spring", laws).on_brace(1.0 / S)
@@ -102,7 +101,7 @@ def reference(part: str, stretcher: str, seed: int, peak: float) -> np.ndarray:
     forces = []
     for fold in (32, 64):
         t, x, _ = motion(seed, peak, 1600 * fold + 1)
-        force = along_the_piston(PARTS[part], kind, x, t[1], C[part], YIELD, V_YIELD, V_SHIFT, K0)
+        force = along_the_piston(PARTS[part], kind, x, t[1], C, YIELD, V_YIELD, V_SHIFT, K0)
         forces.append(force[::fold])
     assert np.abs(forces[1] - forces[0]).sum() < 0.005 * np.abs(forces[1]).sum()
     return 2.0 * forces[1] - forces[0]

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dampyr.errors import FileError, InputError
+from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.ground_motions import GroundMotion, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.structures import (
@@ -166,3 +166,14 @@ def test_what_is_wrong_is_said_before_anything_runs(
 def test_a_law_of_current_is_refused_where_the_damper_takes_a_voltage(cubics: Damper, motions: list) -> None:
     with pytest.raises(InputError, match="takes a voltage"):
         ensemble(two_storey(), motions, cubics, currents=[control_law("on_off", high=1.0)])
+
+
+def test_cases_that_do_not_converge_are_counted_and_said(
+    cubics: Damper, law: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dampyr.structures.step_size.MAX_STEP_COUNT", 1000)
+    motion = kanai_tajimi(1.0, dt=0.02, seed=3, pga=3.0)
+    with pytest.warns(DampyrWarning, match="2 cases under control laws are not to their accuracy"):
+        dataset = ensemble(two_storey(), motion, cubics, [law, 1.0], [0.5, 1.0], out=tmp_path / "e.h5")
+    assert dataset.attrs["unconverged"] == 2
+    assert read_ensemble(tmp_path / "e.h5").identical(dataset)

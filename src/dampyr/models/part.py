@@ -88,6 +88,15 @@ class Part:
         return read(self.module.force, f"{self.name}_force") if hasattr(self.module, "force") else None
 
     @property
+    def force_in_series(self) -> Formula | None:
+        """The formula of the force behind an element that stretches: that of `force` unless the file has one for this.
+
+        It must not fall while the velocity rises, through the memory or directly: the stretch is found from it.
+        """
+        own = hasattr(self.module, "force_in_series")
+        return read(self.module.force_in_series, f"{self.name}_force_in_series") if own else self.force
+
+    @property
     def stretch(self) -> Formula | None:
         """The formula of the stretch in series with the other parts, if the part has one."""
         return read(self.module.stretch, f"{self.name}_stretch") if hasattr(self.module, "stretch") else None

@@ -30,15 +30,16 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: str | P
 
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
     """
-    note = cases.note if isinstance(cases, Simulated) else ""
+    notes = [cases.note] if isinstance(cases, Simulated) and cases.note else []
     intervals = [_intervals(cases)] if isinstance(cases, Simulated) and cases.intervals else []
     cases = cases.cases if isinstance(cases, Simulated) else cases
+    notes += [f"{name} is not converged: {r.reason}" for name, r in cases.items() if not r.converged]
     first = next(iter(cases.values()))
     colours = case_colours(cases, BARE if BARE in cases else None)
     html = page(
         f"Response: {first.title}",
         [
-            Section("Peaks", [_peaks(cases), *intervals, *([Text(sentence(note))] if note else []), _energies(cases)]),
+            Section("Peaks", [_peaks(cases), *intervals, *[Text(sentence(text)) for text in notes], _energies(cases)]),
             Section(
                 "The ground motion",
                 [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],
@@ -48,10 +49,16 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: str | P
             Section("The dampers' loops", _loops(cases, colours)),
         ],
         subtitle="; ".join(cases),
-        provenance={name: f"{r.scheme}, step {1e3 * r.step:.4g} ms" for name, r in cases.items()},
+        provenance={name: _accuracy(r) for name, r in cases.items()},
         call=f"dampyr.report.write_response_page(result, {Path(path).name!r})",
     )
     return write_page(path, html)
+
+
+def _accuracy(r: Response) -> str:
+    """The scheme, its step, and what the peaks changed by when it was halved."""
+    text = f"{r.scheme}, step {1e3 * r.step:.4g} ms"
+    return f"{text}; error {r.error_in_words}" if r.error_in_words else text
 
 
 def _peaks(cases: Mapping[str, Response]) -> Table:

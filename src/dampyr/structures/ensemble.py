@@ -64,8 +64,9 @@ def ensemble(
     accuracy : "fast" or "strict" (2.5 times as long; 10 times for dampers that stretch in series). Peak displacements and
         drifts above 0.1 mm and 1 % of the largest of their case are good to 2 % with fast (0.1 % in the standard suite) and to
         0.1 % with strict. Smaller ones have no bound: of a floor that a stuck damper locks to micrometres fast missed 9 %,
-        strict 0.7 %. Peak accelerations are less sharp. Under control laws the step of each case is halved until its peaks
-        stop changing, as `respond` does for the same accuracy.
+        strict 0.7 %. Peak accelerations are less sharp. Under control laws the step of each case is halved until no decision
+        that hangs on it changes its peaks, as `respond` does for the same accuracy; ``attrs["unconverged"]`` counts the cases
+        that did not get there, where there are any.
     quantities : which of displacement, drift [m], acceleration [m/s2] (absolute), force [N], stroke [m] and energy [J] (what
         a damper took) are returned. Fewer are faster.
     precision : 64 or 32 bits; 32 runs twice as fast and is good for about four digits.

@@ -29,6 +29,12 @@ def doubts(attributes: Mapping[str, Any]) -> list[str]:
             f"peaks changed by up to {100 * error:.2g} % on halving the step{where}: more than the {100 * bound:.2g} % of "
             f"accuracy '{attributes['accuracy']}'; {remedy}, or leave out what hardly moves"
         )
+    if unconverged := attributes.get("unconverged", 0):
+        sentences.append(
+            f"{unconverged} cases under control laws are not to their accuracy: decisions that hang on the step change their "
+            f"peaks of displacement or drift, by up to {100 * error:.2g} %; give the coil a lag or the law a longer period, "
+            "or run such a case with `respond`, which says why"
+        )
     if attributes["unbounded"]:
         sentences.append(
             f"{attributes['unbounded']} cases grew without bound and have no peaks; check delays, signs and inputs"

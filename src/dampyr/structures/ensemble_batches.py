@@ -33,7 +33,7 @@ from dampyr.structures.sites import Site, connections, laws_of
 from dampyr.structures.step_size import (
     ACCURACIES,
     difference_slopes,
-    halve_until_converged,
+    halve_under_laws,
     largest_step,
     largest_stiffness,
     steps_per_sample,
@@ -42,7 +42,6 @@ from dampyr.structures.step_size import (
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 LIMIT = 1.0  # of omega h: fast stays below 0.1 % of the peak in the standard suite with it
-MAX_STEP_COUNT = 1_000_000  # of a case under control laws: seconds, as there are many cases
 JUDGED = ("displacement", "drift")
 # Peaks above both of these are held to a bound: smaller ones are of no consequence, and of a floor that a stuck damper locks
 # the relative error has none that a fixed step could hold.
@@ -57,7 +56,8 @@ class Shard:
 
     ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases, twice that where the step
     counts to first order; ``moving`` the same of peaks above 0.1 mm and 1 % of the largest of the case; ``unbounded`` counts
-    cases that grew without bound; ``general`` counts those that no engine can run.
+    cases that grew without bound; ``general`` counts those that no engine can run, ``unconverged`` those under control
+    laws whose step could not be made short enough.
     """
 
     number: int
@@ -68,6 +68,7 @@ class Shard:
     unbounded: int = 0
     general: int = 0
     moving: float = 0.0
+    unconverged: int = 0
 
 
 def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
@@ -291,7 +292,8 @@ def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
 def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Run:
     """A case under control laws, its step halved until the peaks stop changing: where a decision falls the other way the
     response is another one, so that no step chosen beforehand is small enough for all cases."""
-    made = halve_until_converged(once, motion, ACCURACIES[accuracy], m, MAX_STEP_COUNT)
+    made = halve_under_laws(once, motion, ACCURACIES[accuracy], m)
+    done.unconverged += bool(made.reason)
     done.error, done.moving = max(done.error, made.error or 0.0), max(done.moving, made.error or 0.0)
     done.judged += 1
     return made

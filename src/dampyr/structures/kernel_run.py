@@ -19,7 +19,7 @@ from dampyr.structures.building import Building
 from dampyr.structures.control_law import gains, lag_of, settings, source
 from dampyr.structures.linear_response import bare_response
 from dampyr.structures.propagator import propagator, system
-from dampyr.structures.response import Output, Run, output
+from dampyr.structures.response import Decisions, Output, Run, output
 from dampyr.structures.sites import Site, connections, describe_place, drifts
 
 Array = NDArray[np.float64]
@@ -64,6 +64,10 @@ class Control(NamedTuple):
     command: Any  # (N,) the latest decision
     level: Any  # (N,) at the coil, at the end of the step under way
     reached: Any  # (N, 2): the least and the greatest decision so far
+    sensed: Any  # (N, D, 5): signal, stroke, rate and force at every decision, and the decision; written by the kernel
+    before: Any  # (N, D, 5): the same of the run at twice the step; (N, 0, 5) for none
+    other: Any  # (N, D): the farthest decision that the law could have taken within the change from ``before``; written too
+    imposed: Any  # (N, D): decisions to take in place of the law's, NaN for the law's own; (N, 0) for none
     knots: Any  # (N, P, K), see dampyr.models.laws
     coefficients: Any  # (N, P, K, degree + 1)
 
@@ -112,13 +116,23 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
     law_gains = _gains(building, sites)
     linear = lru_cache(maxsize=2)(lambda step: _linear(building, sites, step))
 
-    def run(m: int, samples: int | None = None, start: float = 0.0, scale: float = 1.0) -> Run:
-        """``start`` is where between the least and the greatest input of its law each damper is at first."""
+    def run(
+        m: int,
+        samples: int | None = None,
+        start: float = 0.0,
+        scale: float = 1.0,
+        before: Array | None = None,
+        imposed: Array | None = None,
+    ) -> Run:
+        """``start`` is where between the least and the greatest input of its law each damper is at first; ``before`` are the
+        decisions of a run at another step, to compare with, and ``imposed`` such to take (see `Control`)."""
         ag = motion.acceleration[:samples] * scale
         step = motion.dt / m
         out = output(len(ag), building.n, len(sites))
         dampers = _dampers(sites, step, start)
-        control = _control(sites, kinds, law_gains, step) if any(laws) else None
+        control = None
+        if any(laws):
+            control = _control(sites, kinds, law_gains, step, (len(ag) - 1) * m, before, imposed)
         if control is None:
             out.input[:] = out.mean_input[:] = [site.input_value for site in sites]
         work = _scratch(building.n, dampers.states)
@@ -127,7 +141,7 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
             _check_inputs(sites, control)
             out.mean_input[:] = control.total / ((len(ag) - 1) * m) if len(ag) > 1 else control.level
         _check_bounded(out, motion)
-        return Run(out, step)
+        return Run(out, step, decisions=None if control is None else _decisions(control, (len(ag) - 1) * m))
 
     return run
 
@@ -174,8 +188,17 @@ def _check_bounded(out: Output, motion: GroundMotion) -> None:
         )
 
 
-def _control(sites: tuple[Site, ...], kinds: list[int], law_gains: Array, step: float) -> Control:
-    """The laws of the sites for steps of ``step`` seconds; ``kinds`` and ``gains`` (N, 2n + 1) as in `Control`."""
+def _control(
+    sites: tuple[Site, ...],
+    kinds: list[int],
+    law_gains: Array,
+    step: float,
+    steps: int,
+    before: Array | None = None,
+    imposed: Array | None = None,
+) -> Control:
+    """The laws of the sites for ``steps`` steps of ``step`` seconds; ``kinds``, ``before`` ... as in `Control`."""
+    decisions = max(math.ceil(steps / max(1, round(site.law.period / step))) for site in sites if site.law)
     count, tables = len(sites), [polynomial_table(site.damper, static=False) for site in sites]
     max_settings = max(1, *(len(settings(site.law)) for site in sites if site.law))
     depth = [max(c.shape[axis] for _, c in tables) for axis in range(3)]
@@ -190,6 +213,10 @@ def _control(sites: tuple[Site, ...], kinds: list[int], law_gains: Array, step: 
         command=np.zeros(count),
         level=np.zeros(count),
         reached=np.tile([math.inf, -math.inf], (count, 1)),
+        sensed=np.zeros((count, decisions, 5)),
+        before=np.zeros((count, 0, 5)) if before is None else before,
+        other=np.zeros((count, decisions)),
+        imposed=np.zeros((count, 0)) if imposed is None else imposed,
         knots=np.full((count, *depth[:2]), math.inf),
         coefficients=np.zeros((count, *depth)),
     )
@@ -211,6 +238,12 @@ def _fill(control: Control, d: int, site: Site, step: float) -> None:
     if lag > 0:
         control.decay[d] = np.exp(-np.arange(1, 5) * 0.25 * step / lag)
         control.mean_decay[d] = -math.expm1(-step / lag) * lag / step
+
+
+def _decisions(control: Control, steps: int) -> Decisions:
+    """What was decided in a number of steps."""
+    every, number = control.every[:, None], np.arange(control.other.shape[1])
+    return Decisions(control.sensed, control.other, (every > 0) & (number * every < steps))
 
 
 def _check_inputs(sites: tuple[Site, ...], control: Control) -> None:

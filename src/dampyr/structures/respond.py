@@ -2,7 +2,8 @@ r"""The response of a building with dampers to a ground motion.
 
 The scheme (:mod:`dampyr.structures.time_stepping`) is one for every damper. Its step is chosen here: the final one satisfies
 :math:`\omega_s h \le 1/2`, with :math:`\omega_s^2 = k/m` of the dampers at rest, and is halved until no peak of displacement or
-drift changes by more than the requested accuracy.
+drift changes by more than the requested accuracy; under control laws until that is so twice, and of no decision that hangs on
+the step.
 """
 
 from __future__ import annotations
@@ -22,9 +23,10 @@ from dampyr.structures.control_law import describe_law
 from dampyr.structures.kernel_run import runner
 from dampyr.structures.linear_response import peak_displacement
 from dampyr.structures.response import Energy, Output, Response, Run
-from dampyr.structures.sites import Site, connections, describe_place, drifts, make_sites, warn_of_parts
+from dampyr.structures.sites import Site, connections, describe_place, drifts, laws_of, make_sites, warn_of_parts
 from dampyr.structures.step_size import (
     given_steps_per_sample,
+    halve_under_laws,
     halve_until_converged,
     kernel_slopes,
     largest_step,
@@ -61,7 +63,8 @@ def respond(
         (:func:`~dampyr.structures.control_law.control_law`); one for all dampers or a mapping from place to one.
     accuracy : "strict" (2e-4), "fast" (1e-3) or a number: the largest relative change of a peak
         displacement or drift when the step is halved. The scheme is of fourth order, so the error of the
-        finer one is well below.
+        finer one is well below. Under control laws two halvings must agree, and a run too in which every decision that hangs on
+        the step is taken the other way. ``error_estimates`` has the changes of the other quantities, which may be larger.
     step : s; run once with this step, which must divide the motion's and the period of every law.
     allow_extrapolation : take an input outside the range that a damper was calibrated on, with a warning.
     after : s of rest of the ground after the record. The response ends with the record otherwise: a building that still swings
@@ -93,7 +96,8 @@ def respond(
         first = 2 * largest_step(
             building, sites, kernel_slopes(run, sites), FINAL_LIMIT
         )  # so that the first halving meets it
-        best = halve_until_converged(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))
+        halve = halve_under_laws if laws_of(sites) else halve_until_converged
+        best = halve(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))
     else:
         best = run_once(run, given_steps_per_sample(motion, step, sites))
     response = _response(building, motion, sites, best, after)
@@ -138,6 +142,7 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         step=run.step,
         accuracy=run.tolerance,
         error_estimate=run.error,
+        error_estimates=dict(run.changes),
         converged=not run.reason,
         reason=run.reason,
         title=f"{building.name}, {motion.name}",

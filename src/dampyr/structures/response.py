@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -78,14 +79,41 @@ def output(samples: int, n: int, sites: int) -> Output:
 
 
 @dataclass(frozen=True, eq=False)
+class Decisions:
+    """What the laws of a run sensed and decided, at each of their D instants."""
+
+    sensed: Array  # (N, D, 5): signal, stroke, rate, force, and the decision
+    other: (
+        Array  # (N, D): what the law could have decided, had it sensed all as far off as in the run at twice the step
+    )
+    taken: Array  # (N, D): which of these are decisions; False where a site has no law, or one that decides less often
+
+    def others(self) -> Array | None:
+        """Each decision that could have been another, taken so; NaN for the others, and None where there is no such one."""
+        hanging = self.taken & (self.other != self.sensed[:, :, 4])
+        return np.where(hanging, self.other, np.nan) if hanging.any() else None
+
+    @property
+    def count(self) -> int:
+        """How many decisions there are of all laws."""
+        return int(self.taken.sum())
+
+
+@dataclass(frozen=True, eq=False)
 class Run:
-    """One integration through a ground motion, and its error estimate where the step was halved."""
+    """One integration through a ground motion, and its error estimates where the step was halved."""
 
     out: Output
     step: float
     tolerance: float | None = None
-    error: float | None = None
+    changes: Mapping[str, float] = field(default_factory=dict)  # by quantity, see `Response.error_estimates`
     reason: str = ""
+    decisions: Decisions | None = None
+
+    @property
+    def error(self) -> float | None:
+        """The largest relative change of a peak of displacement or drift; None where the step was not halved."""
+        return max(self.changes["displacement"], self.changes["drift"]) if self.changes else None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -172,6 +200,26 @@ class ResponsePlots:
         return style.in_pyplot(energy_over_time, self.response.time, shares, e.input)
 
 
+def errors_in_words(responses: Iterable[Response]) -> str:
+    """The largest change of each quantity on halving the step among responses; empty where no step was halved."""
+    judged = [r for r in responses if r.error_estimate is not None]
+    if not judged:
+        return ""
+
+    def largest(name: str) -> float | None:
+        return max((r.error_estimates[name] for r in judged if name in r.error_estimates), default=None)
+
+    words = [f"{100 * max(r.error_estimate or 0.0 for r in judged):.2g} % of a peak of displacement or drift"]
+    for name in ("acceleration", "base_shear", "force"):
+        if (value := largest(name)) is not None:
+            words.append(f"{100 * value:.2g} % of {name.replace('_', ' ')}")
+    laws = [r for r in judged if any(r.laws)]
+    if laws:
+        units = "/".join(sorted({unit for r in laws for unit in r.input_units}))
+        words.append(f"{max(r.error_estimates['mean_input'] for r in laws):.2g} {units} of a mean input")
+    return f"{', '.join(words)} at most, by halving the step"
+
+
 def _plot_axes() -> dict[str, Axis]:
     from dampyr.figures import style
     from dampyr.figures.style import Axis
@@ -219,10 +267,11 @@ class Response(Representation):
     floors: tuple[str, ...]
     scheme: str  # "linear" (no damper), "exact path" or "general"
     step: float  # s
-    accuracy: float | None  # the change of a peak on halving the step that was asked for; None where the step was given
+    # the change of a peak of displacement and drift on halving the step that was asked for; None where the step was given
+    accuracy: float | None
     error_estimate: (
         float | None
-    )  # the largest relative change of a peak in the last halving; None where the step was given
+    )  # the largest relative change of a peak of displacement or drift in the last halving; None where the step was given
     converged: bool
     reason: str
     title: str = ""
@@ -231,6 +280,9 @@ class Response(Representation):
     input_units: tuple[str, ...] = ()  # (N,) "V" or "A"
     mean_input: Array = field(default_factory=lambda: np.zeros(0))  # (N,) V or A at the coil, the mean over time
     after: float = 0.0  # s of rest after the record, at the end of the arrays
+    # The same change of every quantity: "displacement", "drift", "acceleration", "base_shear", "force" (of the peaks, relative)
+    # and "mean_input" (V or A). Only the first two were halved for; the others may be larger. Empty where the step was given.
+    error_estimates: Mapping[str, float] = field(default_factory=dict)
     outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
 
     @property
@@ -279,10 +331,15 @@ class Response(Representation):
         if len(self.sites):
             rows.append(("damper force", "peak " + peaks(self.peak_force, 1.0, "N")))
         if self.error_estimate is not None:
-            rows.append(("error", f"{100 * self.error_estimate:.2g} % of a peak at most, by halving the step"))
+            rows.append(("error", self.error_in_words))
         if not self.converged:
             rows.append(("not converged", self.reason))
         return f"Response {self.title!r}" if self.title else "Response", rows
+
+    @property
+    def error_in_words(self) -> str:
+        """What the peaks and the mean input changed by when the step was halved; empty where it was given."""
+        return errors_in_words([self])
 
     def to_xarray(self) -> Any:
         """The histories and peaks as an ``xarray.Dataset`` with dims time, floor, storey and damper;
@@ -322,7 +379,9 @@ class Response(Representation):
             "scheme": self.scheme,
             "step_s": self.step,
             "error_estimate": self.error_estimate,
+            "error_estimates": dict(self.error_estimates),
             "converged": self.converged,
+            "reason": self.reason,
             "after_s": self.after,
         }
 
@@ -336,4 +395,7 @@ class Response(Representation):
         }
         if self.error_estimate is not None:
             attributes["error_estimate"] = self.error_estimate
+        attributes |= {f"error_estimate_{name}": value for name, value in self.error_estimates.items()}
+        if self.reason:
+            attributes["reason"] = self.reason
         return attributes

@@ -19,7 +19,7 @@ from dampyr.structures.control_law import control_law
 from dampyr.structures.ensemble import ensemble
 from dampyr.structures.modal_coordinates import truncation
 from dampyr.structures.respond import respond
-from dampyr.structures.response import Response
+from dampyr.structures.response import Response, errors_in_words
 from dampyr.structures.step_size import ACCURACIES
 from dampyr.to_json import plain
 
@@ -161,6 +161,8 @@ class Simulated(Representation):
             (name, f"peak drift {1e3 * max(r.peak_drift):.4g} mm, acceleration {max(r.peak_acceleration):.4g} m/s²")
             for name, r in self.cases.items()
         ]
+        rows += [("error", self.error)] if self.error else []
+        rows += [("not converged", f"{name}: {reason}") for name, reason in self.unconverged.items()]
         return f"Simulated {self.title!r}", rows
 
     def _table(self) -> Table:
@@ -176,6 +178,16 @@ class Simulated(Representation):
     def title(self) -> str:
         """Building and motion."""
         return f"{self.building}, {self.motion}"
+
+    @property
+    def error(self) -> str:
+        """What the peaks of all cases changed by when the step was halved, in words."""
+        return errors_in_words(self.cases.values())
+
+    @property
+    def unconverged(self) -> dict[str, str]:
+        """The cases that did not reach their accuracy, and why."""
+        return {name: r.reason for name, r in self.cases.items() if not r.converged}
 
     @property
     def end(self) -> str:
@@ -315,6 +327,8 @@ def _response_as_dict(response: Response) -> dict[str, Any]:
         "scheme": response.scheme,
         "step_s": response.step,
         "error_estimate": response.error_estimate,
+        "error_estimates": dict(response.error_estimates),
         "converged": response.converged,
+        "reason": response.reason,
         "after_s": response.after,
     }

@@ -1,5 +1,8 @@
 r"""Length of the time steps: the rule that bounds it, and halving until the peaks stop changing.
 
+Under control laws the peaks alone do not tell: a decision that falls the same wrong way at two steps leaves them alike. So two
+successive halvings must agree, and a further run too in which every decision that the step leaves open is taken the other way.
+
 The rule, for a limit L on the product of step and frequency:
 
 .. math:: h \le 5\,\mathrm{ms}, \qquad \omega_s h \le L, \qquad \lambda h \le 2L, \qquad h \le L\,\tau_d, \qquad h \le \tau_l/2
@@ -12,6 +15,7 @@ L = 1/2 or below; an ensemble takes L = 1 in one run.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -30,6 +34,8 @@ Array = NDArray[np.float64]
 ACCURACIES = {"strict": 2e-4, "fast": 1e-3}
 MAX_STEP = 0.005  # s; on strong motion the peaks are good to 3e-4 with it
 MAX_STEP_COUNT = 20_000_000  # of one integration: a minute or more
+MAX_STEP_COUNT_UNDER_LAWS = 1_000_000  # seconds; some cases chatter at any step, and would all go on to the limit above
+JUDGED = ("displacement", "drift")  # whose peaks the accuracy is of; the others have their own changes
 
 
 def largest_step(building: Building, sites: tuple[Site, ...], slopes: Array, limit: float) -> float:
@@ -124,22 +130,58 @@ def given_steps_per_sample(motion: GroundMotion, step: float, sites: tuple[Site,
     return m
 
 
-def halve_until_converged(
-    run: Any, motion: GroundMotion, tolerance: float, m: int, max_step_count: int | None = None
-) -> Run:
-    """Halve the step until the peaks stop changing, or until there would be more than ``max_step_count`` steps."""
-    max_step_count = max_step_count or MAX_STEP_COUNT
+def halve_until_converged(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Run:
+    """Halve the step until the peaks stop changing, or until there would be more than `MAX_STEP_COUNT` steps."""
     coarse = run(m)
     while True:
         m *= 2
-        if m * len(motion.acceleration) > max_step_count:
-            reason = f"{m} steps per sample would pass {max_step_count} steps"
-            return Run(coarse.out, coarse.step, tolerance, coarse.error, reason)
+        if m * len(motion.acceleration) > MAX_STEP_COUNT:
+            reason = f"{m} steps per sample would pass {MAX_STEP_COUNT} steps"
+            return Run(coarse.out, coarse.step, tolerance, coarse.changes, reason)
         fine = run(m)
-        error = _change(coarse.out, fine.out)
-        if error <= tolerance and fine.out.misfit[0] == 0:
-            return Run(fine.out, fine.step, tolerance, error)
-        coarse = Run(fine.out, fine.step, tolerance, error)
+        changed = changes(coarse.out, fine.out)
+        if largest(changed) <= tolerance and fine.out.misfit[0] == 0:
+            return Run(fine.out, fine.step, tolerance, changed)
+        coarse = Run(fine.out, fine.step, tolerance, changed)
+
+
+def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Run:
+    """The same under control laws: until two successive halvings agree, and a further run at the finest step agrees too, in
+    which each decision that hangs on the step is taken the other way.
+
+    A decision hangs on the step where the law could have taken another one, had it sensed each quantity as far off as it did at
+    twice the step. One without consequence is not held against a case, as damped small motion chatters at any step. Where the
+    runs never agree, the error is the larger of the last two changes. No run has more than `MAX_STEP_COUNT_UNDER_LAWS` steps,
+    or than four times those of the first.
+    """
+    samples = len(motion.acceleration)
+    max_step_count = min(MAX_STEP_COUNT, max(MAX_STEP_COUNT_UNDER_LAWS, 4 * m * samples))
+    coarse, last, agreed, reason = run(m), dict[str, float](), False, ""
+    while 2 * m * samples <= max_step_count:
+        m *= 2
+        fine = run(m, before=coarse.decisions.sensed)
+        changed, others, missed = changes(coarse.out, fine.out), fine.decisions.others(), fine.out.misfit[0]
+        agreed_before, agreed, reason = agreed, largest(changed) <= tolerance, ""
+        if not (agreed and agreed_before):
+            change = max(largest(changed), largest(last) if last else 0.0)
+            reason = f"peaks of displacement and drift changed by {100 * change:.2g} % in the last two halvings"
+        elif missed:
+            reason = f"the forces of {missed:.0f} steps converged to {fine.out.misfit[1]:.1g} only"
+        elif others is not None:
+            turned = changes(run(m, imposed=others).out, fine.out)
+            if (change := largest(turned)) > tolerance:
+                share = f"{np.isfinite(others).sum()} of {fine.decisions.count} decisions of its laws"
+                reason = f"{share} hang on the step, and taken the other way they change a peak by {100 * change:.2g} %"
+            changed = {name: max(changed[name], turned[name]) for name in changed}
+        errors = {name: max(value, last.get(name, 0.0)) for name, value in changed.items()} if reason else changed
+        coarse, last = Run(fine.out, fine.step, tolerance, errors, decisions=fine.decisions), changed
+        if not reason:
+            break
+    if not coarse.changes:
+        reason = "its first run has as many steps as are allowed, so that its error is not known"
+    elif reason:
+        reason += f", down to a step of {1e3 * coarse.step:.2g} ms; give the coil a lag, or the law a longer period"
+    return Run(coarse.out, coarse.step, tolerance, coarse.changes, reason)
 
 
 def run_once(run: Any, m: int) -> Run:
@@ -147,16 +189,31 @@ def run_once(run: Any, m: int) -> Run:
     done: Run = run(m)
     missed, gap, _ = done.out.misfit
     reason = f"the forces of {missed:.0f} steps converged to {gap:.1g} only" if missed else ""
-    return Run(done.out, done.step, None, None, reason)
+    return Run(done.out, done.step, None, {}, reason)
 
 
-def _change(coarse: Output, fine: Output) -> float:
-    """The largest relative change of a peak displacement or drift."""
-    worst = 0.0
-    for a, b in ((coarse.displacement_peak, fine.displacement_peak), (coarse.drift_peak, fine.drift_peak)):
-        size = np.maximum(np.abs(b), 1e-9 * np.max(np.abs(b)) + 1e-300)
-        worst = max(worst, float(np.max(np.abs(a - b) / size)))
-    return worst
+def changes(coarse: Output, fine: Output) -> dict[str, float]:
+    """The largest relative change of the peaks of each quantity, and the largest change of a mean input in V or A."""
+    pairs = {
+        "displacement": (coarse.displacement_peak, fine.displacement_peak),
+        "drift": (coarse.drift_peak, fine.drift_peak),
+        "acceleration": (coarse.acceleration_peak, fine.acceleration_peak),
+        "base_shear": (coarse.shear_peak, fine.shear_peak),
+        "force": (coarse.force_peak, fine.force_peak),
+    }
+    changed = {}
+    for name, (a, b) in pairs.items():
+        if len(b):
+            size = np.maximum(np.abs(b), 1e-9 * np.max(np.abs(b)) + 1e-300)
+            changed[name] = float(np.max(np.abs(a - b) / size))
+    if len(fine.mean_input):
+        changed["mean_input"] = float(np.max(np.abs(coarse.mean_input - fine.mean_input)))
+    return changed
+
+
+def largest(changed: Mapping[str, float]) -> float:
+    """The largest change of what the accuracy is of."""
+    return max(changed[name] for name in JUDGED)
 
 
 def tolerance_of(accuracy: str | float) -> float:

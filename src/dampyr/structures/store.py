@@ -23,7 +23,8 @@ from dampyr.structures.ensemble_grid import AXES, Cases
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"
 MAPPED = 2**28  # bytes of a quantity from which it stays in the file: what a laptop's memory holds several times
-DIAGNOSTICS = ("error", "judged", "unbounded", "general", "moving")  # files of before have the first four
+# files of before have the first four or five
+DIAGNOSTICS = ("error", "judged", "unbounded", "general", "moving", "unconverged")
 BARE = "no damper"
 SA_DAMPING = 0.05  # ratio to critical, that of published spectra
 UNIT_OF = {"voltage": "V", "current": "A"}
@@ -264,6 +265,7 @@ def attributes(diagnostics: Array, accuracy: str, precision: int, size: int, aft
         "precision_bits": precision,
         "cases": size,
         **({"error_estimate_moving": float(largest["moving"])} if "moving" in largest else {}),
+        **({"unconverged": int(sums["unconverged"])} if sums.get("unconverged") else {}),
         **({"after_s": after} if after else {}),
     }
 

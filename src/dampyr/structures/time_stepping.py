@@ -218,6 +218,32 @@ def sense(d: int, lin: Any, control: Any, now: Any, ground: float) -> tuple[floa
     return signal, stroke, rate
 
 
+def take_decision(d: int, number: int, signal: float, stroke: float, rate: float, f: float, control: Any) -> float:
+    """The decision of a site's law, stored with what the law sensed; one that is given in ``control.imposed`` is taken instead.
+
+    Beside it is stored the decision farthest from it that the law could have taken, had each quantity been off by as much as
+    it differs from the run at twice the step (``control.before``): the law is a sign of something, so the corners tell.
+    """
+    settings, sensed = control.settings[d], control.sensed[d, number]
+    u = decide(control.kind[d], signal, stroke, rate, f, settings)
+    if number < control.imposed.shape[1] and control.imposed[d, number] == control.imposed[d, number]:
+        u = control.imposed[d, number]
+    sensed[0], sensed[1], sensed[2], sensed[3], sensed[4] = signal, stroke, rate, f, u
+    if number < control.before.shape[1]:
+        before = control.before[d, number]
+        farthest = before[4]
+        for corner in range(16):
+            a = signal + (signal - before[0]) * (1.0 if corner & 1 else -1.0)
+            b = stroke + (stroke - before[1]) * (1.0 if corner & 2 else -1.0)
+            c = rate + (rate - before[2]) * (1.0 if corner & 4 else -1.0)
+            e = f + (f - before[3]) * (1.0 if corner & 8 else -1.0)
+            other = decide(control.kind[d], a, b, c, e, settings)
+            if abs(other - u) > abs(farthest - u):
+                farthest = other
+        control.other[d, number] = farthest
+    return u
+
+
 def update_inputs(step: int, lin: Any, sites: Any, control: Any, now: Any, ground: float) -> bool:
     """Let the laws decide where it is time, and set the parameters of the step; True where a force may jump."""
     jumped = False
@@ -225,7 +251,7 @@ def update_inputs(step: int, lin: Any, sites: Any, control: Any, now: Any, groun
         every = control.every[d]
         if every > 0 and step % every == 0:
             signal, stroke, rate = sense(d, lin, control, now, ground)
-            u = decide(control.kind[d], signal, stroke, rate, now.f[d], control.settings[d])
+            u = take_decision(d, step // every, signal, stroke, rate, now.f[d], control)
             control.command[d] = u
             control.reached[d, 0] = min(control.reached[d, 0], u)
             control.reached[d, 1] = max(control.reached[d, 1], u)

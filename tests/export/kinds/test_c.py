@@ -95,6 +95,19 @@ def test_two_dampers_fit_in_one_c_program(tmp_path) -> None:
     assert subprocess.run([tmp_path / "both"], check=False).returncode == 0
 
 
+@needs_gcc
+@pytest.mark.prove
+def test_a_sigmoid_behind_a_compliance_at_10_khz_is_the_same_in_c(tmp_path) -> None:
+    """It turns within vh of zero, where its own law has several roots in series: rounding chose among them."""
+    laws = {"sigmoid.ft": 150.0, "sigmoid.c": 3000.0, "sigmoid.vk": 0.03, "sigmoid.vh": 0.008, "compliance.s": 5e-7}
+    t = np.arange(10_000) * 1e-4
+    v = 0.005 * np.minimum(t / 0.01, 1.0) + 0.007 * np.sin(2 * np.pi * 10.0 * t)
+    x = np.concatenate([[0.0], np.cumsum(0.5e-4 * (v[1:] + v[:-1]))])
+    damper = Damper("sigmoid + compliance", laws)
+    force = damper.force(t, x, voltage=0.0, velocity=v)
+    np.testing.assert_allclose(run_c(damper, tmp_path, t, x, v, 0.0), force, rtol=0.0, atol=1e-9 * np.abs(force).max())
+
+
 STRICT = "-std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic -Werror"
 LIBRARY = [name for name in available_parts() if part(name).force is not None and "inertia" not in name]
 

@@ -153,7 +153,7 @@ class Composition:
         """What the parts compute, intrinsics first, each name once."""
         formulas: dict[str, Formula] = {}
         for p in self.parts:
-            for formula in (p.advance, p.force, p.stretch):
+            for formula in (p.advance, p.force_in_series if self.in_series else p.force, p.stretch):
                 if formula is not None:
                     formulas.update((n, read(f, n)) for n, f in formula.intrinsics().items())
                     formulas[formula.name] = formula

@@ -7,7 +7,9 @@ The parts feel the motion less the stretch, which the force itself makes:
 z is the stretch under the parameters of the step at either force: where the input varies, and a parameter of the stretch with
 it, that change alone moves no memory.
 
-Phi falls as F rises, wherever the parts resist the motion, so the equation has one root, no farther from F than F - Phi(F).
+Phi falls as F rises, wherever no part gives less force at a higher velocity, so the equation has one root, no farther from F
+than F - Phi(F). A part whose own law does not keep to that has a law of its own in series, ``force_in_series`` in its file:
+where Phi rises faster than F there are several roots, and rounding chooses among them from step to step.
 It is found by regula falsi with Illinois weights; derivatives are those of the implicit function. The force is a state, the
 last one. A force that needs the acceleration acts in parallel with the whole, at the outer end.
 
@@ -38,11 +40,11 @@ def functions(layout: Layout) -> list[Function]:
 def derivatives(p: Part) -> dict[str, str]:
     """The formulas of a part with their derivatives: along any direction, and by each argument."""
     texts = {}
-    for formula in (p.force, p.stretch):
+    for formula in (p.force_in_series, p.stretch):
         if formula is not None:
             name = f"{formula.name}_towards"
             texts[name] = tangents(formula, name, _active(formula), [None])
-    for formula in (p.advance, p.force):
+    for formula in (p.advance, p.force_in_series):
         if formula is not None:
             name = f"{formula.name}_partials"
             texts[name] = tangents(formula, name, (), _active(formula))
@@ -100,8 +102,8 @@ def _ends(layout: Layout) -> list[str]:
 def _phi(layout: Layout) -> Function:
     terms = []
     for slot in _inner(layout):
-        if slot.part.force:
-            terms.append(call(slot.part.force, INNER | slot.state_places("e{}") | slot.value_places()))
+        if slot.part.force_in_series:
+            terms.append(call(slot.part.force_in_series, INNER | slot.state_places("e{}") | slot.value_places()))
     lines = [
         f"z1 = {_stretch(layout, 'f')}",
         *_shrunk_in_kernel(layout),
@@ -193,9 +195,9 @@ class Direction:
             if slot.part.advance:
                 for k in slot.states.values():
                     lines.append(f"{out}{k} = {_sum(slot.part.advance, str(k), seeds)}")
-            if slot.part.force:
+            if slot.part.force_in_series:
                 seeds |= slot.state_places(out + "{}") | {"x": self.motion["x1"], "v": self.motion["v1"]}
-                terms.append(_sum(slot.part.force, "", seeds))
+                terms.append(_sum(slot.part.force_in_series, "", seeds))
         return [*lines, f"{out} = {' + '.join(terms)}"]
 
 
@@ -217,8 +219,9 @@ def _rounds(layout: Layout) -> int:
     stretches = [slot.part.stretch for slot in layout.slots if slot.part.stretch]
     if any(isinstance(node, ast.Call) for one in stretches for node in ast.walk(one.tree)):
         return ROUNDS_WITH_PLAY
-    slips = any("slip" in f.intrinsics() for p in parts for f in (p.advance, p.force) if f)
-    branches = any(isinstance(node, ast.If) for p in parts if p.force for node in ast.walk(p.force.tree))
+    slips = any("slip" in f.intrinsics() for p in parts for f in (p.advance, p.force_in_series) if f)
+    formulas = [p.force_in_series for p in parts if p.force_in_series]
+    branches = any(isinstance(node, ast.If) for f in formulas for node in ast.walk(f.tree))
     return ROUNDS_WITH_KINKS if slips or branches else ROUNDS
 
 
@@ -259,7 +262,7 @@ def law(layout: Layout) -> list[str]:
 def _under_guess(layout: Layout) -> list[str]:
     """Lines for ``phi``, the force of the parts under the guess f1, ``fg``, its slope by the guess, and the states there."""
     by_g = Direction({"x0": "0.0", "x1": "-dz", "v0": "0.0", "v1": "-dz*q"}, "0.0", "0.0")
-    forces = [slot.part.force.name for slot in _inner(layout) if slot.part.force]
+    forces = [slot.part.force_in_series.name for slot in _inner(layout) if slot.part.force_in_series]
     return [
         f"z1 = {_stretch(layout, 'f1')}",
         f"dz = {_stretched(layout, 'f1', '1.0', '0.0')}",
@@ -279,8 +282,8 @@ def _by_arguments(layout: Layout) -> list[str]:
             formula, own = slot.part.advance, list(slot.states.values())
             targets = [f"e{k}" for k in own] + [f"{formula.name}{k}_{a}" for a in _active(formula) for k in own]
             lines.append(f"{', '.join(targets)} = {call(formula, places, suffix='_partials')}")
-        if slot.part.force:
-            formula = slot.part.force
+        if slot.part.force_in_series:
+            formula = slot.part.force_in_series
             targets = [f"{formula.name}_value", *(f"{formula.name}_{a}" for a in _active(formula))]
             lines.append(
                 f"{', '.join(targets)} = {call(formula, places | slot.state_places('e{}'), suffix='_partials')}"

@@ -12,8 +12,12 @@ motions and are left out.
 
 The step is exact while the velocity is monotone between samples. Do not use it for a building: the shift was read off
 cycles of sine and has no energy balance (see `hysteretic_biviscous`); there use `dahl`, `bouc_wen` or `modified_bouc_wen`.
-Where the velocity turns within vh of zero, c makes the force fall while the velocity rises. Behind a `compliance` or
-`free_play` that equation has more than one solution, and the force may jump between them by up to about 2 c vh.
+
+Where the velocity turns within vh of zero, its sign and that of the force differ until w has followed, and c makes the force
+fall while the velocity rises. Behind a `compliance` or `free_play` nothing holds the piston's velocity there: the equation has
+several roots. So in series c acts where it resists the motion and nowhere else,
+:math:`F = (f_t + c\max(0, v \operatorname{sgn}\tau))\,\tau` with :math:`\tau = \tanh((v - v_h w)/v_k)`, one for every motion.
+It differs from the one above by at most :math:`c\,v_h^2/(4 v_k)`, and by nothing where the two signs agree.
 
 Ma, Wang, Rakheja and Su (2002), Proceedings of the 41st IEEE Conference on Decision and Control; Wang, Ma, Rakheja and Su
 (2003), Proceedings of the Institution of Mechanical Engineers D 217, 537.
@@ -52,6 +56,13 @@ def advance(w: float, v0: float, v1: float, vh: float) -> float:
 
 def force(w: float, v: float, ft: float, c: float, vk: float, vh: float) -> float:
     return (ft + c * abs(v)) * tanh((v - vh * w) / vk)
+
+
+def force_in_series(w: float, v: float, ft: float, c: float, vk: float, vh: float) -> float:
+    bend = tanh((v - vh * w) / vk)
+    if v * bend <= 0.0:
+        return ft * bend
+    return (ft + c * abs(v)) * bend
 
 
 def starts(scale: Scale) -> Iterator[dict[str, float]]:
