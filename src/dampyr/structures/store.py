@@ -23,7 +23,18 @@ from dampyr.structures.ensemble_grid import AXES, Cases
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"
 MAPPED = 2**28  # bytes of a quantity from which it stays in the file: what a laptop's memory holds several times
-DIAGNOSTICS = ("error", "judged", "unbounded", "general", "moving")  # files of before have the first four
+# files of before have the first four or five
+DIAGNOSTICS = (
+    "error",
+    "judged",
+    "unbounded",
+    "general",
+    "moving",
+    "truncation",
+    "truncation_acceleration",
+    "truncation_force",
+)
+TRUNCATION = {name: name.replace("truncation", "truncation_error") for name in DIAGNOSTICS[5:]}
 BARE = "no damper"
 SA_DAMPING = 0.05  # ratio to critical, that of published spectra
 UNIT_OF = {"voltage": "V", "current": "A"}
@@ -265,6 +276,11 @@ def attributes(diagnostics: Array, accuracy: str, precision: int, size: int, aft
         "cases": size,
         **({"error_estimate_moving": float(largest["moving"])} if "moving" in largest else {}),
         **({"after_s": after} if after else {}),
+        **{
+            attribute: float(largest[name])
+            for name, attribute in TRUNCATION.items()
+            if name in largest and np.max(diagnostics[:, DIAGNOSTICS.index(name)], initial=-1.0) >= 0.0
+        },
     }
 
 
