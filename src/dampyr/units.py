@@ -110,11 +110,11 @@ SPELLINGS = (
 
 def _spelled(unit: str, si: str) -> str:
     """A unit in pint's spelling; InputError for a ton, which is three different masses."""
-    if found := re.search(r"\b((kilo|mega)?tons?|tonf|ton_force|force_ton)\b", unit):
-        force = "f" in found[0]
+    if match := re.search(r"\b((kilo|mega)?tons?|tonf|ton_force|force_ton)\b", unit):
+        force = "f" in match[0]
         allowed = "tf, short_ton*g_0 or long_ton*g_0" if force else "t, short_ton or long_ton"
         which = f"1000 kg, 907.2 kg or 1016 kg{' of weight' if force else ''}"
-        raise InputError(f"{found[0]} in the unit {unit!r} may be {which}; write {allowed}")
+        raise InputError(f"{match[0]} in the unit {unit!r} may be {which}; write {allowed}")
     plain = unit.strip()
     if si == "m/s^2" and (of_gravity := OF_GRAVITY.get(plain if plain == "mg" else plain.lower())):
         return of_gravity

@@ -53,11 +53,11 @@ def test_its_error_without_dampers_is_what_it_says(tmp_path: Path) -> None:
         "acceleration": (np.max(np.abs(acceleration), axis=0), np.max(np.abs(whole.acceleration[at]), axis=1)),
         "base_shear": (np.max(np.abs(shear)), np.max(np.abs(whole.base_shear))),
     }
-    told = made.truncation_errors(motion)
+    truncation = made.truncation_errors(motion)
     for name, (mine, other) in pairs.items():
         seen = float(np.max(np.abs(mine / other - 1.0)))
-        assert getattr(told, name) == pytest.approx(seen, abs=2e-4), name
-    assert 0.0 < told.displacement < told.drift < told.acceleration < 0.05
+        assert getattr(truncation, name) == pytest.approx(seen, abs=2e-4), name
+    assert 0.0 < truncation.displacement < truncation.drift < truncation.acceleration < 0.05
 
 
 def test_modes_alone_are_the_linear_response() -> None:

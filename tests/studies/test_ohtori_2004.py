@@ -107,10 +107,10 @@ def test_it_is_quick_and_tells_its_error(building: ModalBuilding, el_centro: dp.
     took = time.process_time() - start
     print(f"{took:.2f} s of computing")
     assert took < 6.0
-    told = building.truncation_errors(el_centro)
-    assert 0.0 < told.displacement < 5e-4
-    assert 0.0 < told.drift < 4e-3
-    assert told.drift < told.acceleration < 0.1
+    truncation = building.truncation_errors(el_centro)
+    assert 0.0 < truncation.displacement < 5e-4
+    assert 0.0 < truncation.drift < 4e-3
+    assert truncation.drift < truncation.acceleration < 0.1
 
 
 @pytest.mark.prove

@@ -255,13 +255,13 @@ def _floor_count(floors: Sequence[str], name: Any, owner: str) -> int:
 @dataclass(frozen=True, eq=False)
 class Whole:
     """The structure of which a building keeps some degrees of freedom: ``M``, ``C`` and ``K`` (m, m), ``influence`` (m,), and
-    those that are ``kept``, counted from 0."""
+    those that are ``retained``, counted from 0."""
 
     M: Array
     C: Array
     K: Array
     influence: Array
-    kept: tuple[int, ...]
+    retained: tuple[int, ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -291,7 +291,7 @@ class Condensed(Building):
         """How each coordinate itself follows a rigid motion of the ground (n,): floors as they do in the whole structure."""
         if self.whole is None:
             return self.influence
-        return np.concatenate([self.whole.influence[list(self.whole.kept)], np.zeros(self.interior)])
+        return np.concatenate([self.whole.influence[list(self.whole.retained)], np.zeros(self.interior)])
 
     def ground_terms(self) -> tuple[Array, float]:
         """See `Building.ground_terms`."""

@@ -24,9 +24,9 @@ def truncation_in_words(attributes: Mapping[str, Any]) -> str:
         return ""
     if math.inf in changes.values():
         return "reduced structure: dashpots on what has no mass follow the springs, and what that changes is not known"
-    told = ", ".join(f"{words} {100 * value:.2g} %" for words, value in changes.items())
+    listed = ", ".join(f"{words} {100 * value:.2g} %" for words, value in changes.items())
     judge = "half as many coordinates, with the dampers"
-    return f"reduced structure: beside {judge}, peaks of the judged cases differ by at most: {told}"
+    return f"reduced structure: beside {judge}, peaks of the judged cases differ by at most: {listed}"
 
 
 def doubts(attributes: Mapping[str, Any]) -> list[str]:

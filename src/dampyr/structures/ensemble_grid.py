@@ -122,7 +122,7 @@ class Cases:
 def _left_out(building: Building) -> tuple[Any, ...]:
     """What decides the numbers of a reduced structure besides its own matrices."""
     whole = building.whole if isinstance(building, Condensed) and not building.exact else None
-    return () if whole is None else (whole.M, whole.C, whole.K, whole.influence, whole.kept)
+    return () if whole is None else (whole.M, whole.C, whole.K, whole.influence, whole.retained)
 
 
 def _dampers_of(placement: Mapping[Any, Any]) -> list[tuple[Any, Any]]:

@@ -145,22 +145,22 @@ def _static_answers(building: Condensed, whole: Whole, rows: tuple[tuple[float, 
     """The static answers (m, r) to forces of dampers, less what the floors have of them; those of Guyan have all."""
     if not isinstance(building, ModalBuilding):
         return np.zeros((len(whole.K), 0))
-    kept = list(whole.kept)
+    retained = list(whole.retained)
     forces = np.zeros((len(whole.K), len(rows)))
-    forces[kept] = np.reshape(rows, (len(rows), len(kept))).T
+    forces[retained] = np.reshape(rows, (len(rows), len(retained))).T
     answers = np.linalg.solve(whole.K, forces)
-    rest = answers - building.T @ answers[kept]
+    rest = answers - building.T @ answers[retained]
     own = np.sum(rest * (whole.M @ rest), axis=0) > 1e-12 * np.sum(answers * (whole.M @ answers), axis=0)
     return np.asarray(rest[:, own])
 
 
 def _modes_with_floors_held(whole: Whole) -> tuple[Array, bool]:
-    """The modes (m, modes) of the structure with what is kept held, first those that carry most mass under motions of that; and
-    whether dashpots act on what has no mass, which has no mode."""
+    """The modes (m, modes) of the structure with its floors held, first those that carry most mass under motions of the floors;
+    and whether dashpots act on what has no mass, which has no mode."""
     from scipy.linalg import eigh
 
-    kept = list(whole.kept)
-    left = [i for i in range(len(whole.K)) if i not in whole.kept]
+    retained = list(whole.retained)
+    left = [i for i in range(len(whole.K)) if i not in whole.retained]
     inner = whole.M[np.ix_(left, left)]
     flexibility, shapes = eigh(inner, whole.K[np.ix_(left, left)])  # 1/omega2, which is 0 without mass
     massive = flexibility > 1e-12 * flexibility[-1]
@@ -168,8 +168,8 @@ def _modes_with_floors_held(whole: Whole) -> tuple[Array, bool]:
         np.any(np.abs(whole.C[left][:, left] @ shapes[:, ~massive]) > 1e-12 * np.max(np.abs(whole.C), initial=0.0))
     )
     flexibility, shapes = flexibility[massive], shapes[:, massive]
-    following = -np.linalg.solve(whole.K[np.ix_(left, left)], whole.K[np.ix_(left, kept)])
-    driven = shapes.T @ (inner @ following + whole.M[np.ix_(left, kept)])
+    following = -np.linalg.solve(whole.K[np.ix_(left, left)], whole.K[np.ix_(left, retained)])
+    driven = shapes.T @ (inner @ following + whole.M[np.ix_(left, retained)])
     order = np.argsort(-np.sum(driven**2, axis=1) / flexibility, kind="stable")
     modes = np.zeros((len(whole.K), len(order)))
     modes[left] = shapes[:, order]
@@ -190,7 +190,7 @@ def _with_interior(building: Condensed, shapes: Array) -> Condensed:
     own = squares > INDEPENDENT
     floor = np.trace(building.M) / building.n  # so that coordinates weigh as floors do
     interior = np.sqrt(floor) * (shapes @ (turn[:, own] / np.sqrt(squares[own])))
-    interior[list(whole.kept)] = 0.0
+    interior[list(whole.retained)] = 0.0
     T = np.hstack([building.T, interior])
     M, C, K = (reduced(T, matrix) for matrix in (whole.M, whole.C, whole.K))
     influence = np.asarray(np.linalg.solve(M, T.T @ (whole.M @ whole.influence)), dtype=np.float64)

@@ -190,8 +190,8 @@ class Simulated(Representation):
 
 def truncation_note(cases: Mapping[str, Response]) -> str:
     """What a reduced structure leaves out in each case, in words; empty for a structure that was not reduced."""
-    told = [f"{name}: {r.truncation.in_words()}" for name, r in cases.items() if r.truncation is not None]
-    return "reduced structure; " + "; ".join(told) if told else ""
+    left_out = [f"{name}: {r.truncation.in_words()}" for name, r in cases.items() if r.truncation is not None]
+    return "reduced structure; " + "; ".join(left_out) if left_out else ""
 
 
 def simulate(
