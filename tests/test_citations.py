@@ -41,6 +41,7 @@ OTHERWISE = {
     "Krasnicki1980": "E. J. Krasnicki",
     "Dyke1996": "S. J. Dyke, B. F. Spencer",
     "Guyan1965": "R. J. Guyan",
+    "CraigBampton1968": "R. R. Craig",
     "VanLoan1978": "C. F. Van Loan",
     "Muller2016": "J.-M. Muller",
     "AminAng1968": "M. Amin",

@@ -30,6 +30,23 @@ CONVERSIONS = [
     (1.0, "N*s/mm", "N*s/m", 1000.0),
     (1.0, "N·s/mm", "N*s/m", 1000.0),
     (0.02, "1/mm", "1/m", 20.0),
+    (981.0, "cm/s2", "m/s^2", 9.81),
+    (1.0, "m/s2", "m/s^2", 1.0),
+    (35.0, "%g", "m/s^2", 3.4323275),
+    (5.0, "mg", "m/s^2", 0.04903325),
+    (5.0, "mg", "kg", 5e-6),
+    (2.0, "KN/m", "N/m", 2000.0),
+    (2.0, "kN m2", "N m^2", 2000.0),
+    (2.0, "kNs/m", "N s/m", 2000.0),
+    (2.0, "kNm", "N m", 2000.0),
+    (3.0, "MN s2/m", "kg", 3e6),
+    (1.0, "cm4", "m^4", 1e-8),
+    (1.0, "N/m³", "N/m^3", 1.0),
+    (1.0, "lbm", "kg", 0.45359237),
+    (1.0, "t", "kg", 1000.0),
+    (1.0, "short_ton", "kg", 907.18474),
+    (1.0, "long_ton", "kg", 1016.0469088),
+    (1.0, "tf/m", "N/m", 9806.65),
 ]
 PAIRS = sorted({(unit, si) for _, unit, si, _ in CONVERSIONS})
 finite = st.floats(min_value=-1e9, max_value=1e9, allow_subnormal=False)
@@ -42,6 +59,17 @@ def test_known_conversions(value: float, unit: str, si: str, expected: float) ->
 
 def test_g_is_the_gram_where_a_mass_is_meant() -> None:
     assert units.to_si(250.0, "g", "kg") == pytest.approx(0.25, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("unit", "si", "instead"),
+    [("ton", "kg", "t, short_ton or long_ton"), ("tons", "kg", "short_ton"), ("ton/m", "kg/m", "long_ton"),
+     ("tonf/m", "N/m", r"tf, short_ton\*g_0")],
+)  # fmt: skip
+def test_a_ton_is_asked_for_by_name(unit: str, si: str, instead: str) -> None:
+    """It is 1000 kg to most structural engineers, and was 907.18474 kg without a word."""
+    with pytest.raises(InputError, match=f"ton.? in the unit '{unit}' may be 1000 kg, .*write .*{instead}"):
+        units.to_si(1.0, unit, si)
 
 
 def test_a_shifted_scale() -> None:

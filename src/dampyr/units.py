@@ -94,13 +94,40 @@ def _scale(unit: str, si: str) -> tuple[float, float]:
     return (EVERYDAY[unit, si], 0.0) if (unit, si) in EVERYDAY else _by_pint(unit, si)
 
 
+OF_GRAVITY = {"g": "standard_gravity", "%g": "centistandard_gravity", "mg": "millistandard_gravity", "gal": "cm/s**2"}
+# as drawings and programs write them: (what is written, how pint reads it)
+SPELLINGS = (
+    (r"·", "*"),
+    (r"²", "**2"),
+    (r"³", "**3"),
+    (r"[µμ]", "u"),
+    (r"(?<=[A-Za-z])([234])(?![\w.*])", r"**\1"),  # m/s2, kN m2, cm4
+    (r"\bK(?=(N|Pa|g)(m|mm|s)?\b)", "k"),
+    (r"\b([kM]?N)(m|mm|s)\b", r"\1*\2"),  # kNm, kNs/m
+    (r"\blbm\b", "lb"),
+)
+
+
+def _spelled(unit: str, si: str) -> str:
+    """A unit in pint's spelling; InputError for a ton, which is three different masses."""
+    if match := re.search(r"\b((kilo|mega)?tons?|tonf|ton_force|force_ton)\b", unit):
+        force = "f" in match[0]
+        allowed = "tf, short_ton*g_0 or long_ton*g_0" if force else "t, short_ton or long_ton"
+        which = f"1000 kg, 907.2 kg or 1016 kg{' of weight' if force else ''}"
+        raise InputError(f"{match[0]} in the unit {unit!r} may be {which}; write {allowed}")
+    plain = unit.strip()
+    if si == "m/s^2" and (of_gravity := OF_GRAVITY.get(plain if plain == "mg" else plain.lower())):
+        return of_gravity
+    for written, read in SPELLINGS:
+        unit = re.sub(written, read, unit)
+    return unit
+
+
 def _by_pint(unit: str, si: str) -> tuple[float, float]:
     import pint
 
     registry = _registry()
-    spelled = unit.replace("·", "*").replace("²", "**2").replace("µ", "u").replace("μ", "u")
-    if spelled.strip().lower() in ("g", "gal") and si == "m/s^2":
-        spelled = {"g": "standard_gravity", "gal": "cm/s**2"}[spelled.strip().lower()]
+    spelled = _spelled(unit, si)
     try:
         source, target = (
             registry.parse_units(spelled.replace("^", "**")),
@@ -145,8 +172,8 @@ def in_si(values: Any, si: str, name: str) -> Any:
 
 def _unit_of(values: Any) -> tuple[Any, str]:
     """The numbers of a quantity or of a labelled array, and the unit of these; "" where none is stated."""
-    data = getattr(values, "data", None)
-    for one in (values, data):
+    one: Any
+    for one in (values, getattr(values, "data", None)):
         if hasattr(one, "magnitude") and hasattr(one, "units"):  # pint, also in a labelled array
             return one.magnitude, str(one.units) or "dimensionless"
         if hasattr(one, "unit") and hasattr(one, "value"):  # astropy

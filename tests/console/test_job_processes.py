@@ -72,7 +72,8 @@ def test_a_structure_of_a_file_is_offered_and_simulated(client, finished, data):
 def test_a_published_structure_tells_its_truncation(client, finished):
     request = {"building": {"kind": "published", "name": "ohtori_2004"}, "damper": {"inputs": [0.0]}}
     result = finished(client.post("/api/building/responses", json=request).json()["id"])["result"]
-    assert "18 of 291 modes" in result["note"]
+    assert "40 coordinates for 291 degrees of freedom; beside all modes" in result["note"]
+    assert "beside 21 coordinates, with the dampers" in result["note"]
     assert len(result["floors"]) == 20
 
 

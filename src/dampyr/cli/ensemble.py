@@ -126,7 +126,6 @@ def _run(
 ) -> EnsembleResult:
     from dampyr.structures import run_ensemble
     from dampyr.structures.ensemble_run import requested_cases
-    from dampyr.structures.modal_coordinates import truncation
     from dampyr.structures.store import progress_of
 
     models, options = request.models(), request.options(limits, intensity)
@@ -135,9 +134,6 @@ def _run(
     if done:
         click.echo(f"{out}: {done} of {shards} shards are there; going on with the others", err=True)
         before = requested_cases(*models, options).size * done // shards
-    note, _ = truncation(models[0], models[1][0])
-    if note:
-        click.echo(f"{models[1][0].name}: {note}", err=True)
     with counting(before) as progress:
         return run_ensemble(*models, options, progress, out, workers)
 

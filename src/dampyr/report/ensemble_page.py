@@ -17,7 +17,7 @@ from dampyr.report.blocks import sentence as as_sentence
 from dampyr.report.fragility_section import fragility_section
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental, summary
-from dampyr.structures.ensemble_accuracy import BOUNDS, FLOOR, doubts
+from dampyr.structures.ensemble_accuracy import BOUNDS, FLOOR, doubts, truncation_in_words
 from dampyr.structures.simulate import BARE
 
 SHOWN = {
@@ -146,7 +146,9 @@ def trust(dataset: Any) -> list[str]:
     warned = [f"Warning: {sentence}." for sentence in doubts(attributes | {"unbounded": 0})]
     beyond = [as_sentence(attributes["outside"])] if attributes.get("outside") else []
     end = f"Each case {end_in_words(attributes.get('after_s', 0.0))}."
-    return [*warned, measured, fast if attributes["accuracy"] == "fast" else strict, *beyond, end, lost]
+    left_out = truncation_in_words(attributes)
+    reduced = [f"{left_out[0].upper()}{left_out[1:]}."] if left_out else []
+    return [*warned, measured, fast if attributes["accuracy"] == "fast" else strict, *reduced, *beyond, end, lost]
 
 
 def _provenance(dataset: Any) -> dict[str, str]:

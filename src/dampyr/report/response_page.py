@@ -17,7 +17,7 @@ from dampyr.ground_motions import end_in_words
 from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, sentence
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import Response, Simulated
-from dampyr.structures.simulate import BARE
+from dampyr.structures.simulate import BARE, truncation_note
 
 Array = NDArray[np.float64]
 STROKE = Axis("stroke", "mm", 1e3)
@@ -30,9 +30,9 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: str | P
 
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
     """
-    notes = [cases.note] if isinstance(cases, Simulated) and cases.note else []
     intervals = [_intervals(cases)] if isinstance(cases, Simulated) and cases.intervals else []
     cases = cases.cases if isinstance(cases, Simulated) else cases
+    notes = [note] if (note := truncation_note(cases)) else []
     notes += [f"{name} is not converged: {r.reason}" for name, r in cases.items() if not r.converged]
     first = next(iter(cases.values()))
     colours = case_colours(cases, BARE if BARE in cases else None)

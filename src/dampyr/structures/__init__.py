@@ -17,6 +17,7 @@ from dampyr.structures.ensemble_run import EnsembleOptions, EnsembleResult, Limi
 from dampyr.structures.fragility import Curve, Fragility, fragility
 from dampyr.structures.incremental import Incremental, Sweep, incremental
 from dampyr.structures.job_array import collect, write_part
+from dampyr.structures.modal_coordinates import refined
 from dampyr.structures.quarter_car import quarter_car, road
 from dampyr.structures.raminelli_2020_building import two_storey, two_storey_model
 from dampyr.structures.respond import respond
@@ -38,6 +39,7 @@ __all__ = [
     "road",
     "condense",
     "Condensed",
+    "refined",
     "load",
     "respond",
     "control_law",

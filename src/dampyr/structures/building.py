@@ -15,6 +15,14 @@ Condensation leaves degrees of freedom out, their motion following the others th
 It is exact where what is left out has neither mass nor damping, as the joints of a frame that turn without inertia. Otherwise
 every frequency rises: see ``frequency_errors``, and retain more. A damper needs both of its floors among the retained ones.
 
+The ground enters the floors that are kept with their own influence, 1, and the base shear is that of all mass,
+
+.. math:: a_k = \ddot q_k + \iota_k a_g, \qquad V = -\iota'^T M' \ddot q_k - \iota^T M \iota\, a_g, \qquad
+          \iota' = M'^{-1} T^T M \iota
+
+which is the static part of what is left out: it moves with the ground (the missing mass). Responses take more coordinates than
+the floors: see :mod:`dampyr.structures.modal_coordinates`.
+
 Reference: R. J. Guyan, Reduction of stiffness and mass matrices, AIAA Journal 3 (1965).
 """
 
@@ -81,10 +89,10 @@ class Building(Representation):
         return second if second == first + 1 else (first, second)
 
     def _storey(self, storey: Any) -> int:
-        if isinstance(storey, bool) or not isinstance(storey, int | np.integer) or not 1 <= storey <= self.n:
+        if isinstance(storey, bool) or not isinstance(storey, int | np.integer) or not 1 <= storey <= self.n_floors:
             raise InputError(
                 f"storey {storey!r} is not in {self.name}; storeys are whole numbers "
-                f"from 1 (ground to first floor) to {self.n}"
+                f"from 1 (ground to first floor) to {self.n_floors}"
             )
         return int(storey)
 
@@ -106,6 +114,21 @@ class Building(Representation):
         if isinstance(there, int):
             return f"storey {there}"
         return "-".join(GROUND[0] if k == 0 else self.floors[k - 1] for k in there)
+
+    @property
+    def n_floors(self) -> int:
+        """The number of floors, the first of the coordinates."""
+        return self.n
+
+    @property
+    def carried(self) -> Array:
+        """How each coordinate itself follows a rigid motion of the ground (n,); the influence, where nothing was left out."""
+        return self.influence
+
+    def ground_terms(self) -> tuple[Array, float]:
+        """What the ground's acceleration adds to the absolute accelerations of M'^-1(-Kq - C dq/dt - forces) (n,), and to the
+        base shear [kg]: the static part of what was left out, 0 where nothing was."""
+        return np.zeros(self.n), 0.0
 
     def condensed(self, keep: Sequence[int | str]) -> Condensed:
         """The building on the floors ``keep`` alone, by label or count: see `condense`."""
@@ -142,7 +165,7 @@ class Building(Representation):
             f"{f:.4g} Hz ({100 * z:.3g} %)" for f, z in list(zip(self.frequencies, self.damping_ratios))[:FEW]
         )
         rows = [
-            ("floors", f"{self.n}: {listing([str(f) for f in self.floors])}"),
+            ("floors", f"{self.n_floors}: {listing([str(f) for f in self.floors])}"),
             (
                 "masses",
                 ", ".join(f"{m:.4g}" for m in np.diag(self.M)) + " kg" if few else extent(np.diag(self.M), "kg"),
@@ -199,11 +222,10 @@ def _check_definite(building: Building) -> None:
 
 
 def _labels(building: Building) -> tuple[str, ...]:
-    labels = tuple(str(label) for label in building.floors) or tuple(str(i + 1) for i in range(building.n))
-    if len(labels) != building.n or len(set(labels)) != building.n:
-        raise InputError(
-            f"floors = {list(labels)} does not label {building.n} floors; give {building.n} different names"
-        )
+    count = building.n_floors
+    labels = tuple(str(label) for label in building.floors) or tuple(str(i + 1) for i in range(count))
+    if len(labels) != count or len(set(labels)) != count:
+        raise InputError(f"floors = {list(labels)} does not label {count} floors; give {count} different names")
     if reserved := set(labels) & set(GROUND):
         raise InputError(f"a floor is called {reserved.pop()!r}, which means the ground; give it another name")
     return labels
@@ -230,26 +252,61 @@ def _floor_count(floors: Sequence[str], name: Any, owner: str) -> int:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """The structure of which a building keeps some degrees of freedom: ``M``, ``C`` and ``K`` (m, m), ``influence`` (m,), and
+    those that are ``retained``, counted from 0."""
+
+    M: Array
+    C: Array
+    K: Array
+    influence: Array
+    retained: tuple[int, ...]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Condensed(Building):
     """A building on k of m degrees of freedom, with the motion of the others.
 
-    ``T`` (m, k) makes displacements of all from those that are kept, in the order of ``all_floors`` (m
-    labels). ``exact`` says whether nothing was lost. ``frequency_errors`` (k,) are the relative rises of the
-    natural frequencies above those of the whole (nan for a free mode).
+    ``T`` (m, n) makes displacements of all from the coordinates, in the order of ``all_floors`` (m labels). ``exact`` says
+    whether nothing was lost. ``frequency_errors`` (k,) are the relative rises of the natural frequencies above those of the
+    whole (nan for a free mode). ``whole`` is the structure; the last ``interior`` of the n coordinates are no floors but shapes
+    in which the floors stand still (see `dampyr.structures.refined`).
     """
 
     T: Array = field(default_factory=lambda: np.zeros((0, 0)))
     all_floors: tuple[str, ...] = ()
     exact: bool = False
     frequency_errors: Array = field(default_factory=lambda: np.zeros(0))
+    whole: Whole | None = None
+    interior: int = 0
+
+    @property
+    def n_floors(self) -> int:
+        """The number of floors, the first of the coordinates."""
+        return self.n - self.interior
+
+    @property
+    def carried(self) -> Array:
+        """How each coordinate itself follows a rigid motion of the ground (n,): floors as they do in the whole structure."""
+        if self.whole is None:
+            return self.influence
+        return np.concatenate([self.whole.influence[list(self.whole.retained)], np.zeros(self.interior)])
+
+    def ground_terms(self) -> tuple[Array, float]:
+        """See `Building.ground_terms`."""
+        if self.whole is None:
+            return super().ground_terms()
+        mass = float(self.whole.influence @ self.whole.M @ self.whole.influence)
+        pull = self.influence @ self.M
+        return self.carried - self.influence, mass - float(pull @ self.carried)
 
     def recover(self, motion: ArrayLike) -> Array:
         """Displacements or velocities (m, T) of all degrees of freedom, from those (k, T) of a response."""
         reduced_motion = np.asarray(motion, dtype=float)
         if reduced_motion.ndim not in (1, 2) or len(reduced_motion) != self.n:
             raise InputError(
-                f"a motion of shape {reduced_motion.shape} is not one of {self.n} floors; pass one row for each"
+                f"a motion of shape {reduced_motion.shape} is not one of {self.n} coordinates; pass one row for each"
             )
         return self.T @ reduced_motion
 
@@ -267,25 +324,28 @@ def condense(
 
     ``keep`` are those that stay, by label or count from 1, in the order in which they shall be floors from the
     ground up; ``floors`` (m labels, default 1 to m) and ``influence`` (m,) are those of all. The ground's push
-    is kept whole: :math:`\iota' = M'^{-1} T^T M \iota`. Warns (:class:`~dampyr.errors.DampyrWarning`) where the
-    result is not exact, and says by how much the frequencies rise; :class:`~dampyr.errors.InputError` where a
-    degree of freedom that is left out is held by no spring.
+    is kept whole: :math:`\iota' = M'^{-1} T^T M \iota`, and so is its own share of accelerations and base shear. Warns
+    (:class:`~dampyr.errors.DampyrWarning`) where the result is not exact, and says by how much the frequencies rise;
+    :class:`~dampyr.errors.InputError` where a degree of freedom that is left out is held by no spring.
     """
     m, c, k = _matrices(M, C, K)
     labels = _whole_labels(floors, len(k))
     retained = _retained_indices(keep, labels, name)
     left = [i for i in range(len(k)) if i not in retained]
     T = _recovery(k, retained, left, labels)
-    made = Building(_reduced(T, m), _reduced(T, c), _reduced(T, k), name, [labels[i] for i in retained])
-    pushed = np.asarray(np.linalg.solve(made.M, T.T @ m @ _whole_influence(influence, len(k))), dtype=np.float64)
+    made = Building(reduced(T, m), reduced(T, c), reduced(T, k), name, [labels[i] for i in retained])
+    iota = _whole_influence(influence, len(k))
+    pushed = np.asarray(np.linalg.solve(made.M, T.T @ m @ iota), dtype=np.float64)
     errors = _frequency_errors(made, m, k)
     exact = not (np.any(m[left]) or np.any(c[left]))
     if not exact:
         _warn_of_error(name, bool(np.any(c[left])), errors)
-    return Condensed(made.M, made.C, made.K, name, made.floors, pushed, T, labels, exact, errors)
+    whole = Whole(m, c, k, iota, tuple(retained))
+    return Condensed(made.M, made.C, made.K, name, made.floors, pushed, T, labels, exact, errors, whole)
 
 
-def _reduced(T: Array, matrix: Array) -> Array:
+def reduced(T: Array, matrix: Array) -> Array:
+    """``T' matrix T``, symmetric."""
     small = T.T @ matrix @ T
     return np.asarray(0.5 * (small + small.T))
 

@@ -80,7 +80,10 @@ def ensemble(
     Peaks are those of the motion itself, between steps too. ``attrs`` hold the measured error, of all peaks
     (``error_estimate``) and of those above the sizes above (``error_estimate_moving``), on how many cases it was measured
     (``judged``: the hardest, and others at random), how many grew without bound (their peaks are NaN), and in ``outside`` how
-    many leave the calibrated displacement of a damper. A
+    many leave the calibrated displacement of a damper. A reduced
+    structure is taken as `respond` takes it, and ``truncation_error``, ``truncation_error_acceleration`` and
+    ``truncation_error_force`` are how far displacements and drifts, accelerations and forces of the judged cases lie from those
+    with half as many coordinates. A
     :class:`~dampyr.errors.DampyrWarning` tells of an error above the bound of the accuracy. Raises
     :class:`~dampyr.errors.InputError` for a wrong argument before anything runs. Warns of dampers
     with a part that is not for buildings.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,6 +10,23 @@ from typing import Any
 # buildings and motions were 0.75 % and 0.06 % (tests/structures/test_ensemble_bounds.py, which runs 2,000 in `make endure`).
 BOUNDS = {"fast": 0.02, "strict": 1e-3}
 FLOOR = "peaks above 0.1 mm and 1 % of the largest of their case"
+
+
+def truncation_in_words(attributes: Mapping[str, Any]) -> str:
+    """What reduced structures of an ensemble leave out, from the ``attrs`` of its dataset, as a sentence; "" for whole ones."""
+    names = {
+        "truncation_error": "displacements and drifts",
+        "truncation_error_acceleration": "accelerations",
+        "truncation_error_force": "damper forces",
+    }
+    changes = {words: attributes[name] for name, words in names.items() if name in attributes}
+    if not changes:
+        return ""
+    if math.inf in changes.values():
+        return "reduced structure: dashpots on what has no mass follow the springs, and what that changes is not known"
+    listed = ", ".join(f"{words} {100 * value:.2g} %" for words, value in changes.items())
+    judge = "half as many coordinates, with the dampers"
+    return f"reduced structure: beside {judge}, peaks of the judged cases differ by at most: {listed}"
 
 
 def doubts(attributes: Mapping[str, Any]) -> list[str]:

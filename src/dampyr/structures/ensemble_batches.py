@@ -25,9 +25,10 @@ from dampyr.errors import InputError
 from dampyr.structures.batch import bouc_wen_branchless
 from dampyr.structures.batch.engine import Engine, can_run, engine
 from dampyr.structures.batch.gpu import engine as gpu_engine
-from dampyr.structures.building import Building
+from dampyr.structures.building import Building, Condensed
 from dampyr.structures.ensemble_grid import STEPS, STEPS_IN_SERIES, STEPS_WITH_MEMORY, Cases
 from dampyr.structures.kernel_run import runner
+from dampyr.structures.modal_coordinates import refinements, relative_changes
 from dampyr.structures.response import Run
 from dampyr.structures.sites import Site, connections, laws_of
 from dampyr.structures.step_size import (
@@ -43,6 +44,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 LIMIT = 1.0  # of omega h: fast stays below 0.1 % of the peak in the standard suite with it
 JUDGED = ("displacement", "drift")
+LEFT_OUT = {"displacement": "truncation", "drift": "truncation", "acceleration": "truncation_acceleration",
+            "force": "truncation_force"}  # fmt: skip
 # Peaks above both of these are held to a bound: smaller ones are of no consequence, and of a floor that a stuck damper locks
 # the relative error has none that a fixed step could hold.
 MOVING, MOVING_SHARE = 1e-4, 0.01  # m; of the largest of the case
@@ -57,7 +60,9 @@ class Shard:
     ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases, twice that where the step
     counts to first order; ``moving`` the same of peaks above 0.1 mm and 1 % of the largest of the case; ``unbounded`` counts
     cases that grew without bound; ``general`` counts those that no engine can run, ``unconverged`` those under control
-    laws whose step could not be made short enough.
+    laws whose step could not be made short enough. ``truncation`` is the largest relative
+    change of a peak displacement or drift of reduced structures beside half as many coordinates, among the judged cases, -1
+    where there is none; ``truncation_acceleration`` and ``truncation_force`` are those of accelerations and forces.
     """
 
     number: int
@@ -69,6 +74,9 @@ class Shard:
     general: int = 0
     moving: float = 0.0
     unconverged: int = 0
+    truncation: float = -1.0
+    truncation_acceleration: float = -1.0
+    truncation_force: float = -1.0
 
 
 def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
@@ -106,8 +114,9 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
             sites = tuple(map(_without_zero_delay, cases.sites_of(b, d, u)))
             share = 1.0 if laws_of(sites) else _share(cases.accuracy, sites)  # under laws the step is halved
             slopes = difference_slopes(sites)
-            rule = largest_step(cases.buildings[b], sites, slopes, LIMIT)
-            cached[b, d, u] = sites, share * rule, largest_stiffness(cases.buildings[b], sites, slopes)
+            building = refinements(cases.buildings[b], connections(cases.buildings[b], sites))[0]
+            rule = largest_step(building, sites, slopes, LIMIT)
+            cached[b, d, u] = sites, share * rule, largest_stiffness(building, sites, slopes)
         sites, step, stiffness = cached[b, d, u]
         dt = cases.motions[k].dt
         m = steps_per_sample(dt, step, sites)
@@ -148,10 +157,19 @@ def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done:
     if any(quantity in done.values for quantity in JUDGED):
         who, scale = _hardest_and_random(cases, inputs, made.text.block_width, done)
         coarse = {
-            q: done.values[q][inputs.rows[who], scale, : cases.buildings[kind[0]].n] for q in JUDGED if q in done.values
+            q: done.values[q][inputs.rows[who], scale, : cases.buildings[kind[0]].n_floors]
+            for q in JUDGED
+            if q in done.values
         }
         finer = inputs.run(_made(cases, kind, members[0].sites, 2 * m), who, cases.scales[scale])
         _judge(coarse, finer, done, any(composition.in_series for composition in kind[2]))
+        whole, half = refinements(cases.buildings[kind[0]], np.array(kind[1]).reshape(-1, cases.buildings[kind[0]].n))
+        if whole is not cases.buildings[kind[0]]:
+            peaks = inputs.run(made, who, cases.scales[scale])
+            fewer = None
+            if half is not None:
+                fewer = inputs.run(_made(cases, kind, members[0].sites, m, half), who, cases.scales[scale])
+            _judge_truncation(fewer, peaks, whole, done)
 
 
 def _hardest_and_random(cases: Cases, inputs: Inputs, count: int, done: Shard) -> tuple[Integers, Integers]:
@@ -218,10 +236,17 @@ _ENGINES: OrderedDict[tuple[Any, ...], Engine] = OrderedDict()
 MAX_ENGINES, _LOCK = 64, Lock()
 
 
-def _made(cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int) -> Engine:
-    """The engine of a kind of cases with m steps per sample; this process caches the latest ones."""
-    building, compositions, dt, branchless = cases.buildings[kind[0]], kind[2], kind[3], kind[4]
-    matrices = tuple(a.tobytes() for a in (building.M, building.C, building.K, building.influence))
+def _made(
+    cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int, building: Building | None = None
+) -> Engine:
+    """The engine of a kind of cases with m steps per sample, of the ``building`` that responses take unless one is given; this
+    process caches the latest ones."""
+    compositions, dt, branchless = kind[2], kind[3], kind[4]
+    if building is None:
+        own = cases.buildings[kind[0]]
+        building = refinements(own, connections(own, sites))[0]
+    ground = building.ground_terms()[0]
+    matrices = tuple(a.tobytes() for a in (building.M, building.C, building.K, building.influence, ground))
     key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device, branchless)
     with _LOCK:
         if key not in _ENGINES:
@@ -263,13 +288,28 @@ def _judge(coarse: dict[str, Array], fine: dict[str, Array], done: Shard, first_
             done.judged += len(gap) if quantity == JUDGED[0] or JUDGED[0] not in coarse else 0
 
 
+def _judge_truncation(fewer: dict[str, Array] | None, peaks: dict[str, Array], building: Building, done: Shard) -> None:
+    """Measure what reduced structures leave out by cases with half as many coordinates; without them it is nothing where the
+    ``building`` is exact, and infinite where it is not known."""
+    for quantity, name in LEFT_OUT.items():
+        if fewer is None and quantity in peaks:
+            exact = isinstance(building, Condensed) and building.exact
+            setattr(done, name, max(getattr(done, name), 0.0 if exact else np.inf))
+        elif fewer is not None and quantity in peaks:
+            good = np.isfinite(fewer[quantity]).all(axis=1) & np.isfinite(peaks[quantity]).all(axis=1)
+            pairs = zip(fewer[quantity][good], peaks[quantity][good], strict=True)
+            changes = [relative_changes([a], [b])[0] for a, b in pairs]
+            setattr(done, name, max(getattr(done, name), *changes, 0.0))
+
+
 def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
     """Cases that no engine can run, by the kernel of `respond`."""
     count = min(JUDGED_ONE_BY_ONE, len(members))
     judged = set(np.random.default_rng((SEED, done.number)).choice(len(members), count, replace=False).tolist())
     weakest = int(np.argmin(np.abs(cases.scales)))
     for number, member in enumerate(members):
-        building, motion = cases.buildings[member.building], cases.motions[member.motion]
+        own, motion = cases.buildings[member.building], cases.motions[member.motion]
+        building, half = refinements(own, connections(own, member.sites))
         run = runner(building, motion, member.sites)
         for s, scale in enumerate(cases.scales):
             once = partial(run, scale=scale)
@@ -287,6 +327,12 @@ def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
             if number in judged and s == weakest and not laws_of(member.sites):
                 series = any(site.composition.in_series for site in member.sites)
                 _judge(peaks, _peaks(once(2 * member.m).out, member.sites, building), done, series)
+            if number in judged and s == weakest and building is not own:
+                fewer = None
+                if half is not None:
+                    other = runner(half, motion, member.sites)(round(motion.dt / made.step), scale=scale)
+                    fewer = _peaks(other.out, member.sites, half)
+                _judge_truncation(fewer, peaks, building, done)
 
 
 def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Run:

@@ -20,7 +20,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, followed_by_rest
 from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.batch.gpu import missing
-from dampyr.structures.building import Building
+from dampyr.structures.building import Building, Condensed
 from dampyr.structures.control_law import gains, is_control_law, parts, spelled
 from dampyr.structures.sites import Site, make_sites, placement
 from dampyr.units import in_si
@@ -71,8 +71,8 @@ class Cases:
 
     @property
     def floors(self) -> int:
-        """The most degrees of freedom of a building."""
-        return max(building.n for building in self.buildings)
+        """The most floors of a building."""
+        return max(building.n_floors for building in self.buildings)
 
     @cached_property
     def sites(self) -> int:
@@ -110,7 +110,7 @@ class Cases:
     def digest(self) -> str:
         """A hash of all that decides the numbers."""
         parts = [
-            [(b.M, b.C, b.K, b.influence) for b in self.buildings],
+            [(b.M, b.C, b.K, b.influence, *_left_out(b)) for b in self.buildings],
             [_plain(p) for p in self.placements],
             tuple(spelled(u) if is_control_law(u) else u for u in self.inputs),
             [(m.acceleration, m.dt) for m in self.motions],
@@ -118,6 +118,12 @@ class Cases:
             (self.kind, self.accuracy, self.quantities, self.precision, self.device),
         ]
         return hashlib.sha256(pickle.dumps(parts, protocol=5)).hexdigest()[:16]
+
+
+def _left_out(building: Building) -> tuple[Any, ...]:
+    """What decides the numbers of a reduced structure besides its own matrices."""
+    whole = building.whole if isinstance(building, Condensed) and not building.exact else None
+    return () if whole is None else (whole.M, whole.C, whole.K, whole.influence, whole.retained)
 
 
 def _dampers_of(placement: Mapping[Any, Any]) -> list[tuple[Any, Any]]:

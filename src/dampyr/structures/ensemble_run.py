@@ -14,7 +14,7 @@ from dampyr.models import Damper
 from dampyr.representation import Representation, Summary, Table, column_name, counted, data_frame, listing
 from dampyr.structures.building import Building
 from dampyr.structures.ensemble import run
-from dampyr.structures.ensemble_accuracy import doubts
+from dampyr.structures.ensemble_accuracy import doubts, truncation_in_words
 from dampyr.structures.ensemble_grid import STEPS, Cases, cases
 from dampyr.structures.fragility import Curve, Fragility, fragility
 from dampyr.structures.incremental import incremental
@@ -151,6 +151,7 @@ class EnsembleResult(Representation):
             ),
             ("end", end_in_words(attributes.get("after_s", 0.0))),
             ("without bound", f"{attributes['unbounded']} cases"),
+            *(("left out", words) for words in (truncation_in_words(attributes),) if words),
             *(("warning", sentence) for sentence in self.notes),
         ]
         rows += [("fragility", f"{curve.limit_in_words}, over {curve.intensity}") for curve in self.curves[:4]]

@@ -138,7 +138,8 @@ def _joined(paths: Sequence[Path], values: Mapping[str, Any]) -> Array:
                 rows = file[quantity][:]
                 all_rows[first : first + len(rows)] = rows
             first += len(rows)
-    return np.concatenate(diagnostics)
+    width = min(each.shape[1] for each in diagnostics)  # parts of an older version have fewer
+    return np.concatenate([each[:, :width] for each in diagnostics])
 
 
 def _write_whole(out: Path, paths: Sequence[Path], shapes: Mapping[str, tuple[int, ...]]) -> None:

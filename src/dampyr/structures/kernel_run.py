@@ -37,6 +37,7 @@ class Linear(NamedTuple):
     acceleration: Any  # (n, 2n + N): absolute acceleration from the state and the forces
     damping: Any  # (n, n)
     pull: Any  # (n,): influence @ M, turns accelerations into base shear and velocities into input power
+    ground: Any  # (n + 1,): what the ground's acceleration adds to each acceleration and to the base shear, of what is left out
     drifts: Any  # (2n, 2n): the drift of every storey, then its rate, from the state
     connections: Any  # (N, n): a row per site
 
@@ -141,7 +142,8 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
             _check_inputs(sites, control)
             out.mean_input[:] = control.total / ((len(ag) - 1) * m) if len(ag) > 1 else control.level
         _check_bounded(out, motion)
-        return Run(out, step, decisions=None if control is None else _decisions(control, (len(ag) - 1) * m))
+        decisions = None if control is None else _decisions(control, (len(ag) - 1) * m)
+        return Run(out.of_floors(building.n_floors), step, decisions=decisions)
 
     return run
 
@@ -159,9 +161,12 @@ def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
     a, _, b = system(building, rows)
     by_storey = np.kron(np.eye(2), drifts(building))
     pull = np.ascontiguousarray(building.influence @ building.M)
+    ground = np.append(*building.ground_terms())
     acceleration = np.ascontiguousarray(np.hstack([a[n:], b[n:]]))
     damping = np.array(building.C)
-    return Linear(exact.half, exact.whole, exact.explicit, exact.unknown, acceleration, damping, pull, by_storey, rows)
+    return Linear(
+        exact.half, exact.whole, exact.explicit, exact.unknown, acceleration, damping, pull, ground, by_storey, rows
+    )
 
 
 def _dampers(sites: tuple[Site, ...], step: float, start: float = 0.0) -> Sites:

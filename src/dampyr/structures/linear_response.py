@@ -27,20 +27,22 @@ def bare_response(building: Building, motion: GroundMotion, m: int) -> Output:
     u, half = np.hstack([state[:-1], ground]), 0.5 * motion.dt / m
     out = output(motion.n, n, 0)
     out.state[:] = state
-    out.acceleration[:] = state @ a[n:].T
+    direct, mass = building.ground_terms()
+    out.acceleration[:] = state @ a[n:].T + np.outer(motion.acceleration, direct)
     to_drift = drifts(building)
     before, energy = state[:-1], np.zeros((motion.n - 1, 2))
     for j in range(2 * m + 1):
         part = j / (2 * m)
         now = u @ transition(building, none, motion.dt, part).T
         weight = (1.0 if j in (0, 2 * m) else 4.0 if j % 2 else 2.0) * half / 3.0
-        energy += weight * _powers(building, now, ground @ [1.0 - part, part])
-        _observe(building, now @ a[n:].T, out)
+        at = ground @ [1.0 - part, part]
+        energy += weight * _powers(building, now, at)
+        _observe(building, now @ a[n:].T + np.outer(at, direct), mass * at, out)
         _raise_peaks(out.displacement_peak, before, now, half)
         _raise_peaks(out.drift_peak, _both(before, to_drift), _both(now, to_drift), half)
         before = now
     out.work[1:] = np.cumsum(energy, axis=0)
-    return out
+    return out.of_floors(building.n_floors)
 
 
 def _samples(building: Building, motion: GroundMotion) -> Array:
@@ -75,9 +77,10 @@ def _powers(building: Building, state: Array, ground: Array) -> Array:
     return np.column_stack([put_in, np.einsum("ti,ij,tj->t", v, building.C, v)])
 
 
-def _observe(building: Building, acceleration: Array, out: Output) -> None:
+def _observe(building: Building, acceleration: Array, missing: Array, out: Output) -> None:
+    """Raise the peaks of acceleration and base shear; ``missing`` [N] is what the mass that was left out adds to the latter."""
     np.maximum(out.acceleration_peak, np.abs(acceleration).max(axis=0), out=out.acceleration_peak)
-    shear = np.abs(acceleration @ (building.influence @ building.M)).max()
+    shear = np.abs(acceleration @ (building.influence @ building.M) + missing).max()
     out.shear_peak[0] = max(out.shear_peak[0], shear)
 
 

@@ -11,25 +11,41 @@ many of both together as floors, so that the floors' displacements are the coord
 Modes are kept exactly, unlike by Guyan's condensation. What is left out is stated: the share of the mass that the modes carry,
 and the error of the static answer to the ground's push; `truncation_errors` of a motion compares with all modes.
 
+A damper's force excites other shapes than the ground does. When dampers are known, such a building, and one by Guyan, takes
+more coordinates, shapes in which the floors stand still (`refined`):
+
+.. math:: q = T q_f + \Psi p, \qquad \psi_d = K^{-1} \lambda_d - T (K^{-1} \lambda_d)_f
+
+one static answer for each damper, and as many modes of the structure with its floors held as there are coordinates by then,
+20 at least, those with the largest effective mass under motions of the floors. A structure of few degrees of freedom is whole
+then. Of a larger one the response says how far its peaks lie from those with half as many coordinates (`Truncation`).
+
 References: O'Callahan et al., System equivalent reduction expansion process, IMAC 1989; Wilson et al., Dynamic analysis by
-direct superposition of Ritz vectors, Earthquake Engineering and Structural Dynamics 10 (1982).
+direct superposition of Ritz vectors, Earthquake Engineering and Structural Dynamics 10 (1982); R. R. Craig, M. C. C. Bampton,
+Coupling of substructures for dynamic analyses, AIAA Journal 6 (1968).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.ground_motions import GroundMotion
+from dampyr.ground_motions import GroundMotion, resampled
 from dampyr.representation import Summary
-from dampyr.structures.building import Building, Condensed
+from dampyr.structures.building import Building, Condensed, Whole, reduced
+from dampyr.structures.response import Truncation
 
 Array = NDArray[np.float64]
 
+MORE = 20  # modes with the floors held that a response adds at least, where a structure has so many
+FINE = 0.005  # s, between the points at which peaks of all modes are taken at most
 STATIC, FLOORS_EACH = 2, 5  # static vectors at most, and one for each so many floors
 
 
@@ -57,45 +73,145 @@ class ModalBuilding(Condensed):
         text = f"{len(self.retained_modes)} of {len(self.squares)}, with {100 * self.mass_share:.4g} % of the mass"
         return title, [*rows, ("modes kept", text)]
 
-    def truncation_errors(self, motion: GroundMotion) -> tuple[float, float]:
-        """The largest relative errors of the floors' peak displacements and of the storeys' peak drifts under ``motion``.
+    def truncation_errors(self, motion: GroundMotion) -> Truncation:
+        """The largest relative errors of the floors' peak displacements and accelerations, of the storeys' peak drifts and of
+        the peak base shear under ``motion``.
 
-        Without dampers: this building against all modes of the structure, at the samples of the motion. Damping is that of the
-        modes' diagonal.
+        Without dampers: this building against all modes of the structure, at the samples of the motion, or every 5 ms. Damping
+        is that of the modes' diagonal.
         """
-        mine = modal_displacement(*_own_modes(self), motion)
-        whole = modal_displacement(self.shapes, self.squares, self.ratios, self.pushes, motion)
-        drift = np.eye(self.n) - np.eye(self.n, k=-1)
-        pairs = [[np.max(np.abs(each @ x), axis=1) for x in (mine, whole)] for each in (np.eye(self.n), drift)]
-        displacement, drifts = (float(np.max(np.abs(own - all_) / np.maximum(all_, 1e-300))) for own, all_ in pairs)
-        return displacement, drifts
+        squares, modes = self.modes()
+        pushes = modes.T @ (self.M @ self.influence)
+        direct, missing = self.ground_terms()
+        motion = resampled(motion, motion.dt / math.ceil(motion.dt / FINE), "linear")
+        n, a = self.n_floors, motion.acceleration
+        x, acceleration, shear = modal_response(modes[:n], squares, self.damping_ratios, pushes, motion)
+        missing += float(self.influence @ self.M @ direct)  # beside the modes' accelerations, not the floors'
+        mine = _peaks_of(x, acceleration + np.outer(direct[:n], a), shear + missing * a)
+        whole = _peaks_of(*modal_response(self.shapes, self.squares, self.ratios, self.pushes, motion))
+        return Truncation(self.n, len(self.squares), "all modes, without dampers", *relative_changes(mine, whole))
 
 
-def truncation(building: Building, motion: GroundMotion) -> tuple[str, tuple[float, float] | None]:
-    """The `ModalBuilding.truncation_errors` of a building in modal coordinates, as a sentence and as numbers; "" and None for
-    any other."""
+def _peaks_of(x: Array, acceleration: Array, shear: Array) -> list[Array]:
+    drifts = np.diff(x, axis=0, prepend=0.0)
+    return [np.max(np.abs(each), axis=-1) for each in (x, drifts, acceleration, shear)]
+
+
+def relative_changes(mine: Sequence[Any], judge: Sequence[Any]) -> list[float]:
+    """The largest relative change of each kind of peak against those of ``judge``; 0 where there is no peak."""
+    changes = []
+    for own, other in zip(mine, judge, strict=True):
+        size = np.maximum(np.abs(other), 1e-9 * np.max(np.abs(other), initial=0.0) + 1e-300)
+        changes.append(float(np.max(np.abs(own - other) / size, initial=0.0)))
+    return changes
+
+
+def refined(building: Building, places: Sequence[Any] = ()) -> Building:
+    """``building`` as responses take it where dampers stand at ``places``: with more coordinates than floors where it was
+    reduced, and the same building where nothing is left out.
+
+    A place is a storey or two floors, as in `respond`. The first coordinates are the floors; the others are shapes in which
+    the floors stand still.
+    """
+    return refinements(building, np.array([building.connection(place) for place in places]).reshape(-1, building.n))[0]
+
+
+def refinements(building: Building, rows: Array) -> tuple[Building, Building | None]:
+    """`refined` for dampers with the connections ``rows`` (N, floors), and the same with half as many coordinates, by which it
+    is judged: None where nothing is left out. ``building`` itself where it is no reduced one."""
+    if not isinstance(building, Condensed) or building.exact or building.whole is None or building.interior:
+        return building, None
+    return _refinements(building, tuple(map(tuple, rows.tolist())))
+
+
+@lru_cache(maxsize=64)
+def _refinements(building: Condensed, rows: tuple[tuple[float, ...], ...]) -> tuple[Building, Building | None]:
+    assert building.whole is not None
+    whole = building.whole
+    statics = _static_answers(building, whole, rows)
+    held, damped = _modes_with_floors_held(whole)
+    first = building.n + statics.shape[1]
+    count = max(first, MORE)
+    complete = held.shape[1] <= count
+    shapes = held if complete else np.hstack([statics, held[:, :count]])
+    fine = replace(_with_interior(building, shapes), exact=complete and not damped)
+    if complete or damped:  # where dashpots stand on what has no mass, half as many coordinates are no judge
+        return fine, None
+    half = (first + count + 1) // 2 - first
+    return fine, _with_interior(building, np.hstack([statics, held[:, :half]]))
+
+
+def _static_answers(building: Condensed, whole: Whole, rows: tuple[tuple[float, ...], ...]) -> Array:
+    """The static answers (m, r) to forces of dampers, less what the floors have of them; those of Guyan have all."""
     if not isinstance(building, ModalBuilding):
-        return "", None
-    displacement, drift = errors = building.truncation_errors(motion)
-    words = (
-        "modal coordinates: "
-        f"{len(building.retained_modes)} of {len(building.squares)} modes and what the others answer at rest; "
-        f"without a damper, floor displacements are {100 * displacement:.2g} % and drifts {100 * drift:.2g} % off at most"
+        return np.zeros((len(whole.K), 0))
+    retained = list(whole.retained)
+    forces = np.zeros((len(whole.K), len(rows)))
+    forces[retained] = np.reshape(rows, (len(rows), len(retained))).T
+    answers = np.linalg.solve(whole.K, forces)
+    rest = answers - building.T @ answers[retained]
+    own = np.sum(rest * (whole.M @ rest), axis=0) > 1e-12 * np.sum(answers * (whole.M @ answers), axis=0)
+    return np.asarray(rest[:, own])
+
+
+def _modes_with_floors_held(whole: Whole) -> tuple[Array, bool]:
+    """The modes (m, modes) of the structure with its floors held, first those that carry most mass under motions of the floors;
+    and whether dashpots act on what has no mass, which has no mode."""
+    from scipy.linalg import eigh
+
+    retained = list(whole.retained)
+    left = [i for i in range(len(whole.K)) if i not in whole.retained]
+    inner = whole.M[np.ix_(left, left)]
+    flexibility, shapes = eigh(inner, whole.K[np.ix_(left, left)])  # 1/omega2, which is 0 without mass
+    massive = flexibility > 1e-12 * flexibility[-1]
+    damped = bool(
+        np.any(np.abs(whole.C[left][:, left] @ shapes[:, ~massive]) > 1e-12 * np.max(np.abs(whole.C), initial=0.0))
     )
-    return words, errors
+    flexibility, shapes = flexibility[massive], shapes[:, massive]
+    following = -np.linalg.solve(whole.K[np.ix_(left, left)], whole.K[np.ix_(left, retained)])
+    driven = shapes.T @ (inner @ following + whole.M[np.ix_(left, retained)])
+    order = np.argsort(-np.sum(driven**2, axis=1) / flexibility, kind="stable")
+    modes = np.zeros((len(whole.K), len(order)))
+    modes[left] = shapes[:, order]
+    return modes, damped
 
 
-def modal_displacement(shapes: Array, squares: Array, ratios: Array, pushes: Array, motion: GroundMotion) -> Array:
-    r"""Displacements (floors, samples) from modes, :math:`\ddot\eta + 2\zeta\omega\dot\eta + \omega^2\eta = -\Gamma a_g`.
+INDEPENDENT = 1e-8  # of the squares of unit vectors: what a new shape must have of its own
+
+
+def _with_interior(building: Condensed, shapes: Array) -> Condensed:
+    """``building`` with the independent of ``shapes`` (m, r), in which its floors stand still, as further coordinates."""
+    whole = building.whole
+    assert whole is not None
+    if not shapes.shape[1]:
+        return building
+    shapes = shapes / np.sqrt(np.sum(shapes * (whole.M @ shapes), axis=0))
+    squares, turn = np.linalg.eigh(reduced(shapes, whole.M))
+    own = squares > INDEPENDENT
+    floor = np.trace(building.M) / building.n  # so that coordinates weigh as floors do
+    interior = np.sqrt(floor) * (shapes @ (turn[:, own] / np.sqrt(squares[own])))
+    interior[list(whole.retained)] = 0.0
+    T = np.hstack([building.T, interior])
+    M, C, K = (reduced(T, matrix) for matrix in (whole.M, whole.C, whole.K))
+    influence = np.asarray(np.linalg.solve(M, T.T @ (whole.M @ whole.influence)), dtype=np.float64)
+    return replace(building, M=M, C=C, K=K, influence=influence, T=T, interior=interior.shape[1])
+
+
+def modal_response(
+    shapes: Array, squares: Array, ratios: Array, pushes: Array, motion: GroundMotion
+) -> tuple[Array, Array, Array]:
+    r"""Displacements and absolute accelerations (floors, samples) and base shear (samples,) from modes,
+    :math:`\ddot\eta + 2\zeta\omega\dot\eta + \omega^2\eta = -\Gamma a_g`.
 
     ``shapes`` (floors, modes), ``squares`` (modes,) [rad2/s2], ``ratios`` and ``pushes`` (modes,). Exact for a ground
-    acceleration that is linear between its samples.
+    acceleration that is linear between its samples. Each mode's acceleration is :math:`\ddot\eta + \Gamma a_g`: that of the
+    floors is whole where all modes are given.
     """
     from scipy.linalg import expm
     from scipy.signal import lfilter
 
     a, dt = motion.acceleration, motion.dt
-    x = np.zeros((len(shapes), motion.n))
+    x, acceleration, shear = np.zeros((len(shapes), motion.n)), np.zeros((len(shapes), motion.n)), np.zeros(motion.n)
     for k in range(len(squares)):
         system = np.zeros((4, 4))
         system[0, 1] = system[2, 3] = 1.0
@@ -103,16 +219,18 @@ def modal_displacement(shapes: Array, squares: Array, ratios: Array, pushes: Arr
         system[:2] *= dt
         step = expm(system)
         now, after = step[:2, 2] - step[:2, 3], step[:2, 3]
-        # the displacement alone obeys a recurrence of second order: the state's, less its velocity
-        turned = np.array([step[1, 1], -step[0, 1]])
-        drive = np.zeros(motion.n)
-        drive[1:] = a[:-1] * now[0] + a[1:] * after[0]
-        drive[2:] -= a[:-2] * (turned[0] * now[0] + turned[1] * now[1]) + a[1:-1] * (
-            turned[0] * after[0] + turned[1] * after[1]
-        )
+        # displacement and velocity each obey a recurrence of second order (Cayley and Hamilton): the state's, less the other
+        adjugate = np.array([[step[1, 1], -step[0, 1]], [-step[1, 0], step[0, 0]]])
         poles = [1.0, -(step[0, 0] + step[1, 1]), step[0, 0] * step[1, 1] - step[0, 1] * step[1, 0]]
-        x += np.outer(shapes[:, k], lfilter([1.0], poles, drive))
-    return x
+        drive = np.zeros((2, motion.n))
+        drive[:, 1:] = np.outer(now, a[:-1]) + np.outer(after, a[1:])
+        drive[:, 2:] -= np.outer(adjugate @ now, a[:-2]) + np.outer(adjugate @ after, a[1:-1])
+        eta, rate = lfilter([1.0], poles, drive)
+        restoring = -2.0 * ratios[k] * np.sqrt(squares[k]) * rate - squares[k] * eta
+        x += np.outer(shapes[:, k], eta)
+        acceleration += np.outer(shapes[:, k], restoring)
+        shear += pushes[k] * restoring
+    return x, acceleration, shear
 
 
 def modal_condensation(
@@ -156,11 +274,11 @@ def modal_condensation(
             "keep others, one for each storey"
         )
     T = B @ np.linalg.inv(at)
-    reduced = [0.5 * (each + each.T) for each in (T.T @ matrix @ T for matrix in (M, C, K))]
+    small = [reduced(T, matrix) for matrix in (M, C, K)]
     whole = phi[list(keep)] @ (pushes / squares)
     by_modes = phi[list(keep)][:, chosen] @ (pushes[chosen] / squares[chosen])
     ratios = np.einsum("ij,ij->j", phi, C @ phi) / (2.0 * np.sqrt(squares))
-    made = Building(reduced[0], reduced[1], reduced[2], name)
+    made = Building(small[0], small[1], small[2], name)
     own = made.frequencies
     nearest = np.sqrt(squares) / (2 * np.pi)
     errors = np.array([f / nearest[np.argmin(np.abs(nearest - f))] - 1.0 for f in own])
@@ -175,16 +293,12 @@ def modal_condensation(
         names,
         k == m,
         errors,
-        tuple(int(i) + 1 for i in chosen),
-        float(np.sum(pushes[chosen] ** 2) / np.sum(pushes**2)),
-        np.abs(by_modes - whole) / np.max(np.abs(whole)),
-        phi[list(keep)],
-        squares,
-        pushes,
-        ratios,
+        Whole(np.array(M), np.array(C), np.array(K), iota, tuple(keep)),
+        retained_modes=tuple(int(i) + 1 for i in chosen),
+        mass_share=float(np.sum(pushes[chosen] ** 2) / np.sum(pushes**2)),
+        static_error=np.abs(by_modes - whole) / np.max(np.abs(whole)),
+        shapes=phi[list(keep)],
+        squares=squares,
+        pushes=pushes,
+        ratios=ratios,
     )
-
-
-def _own_modes(building: Building) -> tuple[Array, Array, Array, Array]:
-    squares, modes = building.modes()
-    return modes, squares, building.damping_ratios, modes.T @ (building.M @ building.influence)

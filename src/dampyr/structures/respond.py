@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion, followed_by_rest
-from dampyr.structures.building import Building
+from dampyr.structures.building import Building, Condensed
 from dampyr.structures.control_law import describe_law
 from dampyr.structures.kernel_run import runner
 from dampyr.structures.linear_response import peak_displacement
-from dampyr.structures.response import Energy, Output, Response, Run
+from dampyr.structures.modal_coordinates import ModalBuilding, refinements, relative_changes
+from dampyr.structures.response import Energy, Output, Response, Run, Truncation
 from dampyr.structures.sites import Site, connections, describe_place, drifts, laws_of, make_sites, warn_of_parts
 from dampyr.structures.step_size import (
     given_steps_per_sample,
@@ -37,6 +38,7 @@ from dampyr.structures.step_size import (
 
 Array = NDArray[np.float64]
 
+UNJUDGED = "no other: dashpots on what has no mass follow the springs, and what that changes is not known"
 FINAL_LIMIT = 0.5  # of omega h at the final step, which resolves the stuck damper's vibration with 12 steps a period
 
 
@@ -70,6 +72,12 @@ def respond(
     after : s of rest of the ground after the record. The response ends with the record otherwise: a building that still swings
         then may reach its peak later (long periods, short pulses).
 
+    A building that was reduced (``keep`` in its file, a plane frame, `condense`) is taken with more coordinates than floors:
+    the static answer to each damper's force, and modes with the floors held (see `dampyr.structures.modal_coordinates`). Few
+    degrees of freedom are whole then. Of more, ``response.truncation`` says how far peaks of displacement, drift, acceleration,
+    base shear and force lie from those with half as many coordinates at the same step, the dampers present; without dampers,
+    from those of all modes, where the building has them. It is another error than ``error_estimate``, which is of the step.
+
     Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns
     (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached, where a damper, on the
     whole, fed the building, and where one has a part that is not for buildings.
@@ -90,17 +98,19 @@ def respond(
     )
     sites = make_sites(building, dampers, voltage, current, allow_extrapolation)
     motion = followed_by_rest(motion, after)
-    run = runner(building, motion, sites)
+    whole, half = refinements(building, connections(building, sites))
+    run = runner(whole, motion, sites)
     if step is None:
         tolerance = tolerance_of(accuracy)
         first = 2 * largest_step(
-            building, sites, kernel_slopes(run, sites), FINAL_LIMIT
+            whole, sites, kernel_slopes(run, sites), FINAL_LIMIT
         )  # so that the first halving meets it
         halve = halve_under_laws if laws_of(sites) else halve_until_converged
         best = halve(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))
     else:
         best = run_once(run, given_steps_per_sample(motion, step, sites))
-    response = _response(building, motion, sites, best, after)
+    truncation = None if whole is building else _truncation(whole, half, motion, sites, best)
+    response = _response(whole, motion, sites, best, after, truncation)
     _warn(response, sites)
     warn_of_parts(sites)
     for note in response.outside:
@@ -108,22 +118,47 @@ def respond(
     return response
 
 
-def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...], run: Run, after: float) -> Response:
-    out, n = run.out, building.n
+def _truncation(
+    whole: Building, half: Building | None, motion: GroundMotion, sites: tuple[Site, ...], best: Run
+) -> Truncation:
+    """What ``whole`` still leaves out: against all modes where they are the response, else by ``half`` at the same step."""
+    assert isinstance(whole, Condensed)
+    degrees = len(whole.T)
+    if half is None:
+        return Truncation(whole.n, degrees) if whole.exact else Truncation(whole.n, degrees, UNJUDGED, *5 * (math.nan,))
+    if not sites and isinstance(whole, ModalBuilding):
+        return whole.truncation_errors(motion)
+    other = runner(half, motion, sites)(round(motion.dt / best.step)).out
+    names = ("displacement_peak", "drift_peak", "acceleration_peak", "shear_peak", "force_peak")
+    changes = relative_changes(*([getattr(out, name) for name in names] for out in (other, best.out)))
+    words = f"{half.n} coordinates, {'with' if sites else 'without'} the dampers"
+    return Truncation(whole.n, degrees, words, *changes)
+
+
+def _response(
+    building: Building,
+    motion: GroundMotion,
+    sites: tuple[Site, ...],
+    run: Run,
+    after: float,
+    truncation: Truncation | None,
+) -> Response:
+    out, n, floors = run.out, building.n, building.n_floors
     rows, pull = connections(building, sites), building.influence @ building.M
-    q = np.ascontiguousarray(out.state[:, :n].T)
-    drift = drifts(building) @ q
+    missing = building.ground_terms()[1]
+    all_q = np.ascontiguousarray(out.state[:, :n].T)
+    q, drift = all_q[:floors], (drifts(building) @ all_q)[:floors]
     general = any(not site.composition.path_only or site.delay > 0 for site in sites)
     return Response(
         time=motion.time,
         ground_acceleration=motion.acceleration,
         displacement=q,
-        velocity=np.ascontiguousarray(out.state[:, n:].T),
-        acceleration=np.ascontiguousarray(out.acceleration.T),
+        velocity=np.ascontiguousarray(out.state[:, n : n + floors].T),
+        acceleration=np.ascontiguousarray(out.acceleration[:, :floors].T),
         drift=drift,
-        base_shear=-(out.acceleration @ pull),
+        base_shear=-(out.acceleration @ pull + missing * motion.acceleration),
         force=np.ascontiguousarray(out.force.T),
-        stroke=rows @ q,
+        stroke=rows @ all_q,
         peak_displacement=out.displacement_peak,
         peak_drift=out.drift_peak,
         peak_acceleration=out.acceleration_peak,
@@ -147,6 +182,7 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         reason=run.reason,
         title=f"{building.name}, {motion.name}",
         after=float(after),
+        truncation=truncation,
         outside=tuple(note for d, site in enumerate(sites) for note in _outside(site, rows[d], out, motion.dt)),
     )
 

@@ -58,6 +58,11 @@ class Output(NamedTuple):
     rest_slopes: Any  # (N, 2): dF/dx and dF/dv at rest
     misfit: Any  # (3,): steps not solved to the tolerance, the largest relative misfit, iterations in all
 
+    def of_floors(self, count: int) -> Output:
+        """The peaks of the floors alone, the first ``count`` coordinates; histories stay those of all."""
+        names = ("displacement_peak", "drift_peak", "acceleration_peak")
+        return self._replace(**{name: getattr(self, name)[:count] for name in names})
+
 
 def output(samples: int, n: int, sites: int) -> Output:
     """An output of zeros."""
@@ -76,6 +81,45 @@ def output(samples: int, n: int, sites: int) -> Output:
         rest_slopes=np.zeros((sites, 2)),
         misfit=np.zeros(3),
     )
+
+
+class Truncation(NamedTuple):
+    """What a reduced structure leaves out: the largest relative change of each kind of peak.
+
+    The response has ``coordinates`` for the ``degrees`` of freedom of the structure, and is compared with ``judge``, which is
+    "" where nothing is left out. ``force`` is that of the dampers.
+    """
+
+    coordinates: int
+    degrees: int
+    judge: str = ""
+    displacement: float = 0.0
+    drift: float = 0.0
+    acceleration: float = 0.0
+    base_shear: float = 0.0
+    force: float = 0.0
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """The changes by name."""
+        return {name: getattr(self, name) for name in ("displacement", "drift", "acceleration", "base_shear", "force")}
+
+    def in_words(self) -> str:
+        """As a part of a sentence."""
+        size = f"{self.coordinates} coordinates for {self.degrees} degrees of freedom"
+        if not self.judge:
+            return f"{size}, which leave nothing out"
+        names = (
+            ("displacements", self.displacement),
+            ("drifts", self.drift),
+            ("accelerations", self.acceleration),
+            ("base shear", self.base_shear),
+            *((("damper forces", self.force),) if "with the dampers" in self.judge else ()),
+        )
+        changes = ", ".join(f"{name} {100 * value:.2g} %" for name, value in names)
+        if np.isnan(self.displacement):
+            return f"{size}, judged by {self.judge}"
+        return f"{size}; beside {self.judge}, peaks differ by at most: {changes}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -284,6 +328,7 @@ class Response(Representation):
     # and "mean_input" (V or A). Only the first two were halved for; the others may be larger. Empty where the step was given.
     error_estimates: Mapping[str, float] = field(default_factory=dict)
     outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
+    truncation: Truncation | None = None  # what a reduced structure leaves out; None where nothing is left out
 
     @property
     def plot(self) -> ResponsePlots:
@@ -332,6 +377,8 @@ class Response(Representation):
             rows.append(("damper force", "peak " + peaks(self.peak_force, 1.0, "N")))
         if self.error_estimate is not None:
             rows.append(("error", self.error_in_words))
+        if self.truncation is not None:
+            rows.append(("reduced", self.truncation.in_words()))
         if not self.converged:
             rows.append(("not converged", self.reason))
         return f"Response {self.title!r}" if self.title else "Response", rows
@@ -383,7 +430,15 @@ class Response(Representation):
             "converged": self.converged,
             "reason": self.reason,
             "after_s": self.after,
+            **self.truncation_as_dict(),
         }
+
+    def truncation_as_dict(self) -> dict[str, Any]:
+        """What the reduced structure leaves out, for JSON; nothing where nothing is left out."""
+        if self.truncation is None:
+            return {}
+        changes = {f"truncation_error_{name}": value for name, value in self.truncation.errors.items()}
+        return changes | {"truncation_judged_by": self.truncation.judge}
 
     def _attributes(self) -> dict[str, Any]:
         attributes = {
@@ -398,4 +453,4 @@ class Response(Representation):
         attributes |= {f"error_estimate_{name}": value for name, value in self.error_estimates.items()}
         if self.reason:
             attributes["reason"] = self.reason
-        return attributes
+        return attributes | self.truncation_as_dict()

@@ -17,7 +17,6 @@ from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import control_law
 from dampyr.structures.ensemble import ensemble
-from dampyr.structures.modal_coordinates import truncation
 from dampyr.structures.respond import respond
 from dampyr.structures.response import Response, errors_in_words
 from dampyr.structures.step_size import ACCURACIES
@@ -35,7 +34,6 @@ INTERVAL_OF = {  # a quantity of `ensemble` -> its name in JSON
     "displacement": "peak_displacement_m", "drift": "peak_drift_m", "acceleration": "peak_acceleration_m_s2",
     "force": "peak_force_N", "energy": "energy_J",
 }  # fmt: skip
-TRUNCATION = ("truncation_error_displacement", "truncation_error_drift")
 
 
 @dataclass(frozen=True)
@@ -120,10 +118,6 @@ class Simulated(Representation):
     motion: str
     unit: str
     cases: Mapping[str, Response]
-    note: str = ""
-    """What modal coordinates leave out, in words; empty for a building without them."""
-    truncation: tuple[float, float] | None = None
-    """The relative errors of floor displacements and of drifts that they make without a damper; None without them."""
     intervals: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """90 % intervals (2, floors) or (2, sites) of the peaks of each case with a damper, by the names of `as_dict`, SI units."""
     draws: int = 0
@@ -175,6 +169,11 @@ class Simulated(Representation):
         return heads, rows
 
     @property
+    def note(self) -> str:
+        """What a reduced structure leaves out in each case, in words; empty where nothing is left out."""
+        return truncation_note(self.cases)
+
+    @property
     def title(self) -> str:
         """Building and motion."""
         return f"{self.building}, {self.motion}"
@@ -196,11 +195,16 @@ class Simulated(Representation):
 
     def as_dict(self) -> dict[str, Any]:
         """The peaks of each case for JSON, SI units."""
-        left_out = {} if self.truncation is None else dict(zip(TRUNCATION, self.truncation, strict=True))
-        cases = {name: _response_as_dict(response) | left_out for name, response in self.cases.items()}
+        cases = {name: _response_as_dict(response) for name, response in self.cases.items()}
         for name, each in self.intervals.items():
             cases[name] |= {"intervals_90": dict(each), "draws": self.draws}
         return dict(plain(cases))
+
+
+def truncation_note(cases: Mapping[str, Response]) -> str:
+    """What a reduced structure leaves out in each case, in words; empty for a structure that was not reduced."""
+    left_out = [f"{name}: {r.truncation.in_words()}" for name, r in cases.items() if r.truncation is not None]
+    return "reduced structure; " + "; ".join(left_out) if left_out else ""
 
 
 def simulate(
@@ -226,7 +230,7 @@ def simulate(
     if damper is None:
         tell("without damper", 0.0)
         cases = {BARE: respond(building, motion, accuracy=options.accuracy, after=options.after)}
-        return Simulated(building.name, motion.name, "", cases, *truncation(building, motion))
+        return Simulated(building.name, motion.name, "", cases)
     fitted = installed(damper, options.without, options.brace)
     inputs = all_inputs(fitted, options.inputs, options.laws)
     kind = "voltage" if fitted.input == "V" else "current"
@@ -242,9 +246,7 @@ def simulate(
         tell(f"{options.draws} drawn dampers", len(inputs) / (len(inputs) + 1))
         names = [name for name in cases if name != BARE]
         intervals = dict(zip(names, peak_intervals(building, motion, damper, options, inputs), strict=True))
-    return Simulated(
-        building.name, motion.name, fitted.input, cases, *truncation(building, motion), intervals, options.draws
-    )
+    return Simulated(building.name, motion.name, fitted.input, cases, intervals, options.draws)
 
 
 def peak_intervals(
@@ -331,4 +333,5 @@ def _response_as_dict(response: Response) -> dict[str, Any]:
         "converged": response.converged,
         "reason": response.reason,
         "after_s": response.after,
+        **response.truncation_as_dict(),
     }

@@ -119,8 +119,10 @@ def connections(building: Building, sites: tuple[Site, ...]) -> Array:
 
 
 def drifts(building: Building) -> Array:
-    """What turns floor displacements into the drifts of the storeys, a row each (n, n)."""
-    return np.array([building.connection(storey) for storey in range(1, building.n + 1)])
+    """What turns displacements into the drifts of the storeys, a row each (n, n); rows of zeros for coordinates without one."""
+    rows = np.zeros((building.n, building.n))
+    rows[: building.n_floors] = [building.connection(storey) for storey in range(1, building.n_floors + 1)]
+    return rows
 
 
 def _by_place(building: Building, value: Any) -> Any:

@@ -24,7 +24,18 @@ Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"
 MAPPED = 2**28  # bytes of a quantity from which it stays in the file: what a laptop's memory holds several times
 # files of before have the first four or five
-DIAGNOSTICS = ("error", "judged", "unbounded", "general", "moving", "unconverged")
+DIAGNOSTICS = (
+    "error",
+    "judged",
+    "unbounded",
+    "general",
+    "moving",
+    "unconverged",
+    "truncation",
+    "truncation_acceleration",
+    "truncation_force",
+)
+TRUNCATION = {name: name.replace("truncation", "truncation_error") for name in DIAGNOSTICS[6:]}
 BARE = "no damper"
 SA_DAMPING = 0.05  # ratio to critical, that of published spectra
 UNIT_OF = {"voltage": "V", "current": "A"}
@@ -267,6 +278,11 @@ def attributes(diagnostics: Array, accuracy: str, precision: int, size: int, aft
         **({"error_estimate_moving": float(largest["moving"])} if "moving" in largest else {}),
         **({"unconverged": int(sums["unconverged"])} if sums.get("unconverged") else {}),
         **({"after_s": after} if after else {}),
+        **{
+            attribute: float(largest[name])
+            for name, attribute in TRUNCATION.items()
+            if name in largest and np.max(diagnostics[:, DIAGNOSTICS.index(name)], initial=-1.0) >= 0.0
+        },
     }
 
 

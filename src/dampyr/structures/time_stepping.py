@@ -101,8 +101,9 @@ def observe(at: Any, ag: float, lin: Any, out: Any) -> None:
     copy_into(at.f, at.both, 2 * n)
     multiply(lin.acceleration, at.both, at.a)
     multiply(lin.drifts, z, at.q)
-    shear, pull, viscous = 0.0, 0.0, 0.0
+    shear, pull, viscous = lin.ground[n] * ag, 0.0, 0.0
     for i in range(n):
+        at.a[i] += lin.ground[i] * ag
         shear += lin.pull[i] * at.a[i]
         pull -= lin.pull[i] * z[n + i]
         for j in range(n):

@@ -76,6 +76,7 @@ def delayed_result(
         )
     return HybridResult(
         computed.title, 1.0, 1.0, value, np.asarray(np.arange(run.now + 1) * h, float),
-        np.ascontiguousarray(run.z[:, : building.n].T), run.target, run.achieved, run.force, modelled_force(about, run), 0.0,
+        np.ascontiguousarray(run.z[:, : building.n_floors].T),
+        run.target, run.achieved, run.force, modelled_force(about, run), 0.0,
         delay - run.lag.lag, run.lag.gain, run.energy_error, computed,
     )  # fmt: skip

@@ -154,7 +154,7 @@ def hybrid_result(source: Record | str | Path) -> HybridResult:
     drive: HybridDrive = step.drive(settings)
     run, static = replayed(drive, record.displacement, record.force, settings)
     lag, gain = lag_of(run.target, run.achieved, drive.substructure.h, LARGEST_LAG)
-    n, notes = drive.substructure.building.n, record.provenance.get("plan_notes", "")
+    n, notes = drive.substructure.building.n_floors, record.provenance.get("plan_notes", "")
     return HybridResult(
         step.title, step.scale, step.clock, step.voltage, np.asarray(np.arange(run.now + 1) * drive.substructure.h, float),
         np.ascontiguousarray(run.z[:, :n].T), run.target, run.achieved, run.force,

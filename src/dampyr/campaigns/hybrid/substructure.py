@@ -36,7 +36,7 @@ from dampyr.errors import InputError
 from dampyr.models import Damper, compose
 from dampyr.models.codegen.kernels import bind
 from dampyr.representation import Representation, Summary
-from dampyr.structures import Building, Response
+from dampyr.structures import Building, Response, refined
 
 Array = NDArray[np.float64]
 MEMORY = 2.0  # s of the structure's time after which the estimate of the lag has forgotten 63 %
@@ -145,12 +145,13 @@ def substructure_of(
 ) -> Substructure:
     """The computed part every ``h`` s for the ground of a computed ``response`` of the same building with the damper's model.
 
-    ``value`` is the model's input. The stroke and the energy that are expected are those of the response.
+    ``value`` is the model's input. The stroke and the energy that are expected are those of the response, and a reduced
+    building has the coordinates of the response.
     """
     steps = math.ceil(float(response.time[-1]) / h - 1e-9)
     ground = np.interp(np.arange(steps + 1) * h, response.time, response.ground_acceleration)
     size, energy = float(np.abs(response.stroke[0]).max()), float(response.energy.input[-1])
-    return Substructure(building, place, ground, h, model, value, size=size, input_energy=energy)
+    return Substructure(refined(building, [place]), place, ground, h, model, value, size=size, input_energy=energy)
 
 
 def lag_of(sent: Array, achieved: Array, h: float, largest: float) -> tuple[float, float]:

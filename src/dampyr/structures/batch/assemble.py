@@ -248,7 +248,8 @@ class KernelText:
             self.carry(f"mf{d}", f"g{d}")
 
     def outputs(self) -> list[tuple[str, int, Array]]:
-        """What peaks are taken of: (quantity, which, its row over the state and the forces at the end)."""
+        """What peaks are taken of: (quantity, which, its row over the state, the forces and the ground's acceleration at the
+        end)."""
         none = np.zeros((0, self.sites))
         forces = np.eye(self.size + self.sites)[self.size :]
         rows = {
@@ -261,7 +262,7 @@ class KernelText:
         peak_rows = []
         for quantity in self.quantities:
             for i, row in enumerate(rows.get(quantity, none)):
-                wide = np.zeros(self.size + self.sites)
+                wide = np.zeros(self.size + self.sites + 1)
                 wide[: len(row)] = row
                 peak_rows.append((quantity, i, wide))
         return peak_rows

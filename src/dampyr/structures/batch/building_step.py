@@ -60,7 +60,7 @@ class Small:
     def _observe(self) -> None:
         """Peaks of each different row of the outputs."""
         text = self.text
-        names = [*(f"n{i}" for i in range(text.size)), *(f"g{text.sites + d}" for d in range(text.sites))]
+        names = [*(f"n{i}" for i in range(text.size)), *(f"g{text.sites + d}" for d in range(text.sites)), "a1"]
         seen: dict[tuple[float, ...], str] = {}
         for quantity, i, row in text.outputs():
             key = tuple(row)
@@ -108,7 +108,7 @@ class Large:
         self.top, self.mid, self.old = (text.rows.run(letter, len(outputs)) for letter in ("P", "Pb", "Pc"))
         for r, (quantity, i, _) in enumerate(outputs):
             text.peaks[quantity, i] = f"P{r}"
-        self.outputs = np.array([row for _, _, row in outputs]).reshape(len(outputs), text.size + text.sites)
+        self.outputs = np.array([row for _, _, row in outputs]).reshape(len(outputs), text.size + text.sites + 1)
 
     def latest(self, peak: str) -> str:
         """The row with the value at the last node of what a peak is taken of."""
@@ -142,12 +142,12 @@ class Large:
                 lines += self._product(rows, range(self.k, self.k + size), self.base + part)
         lines += dampers
         lines += self._product(unknown, range(self.g, self.g + 2 * N), self.z, start=self.k)
-        lines += self._values([*range(self.z, self.z + size), *(self.f + d for d in range(N))])
+        lines += self._values([*range(self.z, self.z + size), *(self.f + d for d in range(N)), self.a + 1])
         return [*lines, *self._peaks(len(self.outputs))]
 
     def _values(self, columns: list[int]) -> list[str]:
         """What peaks are taken of; drifts are differences of displacements where both are wanted."""
-        wanted, n = self.text.quantities, self.text.size // 2
+        wanted, n = self.text.quantities, len(self.text.step.displacement)
         if not {"displacement", "drift"} <= set(wanted):
             return self._product(self.outputs, columns, self.values)
         lines = self._product(self.outputs[:n], columns, self.values)

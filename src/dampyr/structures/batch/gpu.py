@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError, install_line
 from dampyr.models.codegen.composition import Composition
-from dampyr.structures.batch.assemble import ARGUMENTS, TIMES, WRITTEN_OUT_UP_TO, KernelText
+from dampyr.structures.batch.assemble import ARGUMENTS, TIMES, KernelText
 from dampyr.structures.batch.branchless_math import constants
 from dampyr.structures.batch.building_step import Small
 from dampyr.structures.batch.engine import Batch, Engine, grounds
-from dampyr.structures.batch.modal import step
+from dampyr.structures.batch.modal import DENSE_UP_TO, step
 from dampyr.structures.batch.run_blocks import CONSTANTS, MATH, Numbers, functions_of
 from dampyr.structures.building import Building
 
@@ -66,10 +66,11 @@ def engine(
     branchless: bool = False,
 ) -> Engine:
     """As `dampyr.structures.batch.engine.engine`, for the card, whose threads take the exact Bouc-Wen state."""
-    if 2 * building.n > WRITTEN_OUT_UP_TO:
-        raise InputError(
-            f"{building.name} has {building.n} floors; a graphics card takes up to {WRITTEN_OUT_UP_TO // 2}: use device='cpu'"
-        )
+    if building.n > DENSE_UP_TO:
+        words = f"{building.n_floors} floors"
+        if building.n > building.n_floors:
+            words += f", and {building.n} coordinates, as it was reduced"
+        raise InputError(f"{building.name} has {words}; a graphics card takes up to {DENSE_UP_TO}: use device='cpu'")
     text = KernelText(step(building, connections, dt / m), compositions, quantities, ring_width="width")
     return Engine(text, compositions, precision, m, launch_on_card, MAX_HISTORIES)
 

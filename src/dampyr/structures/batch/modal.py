@@ -29,8 +29,8 @@ class Step:
     """One step of a building with N sites, in D coordinates.
 
     ``end`` (D, D + 2 + 3N) takes (state, a0, a1, f0, fh, f1) to the state after ``h`` seconds; ``sites`` (2N, D) takes a
-    state to strokes and rates; ``displacement``, ``drift`` (n, D) and ``acceleration`` (n, D + N) look at a state (and the
-    forces).
+    state to strokes and rates; ``displacement``, ``drift`` (floors, D) and ``acceleration`` (floors, D + N + 1) look at a state
+    (and the forces, and the ground's acceleration).
     """
 
     h: float
@@ -50,9 +50,9 @@ def step(building: Building, connections: Array, h: float, basis: Array | None =
     whole = transition(building, connections, h, 1.0)
     both = np.kron(np.eye(2), connections)
     end = np.hstack([inverse @ whole[:, : 2 * n] @ T, inverse @ whole[:, 2 * n :]])
-    drift = np.eye(n) - np.eye(n, k=-1)
-    look = np.hstack([a[n:] @ T, b[n:]])
-    return Step(h, _clean(end, basis), both @ T, T[:n].copy(), drift @ T[:n], look)
+    drift, floors = np.eye(n) - np.eye(n, k=-1), building.n_floors
+    look = np.hstack([a[n:] @ T, b[n:], building.ground_terms()[0][:, None]])
+    return Step(h, _clean(end, basis), both @ T, T[:floors].copy(), (drift @ T[:n])[:floors], look[:floors])
 
 
 def _clean(end: Array, basis: Array | None) -> Array:

@@ -38,7 +38,7 @@ class BangBang:
 
 def gains(law: BangBang, building: Building, row: NDArray[np.float64]) -> NDArray[np.float64]:
     """The rate of the stroke where the ground counts as still."""
-    return np.concatenate([np.zeros(building.n), row, [row @ building.influence]])
+    return np.concatenate([np.zeros(building.n), row, [row @ building.carried]])
 
 
 def decide(signal: float, force: float, low: float, high: float) -> float:
