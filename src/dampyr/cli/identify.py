@@ -188,10 +188,14 @@ def command(
 
 
 def _laws(given: tuple[str, ...]) -> str | dict[str, str] | None:
+    """One kind for all parameters, kinds by name, or both: ``"*"`` stands for the parameters that are not named."""
     plain = [law for law in given if "=" not in law]
-    if len(plain) == 1 and len(given) == 1:
-        return plain[0]
-    return pairs(given)
+    if len(plain) > 1:
+        raise InputError(
+            f"--law {plain[0]} and --law {plain[1]} are both for all parameters; leave one out, or write NAME={plain[1]}"
+        )
+    named = pairs(tuple(law for law in given if "=" in law))
+    return {"*": plain[0], **named} if plain and named else plain[0] if plain else named
 
 
 def _numbers(given: tuple[str, ...]) -> dict[str, float]:

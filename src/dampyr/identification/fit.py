@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.identification.fit_data import piece, weighted
+from dampyr.identification.fit_data import piece, weighted, with_common_levels
 from dampyr.identification.initial_guess import begin, best_of
 from dampyr.identification.levels import PRIOR_SESSION, check_prior
 from dampyr.identification.parametrisation import columns, held_twins
@@ -52,9 +52,12 @@ def fit(
         one record, or several for a joint fit. Each has an offset of its force and initial states of its own; its
         residual counts over the standard deviation of its force. Records of the role "validation" are refused.
     laws
-        how parameters follow the input: see `dampyr.identification.parametrisation.columns`. By default the values at the
-        inputs that occur, interpolated monotonically between them. ``"interpolation+temperature"`` and the like also follow the
-        mean temperature of the records, where these have one and differ in it by 2 °C or more.
+        how parameters follow the input: a kind for all, or kinds by name with ``"*"`` for the rest, such as
+        ``{"*": "polynomial:1", "dahl.rho": "constant"}``; see `dampyr.identification.parametrisation.columns`. By default the
+        values at the inputs that occur, interpolated monotonically between them. Where a record's input varies and has noise,
+        ends and inner points of the laws are those of the command (`dampyr.records.nominal_input.commanded_input`): noise beyond
+        its ends counts as the end, and ``notes`` say so. ``"interpolation+temperature"`` and the like also follow the mean
+        temperature of the records, where these have one and differ in it by 2 °C or more.
     fixed
         flat parameter name -> value in SI units, held. Of parameters of which only the sum is seen, such as the dashpots of
         ``"dahl + hyperbolic_tangent"``, all but the first are held at 0 unless ``laws``, ``fixed`` or ``tied`` name them, and
@@ -155,9 +158,9 @@ def prepared(
     _check(list(records))
     if bandwidth is not None:
         check_bandwidth(records, bandwidth)
-    pieces = weighted([piece(record, bandwidth) for record in records], weighting)
+    pieces = weighted(with_common_levels([piece(record, bandwidth) for record in records]), weighting)
     held = held_twins(composition, laws, fixed, tied) | dict(fixed or {})
-    made = columns(composition, [p.u for p in pieces], laws, held, tied, [p.temperature for p in pieces])
+    made = columns(composition, [p.levels for p in pieces], laws, held, tied, [p.temperature for p in pieces])
     if not any(column.size for column in made):
         raise InputError("every parameter is fixed; leave at least one free")
     checked = checked_nuisances(composition, pieces, nuisances)
