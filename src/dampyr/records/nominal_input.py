@@ -25,7 +25,7 @@ SOURCE, MEASURED = "input_source", "measured"
 NORMAL = 1.4826  # a normal distribution's standard deviation over its median absolute value
 CLEAN = 1e-3  # of the range of a channel, rms: below it noise moves no end of a law that anybody could tell
 FOURTH = math.sqrt(70.0)  # rms of the fourth difference of white noise of rms 1
-FEWEST = 100  # samples of a channel whose noise is told from its command
+MIN_SAMPLES = 100  # samples of a channel whose noise is told from its command
 WINDOWS = (255, 127, 63, 31, 15, 9)  # samples of a running median, the widest first
 STILL_NOISE = 1.05  # times the noise: what a running median may take off; more of it would be the command
 SUSTAINED = 2.5  # times the noise: what the median of 9 samples of pure noise exceeds once in ten million samples
@@ -96,7 +96,7 @@ def commanded_input(values: Array) -> Commanded | None:
     99.5 % quantiles.
     """
     values = np.asarray(values, dtype=float)
-    if values.size < FEWEST:
+    if values.size < MIN_SAMPLES:
         return None
     noise = NORMAL * float(np.median(np.abs(np.diff(values, 4)))) / FOURTH
     if noise <= CLEAN * float(np.ptp(values)):
