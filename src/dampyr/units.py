@@ -21,6 +21,12 @@ from dampyr.errors import DampyrWarning, InputError
 STANDARD_GRAVITY = 9.80665
 """m/s2, exact by definition; what one g is wherever dampyr reads or shows g."""
 
+ROUNDING = 1e-7
+"""Of the largest term of a sum: what arithmetic may leave a limit by, square roots of rounded covariances included."""
+
+OPEN_MARGIN = 1e-9
+"""SI units by which a value stays off a limit that it must not reach."""
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -45,7 +51,18 @@ class Quantity:
         """Raise :class:`InputError` unless ``value`` is finite and in the range."""
         below = value <= self.low if self.open_low else value < self.low
         if not math.isfinite(value) or below or value > self.high:
-            raise InputError(f"{name} = {value:g} {self.unit} is not allowed; it must be {self.range_in_words()}")
+            shown = f"{value:g}"
+            if value not in (self.low, self.high) and shown in (f"{self.low:g}", f"{self.high:g}"):
+                shown = repr(float(value))  # all digits, so that it is not told to be what it must be
+            raise InputError(f"{name} = {shown} {self.unit} is not allowed; it must be {self.range_in_words()}")
+
+    def without_rounding(self, values: Any, size: float) -> Any:
+        """``values``, those beyond a limit by rounding alone (1e-7 of ``size``, their largest term) on its allowed side."""
+        values, slack = np.asarray(values, dtype=float), ROUNDING * size
+        below = (values < self.low) & (values >= self.low - slack)
+        above = (values > self.high) & (values <= self.high + slack)
+        lowest = self.low + OPEN_MARGIN if self.open_low else self.low
+        return np.where(below, lowest, np.where(above, self.high, values))
 
     def doubt(self, name: str, value: float) -> None:
         """Warn (:class:`~dampyr.errors.DampyrWarning`) where ``value`` is allowed but not usual."""

@@ -82,6 +82,23 @@ def test_a_folder_without_velocity_is_ranked_although_speeds_differ(
     assert f"velocity derived with {'20' if options else '40'} Hz" in done.stdout
 
 
+def test_a_search_that_is_cut_shows_what_it_has_and_writes_no_card(
+    different_speeds: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})  # in this process
+    card, words = tmp_path / "card.toml", (different_speeds, "--try", "dahl", "--seconds", "1e-9", "--bandwidth", "20")
+    done = run(*words, "--save", card)
+    assert done.exit_code == 2
+    assert "Which model predicts best; the search was cut" in done.stdout
+    assert re.search(
+        r"dampyr: the search was cut after 1e-09 s, 0 of 4 trials done.* no model is chosen: .*name", done.stderr
+    )
+    assert not card.exists()
+    board = json.loads(run(*words, "--json").stdout)["leaderboard"]
+    assert board["chosen"] is None
+    assert board["cut"].startswith("the search was cut after")
+
+
 @pytest.mark.parametrize("options", [[], ["--model", "dahl"], ["--model", "dahl", "--each"]])
 def test_a_bandwidth_that_a_record_does_not_carry_is_one_sentence(different_speeds: Path, options: list[str]) -> None:
     done = run(different_speeds, *options, "--bandwidth", "60")
@@ -114,6 +131,7 @@ def test_its_defaults_are_those_of_python() -> None:
     assert command is not None
     defaults = {p.name: p.default for p in command.params}
     assert defaults["budget"] == options.budget
+    assert defaults["seconds"] == options.seconds
     assert defaults["settling"] == options.settling
     assert defaults["weighting"] == options.weighting
     assert defaults["loss"] == options.loss

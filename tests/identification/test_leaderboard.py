@@ -1,12 +1,16 @@
 """The model that predicts best is found, and everything says what it was not fitted on."""
 
 import importlib
+import time
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from threading import Thread
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,19 +20,22 @@ from dampyr.errors import InputError
 from dampyr.identification import (
     Entry,
     Fold,
+    IdentifyOptions,
     Leaderboard,
     Score,
     Validation,
     cross_validate,
     fit,
+    identify,
     leaderboard,
     parallel,
+    screening,
 )
 from dampyr.identification.identify import reasons_of_choice
-from dampyr.identification.leaderboard import choice_in_words, enough_records, optimism, standard_error
+from dampyr.identification.leaderboard import Cut, choice_in_words, enough_records, optimism, standard_error
 from dampyr.identification.scoring_window import Window
-from dampyr.identification.screening import NOT_BEGUN, screening_set, shortened
-from dampyr.models import Damper, Interpolation, compose
+from dampyr.identification.screening import CUT, NOT_BEGUN, Trial, screen_all, screening_set, shortened
+from dampyr.models import Damper, Interpolation, available_parts, compose
 from dampyr.records import Record, read_campaign, with_velocity
 from dampyr.to_json import plain
 
@@ -116,9 +123,9 @@ def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monk
     calls: list[tuple[str, float]] = []
     plain = parallel.run_all
 
-    def run(some, executor, tell):
+    def run(some, executor, tell, *more, **by_name):
         executor.expected = len(some)
-        return plain(some, executor, tell)
+        return plain(some, executor, tell, *more, **by_name)
 
     monkeypatch.setattr(parallel, "run_all", run)
     same = leaderboard(
@@ -304,7 +311,7 @@ def test_of_models_that_the_records_cannot_part_the_one_with_the_fewest_numbers_
 
 def test_a_finalist_that_may_stand_in_a_building_is_always_among_them() -> None:
     from dampyr.identification.leaderboard import _finalists
-    from dampyr.identification.screening import Screened, Trial
+    from dampyr.identification.screening import Screened
 
     errors = {"sigmoid": 0.05, "hysteretic_biviscous": 0.06, "dahl": 0.09, "bouc_wen": 0.10}
     screened = [Screened(model, (Trial(model, error, 1.0),)) for model, error in errors.items()]
@@ -373,12 +380,191 @@ def test_work_without_news_is_heard_of_all_the_same(monkeypatch: pytest.MonkeyPa
     assert heard[-1] == 1.0
 
 
-def test_what_takes_too_long_is_stopped_and_says_so() -> None:
+def test_what_takes_too_much_work_is_stopped_and_says_so() -> None:
     ranking = leaderboard(campaign(2), (NAME,), ("spring", "compliance"), budget=1e-6, bandwidth=15.0)
     [screened] = ranking.screened
     assert [one.reason for one in screened.trials[1:]] == [NOT_BEGUN] * 2  # the bare model is tried whatever it takes
     assert np.isfinite(screened.bare.error)
-    for words in ("the trial fits of ", "no time was left to try more add-ons", "longer than its budget of 0 s"):
+    for words in ("the trial fits of ", "no work was left to try more add-ons"):
         assert any(words in note for note in ranking.left_out), words
     with pytest.raises(InputError, match="budget = -1 s is not allowed"):
         leaderboard(campaign(2), (NAME,), budget=-1.0)
+
+
+# the budget is work, which no load of the machine changes
+
+
+class Busy:
+    """Keeps a core busy and makes every evaluation slower by a random time, as a busy neighbour does."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
+        rng, module = np.random.default_rng(seed), importlib.import_module("dampyr.identification.variable_projection")
+        plain = module.linearise
+
+        def slow(*given):
+            time.sleep(rng.exponential(5e-4))
+            return plain(*given)
+
+        monkeypatch.setattr(module, "linearise", slow)
+        self.ended = False
+        self.thread = Thread(target=self.burn)
+
+    def burn(self) -> None:
+        while not self.ended:
+            sum(range(10000))
+            time.sleep(2e-3)  # lets go of the interpreter, as another process would
+
+    def __enter__(self) -> None:
+        self.thread.start()
+
+    def __exit__(self, *raised: object) -> None:
+        self.ended = True
+        self.thread.join()
+
+
+def reported(board: Leaderboard, folder: Path) -> list[object]:
+    """All that a board says but for times, and the text of its winner's card."""
+    trials = [(t.model, t.error, t.work, t.reason) for one in board.screened for t in one.trials]
+    entries = [
+        (e.model, e.error, e.standard_error, e.l1, e.nrmse, e.unseen_input, e.relevelled, e.reason, e.work)
+        for e in board.entries
+    ]
+    assert board.winner.fit is not None
+    assert board.winner.fit.damper is not None
+    card = board.winner.fit.damper.save(folder / "card.toml").read_text()
+    return [trials, entries, board.left_out, board.work, board.winner.model, card]
+
+
+# counted s: one that leaves trials out and stops fits, and one that does neither
+@pytest.mark.parametrize("budget", [0.2, pytest.param(480.0, marks=pytest.mark.prove)])
+def test_a_busy_machine_and_many_workers_choose_the_same_model_and_write_the_same_card(
+    budget: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ranked(executor: Executor | None) -> Leaderboard:
+        records = [record.thinned(2) for record in campaign(2)]
+        return leaderboard(records, (NAME,), ("spring",), 1, budget=budget, executor=executor, bandwidth=15.0)
+
+    quiet = ranked(None)
+    with Busy(monkeypatch, 0), ThreadPoolExecutor(3) as executor:
+        busy = ranked(executor)
+    assert reported(busy, tmp_path) == reported(quiet, tmp_path)
+    assert any("budget of work" in note or "no work was left" in note for note in quiet.left_out) == (budget < 1.0)
+    assert 0.0 < quiet.work < 10.0
+
+
+@pytest.mark.prove
+def test_processes_choose_the_same_model_and_write_the_same_card(tmp_path: Path) -> None:
+    from multiprocessing import get_context
+
+    def ranked(executor: Executor | None) -> Leaderboard:
+        return leaderboard(campaign(2), ("dahl", NAME), ("spring",), budget=1.0, executor=executor, bandwidth=15.0)
+
+    with ProcessPoolExecutor(3, mp_context=get_context("spawn")) as executor:
+        assert reported(ranked(executor), tmp_path) == reported(ranked(None), tmp_path)
+
+
+def test_results_after_the_one_that_is_enough_do_not_count_whoever_is_first() -> None:
+    def job(k: int, delay: float) -> int:
+        time.sleep(delay)
+        return k
+
+    for delays in ((0.0,) * 6, (0.05, 0.03, 0.06, 0.0, 0.0, 0.0), (0.0, 0.0, 0.02, 0.01, 0.06, 0.0)):
+        jobs = [partial(job, k, delay) for k, delay in enumerate(delays)]
+        heard: list[int] = []
+
+        def enough(k: int, heard: list[int] = heard) -> bool:
+            heard.append(k)
+            return k == 2
+
+        with ThreadPoolExecutor(4) as executor:
+            done = parallel.run_all(jobs, executor, lambda share: None, enough)
+        assert done == parallel.run_all(jobs, None, lambda share: None, lambda k: k == 2) == [0, 1, 2, None, None, None]
+        assert heard == [0, 1, 2]
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_no_job_begins_after_the_deadline(workers: int) -> None:
+    jobs = [partial(time.sleep, 0.05)] * 40
+    with ThreadPoolExecutor(workers) if workers else nullcontext() as executor:
+        begun = time.monotonic()
+        parallel.run_all(jobs, executor, lambda share: None, deadline=time.time() + 0.1)
+    assert time.monotonic() - begun < 0.05 * 40 / max(workers, 1)
+
+
+def test_every_part_of_the_catalogue_has_a_cost_and_work_counts_evaluations_times_samples() -> None:
+    from dampyr.identification.fit import prepared
+    from dampyr.identification.work import COSTS, EVALUATION, Work
+
+    assert sorted(COSTS) == sorted(available_parts())
+    problem, work = prepared("dahl + spring", campaign(1)), Work()
+    for _ in range(3):
+        work.count(problem)
+    samples = sum(piece.t.size for piece in problem.pieces)
+    assert work.spent == pytest.approx(3 * (1e-9 * samples * (COSTS["dahl"] + COSTS["spring"]) + EVALUATION))
+
+
+def test_a_fit_stops_where_its_work_is_spent_however_fast_the_machine() -> None:
+    record = campaign(1)[0]
+    stopped = fit(NAME, record, budget=1e-9)
+    assert not stopped.converged
+    assert stopped.reason == "did not converge: its share of the work was used up"
+    whole = fit(NAME, record, budget=60.0)
+    assert whole.converged
+    assert 0.0 < stopped.outcome.work < whole.outcome.work < 60.0
+    assert whole.parameters == fit(NAME, record).parameters
+    with pytest.raises(InputError, match="budget = 0 s is not allowed; give work above 0"):
+        fit(NAME, record, budget=0.0)
+
+
+def test_a_limit_in_seconds_ends_the_search_and_chooses_nothing() -> None:
+    board = leaderboard(campaign(2), (NAME,), ("spring",), seconds=1e-9, bandwidth=15.0)
+    assert board.cut.startswith("the search was cut after 1e-09 s, 0 of 2 trials done")
+    assert board.cut.endswith("give more of them, or name the model that you want")
+    assert {trial.reason for trial in board.screened[0].trials} == {CUT}
+    assert (board.entries, choice_in_words(board)) == ((), [board.cut])
+    assert plain(board.as_dict())["chosen"] is None
+    assert "nothing: the search was cut" in str(board)
+    for choose in (lambda: board.winner, lambda: board.for_building):
+        with pytest.raises(Cut, match="no model is chosen") as refused:
+            choose()
+        assert refused.value.board is board
+    with pytest.raises(Cut, match="no model is chosen"):
+        identify(campaign(2), IdentifyOptions(tried=(NAME,), seconds=1e-9, bandwidth=15.0))
+    with pytest.raises(InputError, match="seconds = -1 is not allowed"):
+        leaderboard(campaign(2), (NAME,), seconds=-1.0)
+
+
+def test_finalists_that_were_finished_in_time_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain_run = parallel.run_all
+
+    def last_is_late(jobs, executor, tell, enough=None, deadline=np.inf):
+        if enough is not None:  # the screening
+            return plain_run(jobs, executor, tell, enough)
+        return [*plain_run(jobs[:-1], executor, tell), None]
+
+    monkeypatch.setattr(parallel, "run_all", last_is_late)
+    board = leaderboard(campaign(2), ("dahl", NAME), (), seconds=1e6, bandwidth=15.0)
+    assert len(board.entries) == 1
+    assert "1 finalist not validated" in board.cut
+    with pytest.raises(Cut):
+        _ = board.winner
+
+
+@pytest.mark.parametrize(("deadline", "limit", "reason"), [(10.0, np.inf, CUT), (np.inf, 2.5, NOT_BEGUN)])
+def test_a_search_that_ends_between_two_rounds_says_which_limit_ended_it(
+    deadline: float, limit: float, reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each add-on halves the error and each trial spends 1 s of work; the clock jumps after the first round."""
+    now = [0.0]
+    monkeypatch.setattr(parallel, "time", SimpleNamespace(time=lambda: now[0]))
+    monkeypatch.setattr(screening, "trial", lambda model, *_: Trial(model, 0.5 ** model.count("+"), 0.0, "", 1.0))
+
+    def progress(done: float) -> None:
+        now[0] = 100.0 if done >= 1 / 3 else 0.0
+
+    add_ons = ("spring", "compliance", "delay")
+    [screened], unfinished = screen_all(["dahl"], [], add_ons, 0, {}, None, progress, limit, deadline)
+    done = [trial.model for trial in screened.trials if not trial.reason]
+    assert done == ["dahl", "dahl + spring", "dahl + compliance", "dahl + delay"][: 3 if np.isfinite(limit) else 4]
+    assert {trial.reason for trial in screened.trials} == {"", reason}
+    assert unfinished == ["dahl"]

@@ -1,13 +1,18 @@
 """Voltage laws: values, ranges, and what is refused."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dampyr.errors import InputError
-from dampyr.models import Constant, Damper, Interpolation, Polynomial
+from dampyr.identification.parametrisation import Column
+from dampyr.models import Constant, Damper, Interpolation, Polynomial, WithTemperature
+from dampyr.models.damper import Law
 from dampyr.models.laws import from_card, look_up, polynomial_table
+from dampyr.units import OPEN_MARGIN, Quantity
 
 VALUES = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=6)
 
@@ -87,3 +92,93 @@ def test_a_table_gives_what_the_laws_give():
     assert out[3] == 0.0
     look_up(knots, coefficients, 3.4, out)  # beyond the range the last piece goes on
     assert out[1] == pytest.approx(float(damper.all_laws["dahl.kw"](3.4)), rel=1e-12)
+
+
+# a limit that a law misses by rounding
+
+AT_LEAST_ONE = Quantity("", low=1.0, high=50.0)
+OTHERS = {"bouc_wen.c0": 600.0, "bouc_wen.k0": 0.0, "bouc_wen.kw": 60.0, "bouc_wen.rho": 2500.0, "bouc_wen.sigma": 1.0}
+
+
+def of_exponent(law: Law) -> Damper:
+    """A damper whose exponent n, which is at least 1, follows ``law``."""
+    return Damper("bouc_wen", OTHERS | {"bouc_wen.n": law})
+
+
+def looked_up(damper: Damper, inputs: np.ndarray) -> np.ndarray:
+    """n at these inputs as a kernel of a structure looks it up."""
+    knots, coefficients = polynomial_table(damper)
+    out = np.empty((inputs.size, len(knots)))
+    for row, u in zip(out, inputs, strict=True):
+        look_up(knots, coefficients, float(u), row)
+    return out[:, list(damper.all_laws).index("bouc_wen.n")]
+
+
+def test_a_fitted_line_that_ends_at_a_limit_makes_a_damper() -> None:
+    rng = np.random.default_rng(0)
+    for k in range(300):
+        low, high = np.sort(rng.uniform(0.0, 3.0, 2))
+        ends = (1.0, rng.uniform(1.0, 3.0)) if k % 2 else (rng.uniform(1.0, 3.0), 1.0)
+        column = Column("bouc_wen.n", AT_LEAST_ONE, "polynomial", (low, high))
+        damper = of_exponent(column.law(np.array(ends), low, high))
+        inputs = np.linspace(low, high, 50)
+        values = damper.values(inputs)[:, -1]
+        np.testing.assert_allclose(values, np.interp(inputs, (low, high), ends), rtol=1e-9)
+        assert values.min() >= 1.0
+        assert looked_up(damper, inputs).min() >= 1.0
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_a_fitted_polynomial_that_stands_at_a_limit_everywhere_makes_a_damper(degree: int) -> None:
+    rng = np.random.default_rng(degree)
+    for _ in range(50):
+        knots = tuple(np.sort(rng.uniform(0.0, 3.0, degree + 1)))
+        column = Column("bouc_wen.n", AT_LEAST_ONE, "polynomial", knots)
+        damper = of_exponent(column.law(np.ones(degree + 1), knots[0], knots[-1]))
+        values = damper.values(np.linspace(knots[0], knots[-1], 200))[:, -1]
+        assert values.min() >= 1.0
+        assert values.max() < 1.0 + 1e-6
+        assert np.min(damper.all_laws["bouc_wen.n"].extremes()) >= 1.0
+
+
+JUST_BELOW = float(np.nextafter(1.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        Constant(JUST_BELOW, 0.0, 3.0),
+        Interpolation((0.0, 1.0, 3.0), (JUST_BELOW, 1.0 - 1e-8, 1.5)),
+        Polynomial((1.3, (JUST_BELOW - 1.3) / 3.0), 0.0, 3.0),
+        WithTemperature(Constant(1.0, 0.0, 3.0), Constant(JUST_BELOW, 0.0, 3.0), (20.0, 40.0)),
+        WithTemperature(Polynomial((1.0, 0.1), 0.0, 3.0), Polynomial((JUST_BELOW, 0.0), 0.0, 3.0), (20.0, 40.0)),
+    ],
+)
+def test_every_kind_of_law_is_put_on_a_limit_that_it_misses_by_rounding(law: Law, tmp_path: Path) -> None:
+    damper = of_exponent(law)
+    again = Damper.load(damper.save(tmp_path / "card.toml"))
+    assert again.all_laws == damper.all_laws
+    for temperature in np.linspace(20.0, 40.0, 21):  # means of two values at a limit
+        for one in (damper.at_temperature(temperature), again.at_temperature(temperature)):
+            assert one.values(np.linspace(0.0, 3.0, 31))[:, -1].min() >= 1.0
+            assert min(one.at_level(0.9).all_laws["bouc_wen.n"].extremes()) >= 1.0
+    t = np.linspace(0.0, 1.0, 101)
+    x = 0.01 * np.sin(2 * np.pi * t)
+    plain = of_exponent(Constant(1.0, 0.0, 3.0)).force(t, x, voltage=0.0)
+    if law.kind == "constant":
+        np.testing.assert_array_equal(damper.force(t, x, voltage=0.0), plain)
+
+
+def test_what_is_farther_beyond_a_limit_is_refused_with_all_its_digits() -> None:
+    with pytest.raises(InputError, match=r"n between 0 and 3 V = 0\.9999998 .* not allowed; it must be at least 1 and"):
+        of_exponent(Constant(0.9999998, 0.0, 3.0))
+    with pytest.raises(InputError, match=r"n between 0 and 3 V = 0\.97 "):
+        of_exponent(Polynomial((1.0, -0.01), 0.0, 3.0))
+
+
+def test_a_limit_that_must_not_be_reached_is_missed_by_rounding_too() -> None:
+    positive = Polynomial((300.0, -100.0 - 1e-12), 0.0, 3.0)
+    damper = Damper("dahl", {"dahl.kx": 1.0, "dahl.kw": positive, "dahl.rho": 900.0})
+    assert 0.5 * OPEN_MARGIN < damper.values(3.0)[1] < 2.0 * OPEN_MARGIN
+    with pytest.raises(InputError, match=r"kw between 0 and 3 V = 0 N is not allowed; it must be greater than 0"):
+        Damper("dahl", {"dahl.kx": 1.0, "dahl.kw": Polynomial((300.0, -100.0), 0.0, 3.0), "dahl.rho": 900.0})

@@ -51,11 +51,12 @@ def print_leaderboard(board: Leaderboard) -> None:
         "error: 3/4 of L1 over records left out (five parts), 1/4 of L1 over inputs left out; every score is of a prediction",
         "relevelled: L1 over records left out, with the level that each one's first cycles have",
         "±: one standard error; building: whether the model may stand in for a damper of a building",
-        f"velocity {board.velocity}; {board.seconds:.0f} s in all",
+        f"velocity {board.velocity}; {board.seconds:.0f} s in all, {board.work:.0f} s of counted work",
         *board.left_out,
     ]
     units = ["", "", "%", "%", "%", "%", "%", "%", "%", "%", "", "s", "", ""]
-    print_table("Which model predicts best", names, rows, units, digits=3, notes=notes)
+    title = "Which model predicts best" + ("; the search was cut" if board.cut else "")
+    print_table(title, names, rows, units, digits=3, notes=notes)
     print()
     print_screened(board)
 

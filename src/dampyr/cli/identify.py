@@ -18,7 +18,7 @@ from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
-BUDGET = 240.0  # s: that of dampyr.identification.leaderboard, which is imported only when it runs
+BUDGET = 480.0  # counted s: that of dampyr.identification.leaderboard, which is imported only when it runs
 
 if TYPE_CHECKING:
     from dampyr.identification import Fit, Identified, Score, Specimens, Validation
@@ -73,7 +73,10 @@ if TYPE_CHECKING:
     default=BUDGET,
     show_default=True,
     metavar="S",
-    help="Without --model: s that the search may take, about.",
+    help="Without --model: work that the search may take, counted and not timed: s of one core, about.",
+)
+@click.option(
+    "--seconds", type=float, metavar="S", help="Without --model: end the search after S; what is cut chooses no model."
 )
 @click.option(
     "--nested", is_flag=True, help="Without --model: repeat the search without a fifth of the records, 5 times."
@@ -108,6 +111,7 @@ def command(
     tied: tuple[str, ...],
     starts: int,
     budget: float,
+    seconds: float | None,
     nested: bool,
     session_prior: str,
     each: bool,
@@ -131,6 +135,7 @@ def command(
     """
     from dampyr.identification import IdentifyOptions, identify
     from dampyr.identification.identify import identify_by_specimen, identify_each
+    from dampyr.identification.leaderboard import Cut
 
     if each and (save or report or splits or model is None):
         raise InputError(
@@ -156,6 +161,7 @@ def command(
         weighting=weighting,
         settling=settling,
         budget=budget,
+        seconds=seconds,
         nested=nested,
         session_prior=ratio(session_prior, "session-prior"),
     )
@@ -166,7 +172,12 @@ def command(
         elif by_specimen:
             specimens = identify_by_specimen(records, options, progress)
         else:
-            result = identify(records, options, progress, cores())
+            try:
+                result = identify(records, options, progress, cores())
+            except Cut as cut:
+                board = cut.board
+                print_json({"leaderboard": board.as_dict()}) if as_json else print_leaderboard(board)
+                raise
     if each:
         print_json([one.as_dict() for one in fits]) if as_json else _print_each(fits)
         return
@@ -188,10 +199,14 @@ def command(
 
 
 def _laws(given: tuple[str, ...]) -> str | dict[str, str] | None:
+    """One kind for all parameters, kinds by name, or both: ``"*"`` stands for the parameters that are not named."""
     plain = [law for law in given if "=" not in law]
-    if len(plain) == 1 and len(given) == 1:
-        return plain[0]
-    return pairs(given)
+    if len(plain) > 1:
+        raise InputError(
+            f"--law {plain[0]} and --law {plain[1]} are both for all parameters; leave one out, or write NAME={plain[1]}"
+        )
+    named = pairs(tuple(law for law in given if "=" in law))
+    return {"*": plain[0], **named} if plain and named else plain[0] if plain else named
 
 
 def _numbers(given: tuple[str, ...]) -> dict[str, float]:

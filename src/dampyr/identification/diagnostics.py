@@ -245,6 +245,7 @@ def notes(
         *_of_buildings(problem),
         *_of_motion(problem, outcome),
         *_of_records(problem),
+        *_of_noisy_inputs(problem),
         *_of_smoothing(problem),
     ]
 
@@ -345,6 +346,21 @@ def _of_records(problem: Problem) -> list[str]:
                 f"resolution hides the loop, so use an amplitude of {MIN_STEPS} steps or more"
             )
     return notes
+
+
+def _of_noisy_inputs(problem: Problem) -> list[str]:
+    """Inputs that vary and have noise: where the laws end, and what the noise beyond counts as."""
+    some = [(one, one.commanded) for one in problem.pieces if one.commanded is not None]
+    if not some:
+        return []
+    unit, word = problem.pieces[0].unit, INPUTS[problem.pieces[0].unit]
+    inputs = np.concatenate([np.ravel(one.levels) for one in problem.pieces])
+    source = "plateaus" if all(meant.plateaus for _, meant in some) else "levels of the smoothed channel"
+    return [
+        f"the {word} of {listing([one.name for one, _ in some], 3)} varies and has noise (up to "
+        f"{max(meant.noise for _, meant in some):.2g} {unit} rms): the laws end at the lowest and the highest of its {source}, "
+        f"{inputs.min():.4g} and {inputs.max():.4g} {unit}, and what noise reaches beyond a record's ends counts as the end"
+    ]
 
 
 def _of_smoothing(problem: Problem) -> list[str]:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from functools import lru_cache
+from threading import Lock
 from typing import Any
 
 from dampyr.argument_kinds import MODEL, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.identification.fit_data import piece, weighted
+from dampyr.identification.fit_data import piece, weighted, with_common_levels
 from dampyr.identification.initial_guess import begin, best_of
 from dampyr.identification.levels import PRIOR_SESSION, check_prior
 from dampyr.identification.parametrisation import columns, held_twins
@@ -19,6 +22,7 @@ from dampyr.identification.result import Fit, Nuisance, build_fit
 from dampyr.identification.robust import check_loss, iteratively_reweighted
 from dampyr.identification.scoring_window import SETTLING, check_settling
 from dampyr.identification.variable_projection import MAX_ITERATIONS, search
+from dampyr.identification.work import Work
 from dampyr.models import Composition, Damper, compose
 from dampyr.records import Record, check_bandwidth
 
@@ -41,6 +45,7 @@ def fit(
     weighting: str = "records",
     settling: float = SETTLING,
     seconds: float | None = None,
+    budget: float | None = None,
     session_prior: float = PRIOR_SESSION,
 ) -> Fit:
     """Identify a damper from records by least squares over their whole motion.
@@ -53,9 +58,12 @@ def fit(
         one record, or several for a joint fit. Each has an offset of its force and initial states of its own; its
         residual counts over the standard deviation of its force. Records of the role "validation" are refused.
     laws
-        how parameters follow the input: see `dampyr.identification.parametrisation.columns`. By default the values at the
-        inputs that occur, interpolated monotonically between them. ``"interpolation+temperature"`` and the like also follow the
-        mean temperature of the records, where these have one and differ in it by 2 °C or more.
+        how parameters follow the input: a kind for all, or kinds by name with ``"*"`` for the rest, such as
+        ``{"*": "polynomial:1", "dahl.rho": "constant"}``; see `dampyr.identification.parametrisation.columns`. By default the
+        values at the inputs that occur, interpolated monotonically between them. Where a record's input varies and has noise,
+        the laws' ends and inner points are those of the command (`dampyr.records.nominal_input.commanded_input`): noise beyond
+        its ends counts as the end, and ``notes`` say so. ``"interpolation+temperature"`` and the like also follow the mean
+        temperature of the records, where these have one and differ in it by 2 °C or more.
     fixed
         flat parameter name -> value in SI units, held. Of parameters of which only the sum is seen, such as the dashpots of
         ``"dahl + hyperbolic_tangent"``, all but the first are held at 0 unless ``laws``, ``fixed`` or ``tied`` name them, and
@@ -90,6 +98,9 @@ def fit(
     seconds
         after which the search takes no further step: ``converged`` is then False, and the numbers are those that it reached,
         which depend on the speed of the machine. None: as long as it takes.
+    budget
+        the same by counted work (`dampyr.identification.work`), s of one core: model evaluations times samples times a fixed
+        cost of each part, so that the numbers are the same on every machine. None: as much as it takes.
     session_prior
         the standard deviation of the logarithm of the level from one measurement session to another, 0.08 being 8 %:
         assumed for predictions where no input was measured in two sessions, else the prior of what is estimated
@@ -127,15 +138,19 @@ def fit(
     check_prior(session_prior)
     if seconds is not None and not seconds > 0:
         raise InputError(f"seconds = {seconds:g} is not allowed; give a time above 0, or None")
+    if budget is not None and not budget > 0:
+        raise InputError(f"budget = {budget:g} s is not allowed; give work above 0, or None")
     deadline = math.inf if seconds is None else time.perf_counter() + seconds
+    work = Work(math.inf if budget is None else budget, deadline)
     if steps < 1:
         raise InputError(f"steps = {steps} is not allowed; give 1 or more")
     problem = prepared(model, listed, laws, fixed, bandwidth, nuisances, tied, weighting)
-    with _threads().limit(limits=1, user_api="blas"):  # small factorisations: threads would only wait
-        point, agreed = (begin(problem), 1) if starts == 1 else best_of(problem, starts, seed)
-        outcome = search(problem, point, progress, max_iterations=steps, deadline=deadline)
+    with one_thread():
+        point, agreed = (begin(problem, work), 1) if starts == 1 else best_of(problem, starts, seed, work)
+        outcome = search(problem, point, progress, max_iterations=steps, work=work)
         if loss != "squares":
-            problem, outcome = iteratively_reweighted(problem, outcome, loss, progress, deadline)
+            problem, outcome = iteratively_reweighted(problem, outcome, loss, progress, work)
+        outcome = replace(outcome, work=work.spent)
         search_notes = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
         return build_fit(
             problem, outcome, tuple(listed), bandwidth, search_notes, (starts, agreed), settling, session_prior
@@ -166,9 +181,9 @@ def prepared(
     _check(list(records))
     if bandwidth is not None:
         check_bandwidth(records, bandwidth)
-    pieces = weighted([piece(record, bandwidth) for record in records], weighting)
+    pieces = weighted(with_common_levels([piece(record, bandwidth) for record in records]), weighting)
     held = held_twins(composition, laws, fixed, tied) | dict(fixed or {})
-    made = columns(composition, [p.u for p in pieces], laws, held, tied, [p.temperature for p in pieces])
+    made = columns(composition, [p.levels for p in pieces], laws, held, tied, [p.temperature for p in pieces])
     if not any(column.size for column in made):
         raise InputError("every parameter is fixed; leave at least one free")
     checked = checked_nuisances(composition, pieces, nuisances)
@@ -180,6 +195,30 @@ def _threads() -> Any:
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
+
+
+_lock, _within = Lock(), ExitStack()
+_count = 0
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """One thread for each linear algebra call: the factorisations are small, and sums come out the same on any number of cores.
+
+    The limit is of the whole process, so where several threads of it fit the last one to end takes it off.
+    """
+    global _count
+    with _lock:
+        _count += 1
+        if _count == 1:
+            _within.enter_context(_threads().limit(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _lock:
+            _count -= 1
+            if _count == 0:
+                _within.close()
 
 
 def _composition(model: str | Composition) -> Composition:

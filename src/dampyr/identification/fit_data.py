@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.records import Record, cycles, motion_start, with_velocity
 from dampyr.records.moving_average import whole_windows
+from dampyr.records.nominal_input import Commanded, commanded_input, in_common
 from dampyr.records.smoothing import force_average
 
 Array = NDArray[np.float64]
@@ -28,7 +29,8 @@ class Piece:
     `dampyr.identification.robust`). ``average`` is how many samples before and after each one a moving average of the
     measured force takes in, None where it is not smoothed; ``smoothed_motion`` says that the displacement is smoothed, in s
     of the window, else 0. ``temperature`` is the mean of the record's, degC. ``cut_from`` names the record that it
-    is a piece of, itself where it is whole.
+    is a piece of, itself where it is whole. ``commanded`` is the command behind an input that varies and has noise
+    (`dampyr.records.nominal_input.commanded_input`), to whose ends ``u`` is held.
     """
 
     name: str
@@ -46,6 +48,12 @@ class Piece:
     average: tuple[int, int] | None = None
     smoothed_motion: float = 0.0
     cut_from: str = ""
+    commanded: Commanded | None = None
+
+    @property
+    def levels(self) -> Array | float:
+        """The inputs that a law may have its ends and knots at: those that were commanded."""
+        return self.u if self.commanded is None else self.commanded.levels
 
     @property
     def comparable(self) -> slice:
@@ -91,6 +99,10 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
     assert record.input is not None
     varies = np.ndim(u) > 0 and float(np.ptp(u)) > 1e-9
     given: Array | float = np.asarray(u)[window] if varies else float(np.mean(u))
+    commanded = commanded_input(np.asarray(given)) if varies else None
+    if commanded is not None:
+        one_level = commanded.low == commanded.high
+        given = commanded.low if one_level else np.clip(given, commanded.low, commanded.high)
     return Piece(
         name=record.name,
         t=np.ascontiguousarray(record.time[window]),
@@ -106,7 +118,18 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
         average=reach,
         smoothed_motion=average_of_motion(record),
         cut_from=record.provenance.get("piece_of", record.name),
+        commanded=commanded if np.ndim(given) else None,
     )
+
+
+def with_common_levels(pieces: list[Piece]) -> list[Piece]:
+    """The pieces with plateaus of their inputs that agree at the same levels, so that no law follows the difference."""
+    noisy = [k for k, one in enumerate(pieces) if one.commanded is not None]
+    stated = [float(one.u) for one in pieces if not np.ndim(one.u)]
+    made = list(pieces)
+    for k, meant in zip(noisy, in_common([pieces[k].commanded for k in noisy], stated), strict=True):  # type: ignore[misc]
+        made[k] = replace(pieces[k], commanded=meant, u=np.clip(pieces[k].u, meant.low, meant.high))
+    return made
 
 
 def average_of_motion(record: Record) -> float:

@@ -19,7 +19,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.fit_data import WEIGHTINGS
 from dampyr.identification.identifiability import Identifiability, identifiability
-from dampyr.identification.leaderboard import BUDGET, Leaderboard, leaderboard
+from dampyr.identification.leaderboard import BUDGET, Cut, Leaderboard, leaderboard
 from dampyr.identification.levels import PRIOR_SESSION, check_prior
 from dampyr.identification.motion_coverage import beyond_the_fitted
 from dampyr.identification.robust import LOSSES, check_loss
@@ -65,9 +65,9 @@ SPLIT_WORDS = {
 class IdentifyOptions:
     """Options of `identify`; without a ``model`` every model of the catalogue is tried, or those in ``tried``.
 
-    ``predict`` names the splits to cross-validate by; the others are those of `dampyr.identification.fit`; ``budget`` (s) and
-    ``nested`` are those of `dampyr.identification.leaderboard`. Raises :class:`~dampyr.errors.InputError` for a value
-    that is not allowed.
+    ``predict`` names the splits to cross-validate by; the others are those of `dampyr.identification.fit`; ``budget``,
+    ``nested`` and ``seconds`` are those of `dampyr.identification.leaderboard`. Raises :class:`~dampyr.errors.InputError` for
+    a value that is not allowed.
     """
 
     model: str | None = None
@@ -84,6 +84,7 @@ class IdentifyOptions:
     settling: float = SETTLING
     budget: float | None = BUDGET
     nested: bool = False
+    seconds: float | None = None
     session_prior: float = PRIOR_SESSION
 
     def __post_init__(self) -> None:
@@ -107,7 +108,9 @@ class IdentifyOptions:
             if model is not None:
                 compose(model)
         if self.budget is not None and not self.budget > 0:
-            raise InputError(f"budget = {self.budget:g} s is not allowed; give a time above 0")
+            raise InputError(f"budget = {self.budget:g} s is not allowed; give work above 0")
+        if self.seconds is not None and not self.seconds > 0:
+            raise InputError(f"seconds = {self.seconds:g} is not allowed; give a time above 0")
         if self.starts < 1:
             raise InputError(f"starts = {self.starts} is not allowed; give 1 or more")
 
@@ -218,7 +221,8 @@ def identify(
     ``workers`` processes share the trials where every model is tried. A model that pairs two parts holds the parameters that
     one leaves to the other, as in the leaderboard, unless ``fixed``, ``laws`` or ``tied`` name them.
 
-    Raises :class:`~dampyr.errors.InputError` for records or options that cannot be used, before anything is fitted.
+    Raises :class:`~dampyr.errors.InputError` for records or options that cannot be used, before anything is fitted; and
+    `dampyr.identification.leaderboard.Cut`, with what was finished, where a limit in seconds ended the search for a model.
     """
     check_kinds("identify", Argument("records", records, (Record,), RECORDS, several=True))
     options = options or IdentifyOptions()
@@ -229,6 +233,8 @@ def identify(
     others = [record for record in nominal if record.role == "validation"]
     check_records(fitted, others, options)
     board = None if options.model else _ranked(fitted, options, tell, workers)
+    if board is not None and board.cut:
+        raise Cut(board)
     beyond = beyond_the_fitted(fitted, others)
     fit_result, validations = _fitted(fitted, options, board, tell)
     return Identified(
@@ -319,6 +325,7 @@ def _ranked(records: list[Record], options: IdentifyOptions, tell: Progress, wor
             progress=tell,
             budget=options.budget,
             nested=options.nested,
+            seconds=options.seconds,
             **options.of_fit,
         )
 

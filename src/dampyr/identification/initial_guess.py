@@ -10,6 +10,7 @@ import numpy as np
 from dampyr.identification.fit_data import Piece, thinned
 from dampyr.identification.problem import Point, Problem, independent_blocks
 from dampyr.identification.variable_projection import COARSE_TOLERANCE, levenberg_marquardt, projected_cost, search
+from dampyr.identification.work import Work
 from dampyr.models import Composition
 from dampyr.models.part import Scale
 
@@ -20,18 +21,19 @@ START_SPREAD = 1.0  # standard deviation of the logarithm by which random starts
 SCANNED_SAMPLES = 3000  # of each record on which the proposals are tried
 
 
-def begin(problem: Problem) -> Point:
+def begin(problem: Problem, work: Work | None = None) -> Point:
     """The point where the search begins: the best of the parts' proposals, tried at each input separately.
 
-    Parts in series with something that stretches begin where they end without it.
+    Parts in series with something that stretches begin where they end without it. What it takes is counted as ``work``.
     """
+    work = Work() if work is None else work
     if problem.composition.in_series:
-        return _from_rigid(problem)
+        return _from_rigid(problem, work)
     neutral = _neutral(problem)
     groups: dict[float, list[int]] = {}
     for k, one in enumerate(problem.pieces):
         groups.setdefault(float(np.mean(one.u)), []).append(k)
-    best = {u: _best_start(problem, members) for u, members in groups.items()}
+    best = {u: _best_start(problem, members, work) for u, members in groups.items()}
     theta = neutral.theta.copy()
     inputs = np.array(sorted(best))
     for column, span in zip(problem.columns, problem.slices, strict=True):
@@ -45,14 +47,14 @@ def begin(problem: Problem) -> Point:
     return replace(neutral, theta=theta)
 
 
-def _from_rigid(problem: Problem) -> Point:
+def _from_rigid(problem: Problem, work: Work) -> Point:
     """The fit without what stretches, and a stretch that is small against the stroke."""
     soft = [p.name for p in problem.composition.parts if p.stretch]
     chosen = [k for k, c in enumerate(problem.columns) if c.name.partition(".")[0] not in soft]
     inner = Composition(tuple(name for name in problem.composition.names if name not in soft))
     columns = [replace(problem.columns[k], quantity=inner.quantities[problem.columns[k].name]) for k in chosen]
     rigid = replace(problem, composition=inner, columns=columns)
-    rigid_point = search(rigid, begin(rigid), tolerance=COARSE_TOLERANCE).point
+    rigid_point = search(rigid, begin(rigid, work), tolerance=COARSE_TOLERANCE, work=work).point
     point = _with(problem, _neutral(problem), _proposals(problem, problem.pieces)[0])
     theta, local = point.theta.copy(), point.local.copy()
     for k, span in zip(chosen, rigid.slices, strict=True):
@@ -69,29 +71,30 @@ def _neutral(problem: Problem) -> Point:
     return Point(theta, local)
 
 
-def best_of(problem: Problem, starts: int, seed: int) -> tuple[Point, int]:
+def best_of(problem: Problem, starts: int, seed: int, work: Work) -> tuple[Point, int]:
     """The best of several starts, and how many ended in the same optimum (in the block where fewest did).
 
     Each independent block has its own starts: from the parts' proposals, the best first, then from random points
     around the best by ``seed``; searched on thinned records, to 1e-4 of the cost.
     """
-    point, agreed = begin(problem), starts
+    point, agreed = begin(problem, work), starts
     theta, local = point.theta.copy(), point.local.copy()
     for k, block in enumerate(independent_blocks(problem)):
         rng = np.random.default_rng([seed, k])
         thin = replace(block.problem, pieces=[thinned(one, THINNED_SAMPLES) for one in block.problem.pieces])
-        ends = [levenberg_marquardt(thin, each, None, COARSE_TOLERANCE) for each in _several(thin, starts, rng)]
+        points = _several(thin, starts, rng, work)
+        ends = [levenberg_marquardt(thin, each, None, COARSE_TOLERANCE, work=work) for each in points]
         best = min(ends, key=lambda end: end.cost)
         agreed = min(agreed, sum(end.cost <= (1.0 + SAME) * best.cost + 1e-12 for end in ends))
         theta[block.coefficients], local[block.records] = best.point.theta, best.point.local
     return Point(theta, local), agreed
 
 
-def _several(problem: Problem, starts: int, rng: np.random.Generator) -> list[Point]:
+def _several(problem: Problem, starts: int, rng: np.random.Generator, work: Work) -> list[Point]:
     """The best proposals in their order, then random points around the first."""
     neutral = _neutral(problem)
     points = [_with(problem, neutral, proposal) for proposal in _proposals(problem, problem.pieces)]
-    points.sort(key=lambda point: projected_cost(problem, point))
+    points.sort(key=lambda point: projected_cost(problem, point, work))
     start_points = points[:starts]
     nonlinear = problem.is_logarithmic | ~problem.is_linear
     while len(start_points) < starts:
@@ -110,7 +113,7 @@ def _with(problem: Problem, neutral: Point, proposal: dict[str, float]) -> Point
     return replace(neutral, theta=problem.inside(theta))
 
 
-def _best_start(problem: Problem, members: list[int]) -> dict[str, float]:
+def _best_start(problem: Problem, members: list[int], work: Work) -> dict[str, float]:
     """The proposal with the lowest cost on the records at one input, of which at most two are tried, shortened."""
     chosen = members[:: max(1, len(members) // 2)][:2]
     pieces = [_shortened(problem.pieces[k]) for k in chosen]
@@ -120,7 +123,7 @@ def _best_start(problem: Problem, members: list[int]) -> dict[str, float]:
     at = _neutral(small)
     best: tuple[float, dict[str, float]] = (np.inf, {})
     for proposal in _proposals(problem, pieces):
-        cost = projected_cost(small, _with(small, at, proposal))
+        cost = projected_cost(small, _with(small, at, proposal), work)
         if cost < best[0]:
             best = (cost, proposal)
     return best[1]

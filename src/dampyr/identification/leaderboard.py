@@ -18,6 +18,10 @@ them is chosen in the same way and shown besides.
 The lowest of several errors is too low by chance. How much it is here is told by choosing again on four of the five parts and
 scoring that choice on the fifth: the ``optimism``. It repeats the choice among the finalists, not the screening; ``nested``
 repeats all, at five times the time.
+
+A search has a budget of work, which is counted (`dampyr.identification.work`) and not timed: the same records give the same
+ranking and the same card on the same version, on a busy machine too, whatever the number of workers. A limit in seconds can
+only end a search; what it cuts depends on the machine, so nothing is chosen then.
 """
 
 from __future__ import annotations
@@ -42,6 +46,7 @@ from dampyr.identification.score import score
 from dampyr.identification.scoring_window import SETTLING, scorable, too_short
 from dampyr.identification.screening import (
     BETWEEN,
+    CUT,
     PAIRS,
     Screened,
     chosen_bandwidth,
@@ -52,7 +57,7 @@ from dampyr.identification.screening import (
 )
 from dampyr.identification.splits import split_tasks
 from dampyr.identification.validation import Fold, Validation, validation_jobs
-from dampyr.identification.variable_projection import OUT_OF_TIME
+from dampyr.identification.work import OUT_OF_WORK
 from dampyr.models import available_parts, compose, part
 from dampyr.records import Record, check_bandwidth, cut
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
@@ -60,15 +65,17 @@ from dampyr.representation import Representation, Summary, Table, counted, data_
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ADD_ONS = ("compliance", "spring", "delay", "lag")  # tried in this order: what matters most comes before time is short
+ADD_ONS = ("compliance", "spring", "delay", "lag")  # tried in this order: what matters most comes before work is short
 FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is chosen by hand
 FINALISTS = 5  # each costs a fit and two cross-validations of all records
 PARTS = 5  # of the records, left out in turn
-BUDGET = 240.0  # s: with what compiles and the last fits, five minutes
+BUDGET = 480.0  # counted s: two cores take four minutes for it, with what compiles and the last fits five
 SCREENING_SHARE = 0.85  # of the budget, after which no further add-on is tried
-TRIAL_SHARE = 1 / 60  # of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway
-FINAL_SHARE = 1 / 8  # the same for a fit to all records
-LEAST_TIME = 5.0  # s that a fit to all records has however late it is
+TRIAL_SHARE = (
+    1 / 120
+)  # of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway
+FINAL_SHARE = 1 / 16  # the same for a fit to all records
+LEAST_WORK = 5.0  # counted s that a fit to all records has however little is left
 
 #: what `Leaderboard.as_dict` says of an entry
 ENTRY_KEYS = (
@@ -102,6 +109,12 @@ class Entry(Representation):
     not_for_buildings: str = ""
 
     @property
+    def work(self) -> float:
+        """What its fits have spent, counted s (`dampyr.identification.work`)."""
+        folds = sum(fold.work for one in self.validations for fold in one.folds)
+        return folds + (self.fit.outcome.work if self.fit is not None else 0.0)
+
+    @property
     def relevelled(self) -> float:
         """The mean L1 ratio of records that were left out, with the level of each one's first cycles."""
         return next((one.relevelled for one in self.validations if one.split == "record"), float("nan"))
@@ -125,7 +138,9 @@ class Leaderboard(Representation):
 
     ``optimism`` is by how much the lowest error is too low for having been chosen (a ratio, like the errors; NaN where it could
     not be estimated), ``nested`` the mean L1 ratio of the records that a whole search without them predicts, where that was
-    asked for. ``left_out`` says what was not tried, cut or stopped, and why.
+    asked for. ``left_out`` says what was not tried or stopped, and why. ``cut`` is empty, or says that a limit in seconds ended
+    the search: then the entries are the finalists that were finished, and none is chosen. ``work`` is what the trials and the
+    fits have spent, counted s (`dampyr.identification.work`).
     """
 
     entries: tuple[Entry, ...]
@@ -135,6 +150,8 @@ class Leaderboard(Representation):
     seconds: float
     optimism: float = float("nan")
     nested: float = float("nan")
+    cut: str = ""
+    work: float = float("nan")
 
     def plot(self) -> Any:
         """The validation error of every screened model, bare and with add-ons; the matplotlib axes ``(1,)``."""
@@ -163,6 +180,13 @@ class Leaderboard(Representation):
         return leaderboard_figure(*self.screened_errors()) if self.screened else None
 
     def _summary(self) -> Summary:
+        trials = sum(len(one.trials) for one in self.screened)
+        screened = f"{counted(len(self.screened), 'model')}, {counted(trials, 'composition')}, {self.seconds:.3g} s"
+        if self.cut:
+            return f"Leaderboard of {counted(len(self.entries), 'finalist')}, cut", [
+                ("chosen", f"nothing: {self.cut}"),
+                ("screened", screened),
+            ]
         rows = [("chosen", f"{self.winner.model}, validation error {percent(self.winner.error)}")]
         if self.winner is not self.best:
             rows.append(
@@ -173,14 +197,7 @@ class Leaderboard(Representation):
         rows.append(("for a building", self.for_building.model if self.for_building else "none of the finalists"))
         if np.isfinite(self.optimism):
             rows.append(("optimism", f"{percent(self.optimism)} of the lowest error, by choosing among the finalists"))
-        trials = sum(len(one.trials) for one in self.screened)
-        rows += [
-            (
-                "screened",
-                f"{counted(len(self.screened), 'model')}, {counted(trials, 'composition')}, {self.seconds:.3g} s",
-            ),
-            ("velocity", self.velocity),
-        ]
+        rows += [("screened", screened), ("velocity", self.velocity)]
         if self.left_out:
             rows.append(("left out", listing(self.left_out, 2)))
         return f"Leaderboard of {counted(len(self.entries), 'finalist')}", rows
@@ -214,7 +231,7 @@ class Leaderboard(Representation):
         """Which velocity was used, in words."""
         if self.bandwidth is not None:
             return f"derived with {self.bandwidth:g} Hz"
-        fitted = self.winner.fit.records if self.winner.fit else ()
+        fitted = next((one.fit.records for one in self.entries if one.fit), ())
         derived = any(record.velocity is None for record in fitted)
         return "as recorded, or derived with each record's own bandwidth" if derived else "as recorded"
 
@@ -225,7 +242,12 @@ class Leaderboard(Representation):
 
     @property
     def winner(self) -> Entry:
-        """The one that is chosen: of those within one standard error of the lowest error, the simplest."""
+        """The one that is chosen: of those within one standard error of the lowest error, the simplest.
+
+        Raises :class:`~dampyr.errors.InputError` where the search was cut.
+        """
+        if self.cut:
+            raise Cut(self)
         return simplest(self.entries)
 
     @property
@@ -246,14 +268,24 @@ class Leaderboard(Representation):
         return {
             "entries": [{key: getattr(entry, key) for key in ENTRY_KEYS} for entry in self.entries],
             "screened": self.screened,
-            "chosen": self.winner.model,
-            "for_building": self.for_building.model if self.for_building else None,
+            "chosen": None if self.cut else self.winner.model,
+            "for_building": self.for_building.model if not self.cut and self.for_building else None,
+            "cut": self.cut,
+            "work": self.work,
             "optimism": self.optimism,
             "nested": self.nested,
             "bandwidth_hz": self.bandwidth,
             "left_out": self.left_out,
             "seconds": self.seconds,
         }
+
+
+class Cut(InputError):
+    """A choice was asked of a search that a limit in seconds ended; ``board`` is what it had finished."""
+
+    def __init__(self, board: Leaderboard) -> None:
+        super().__init__(board.cut)
+        self.board = board
 
 
 def leaderboard(
@@ -266,6 +298,7 @@ def leaderboard(
     progress: Callable[[str, float], None] | None = None,
     budget: float | None = BUDGET,
     nested: bool = False,
+    seconds: float | None = None,
     **options: Any,
 ) -> Leaderboard:
     """Rank models by what they predict of records that they were not fitted on.
@@ -283,14 +316,17 @@ def leaderboard(
         how many are validated on all records.
     executor
         runs the trials, such as ``ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"))``; None runs them one
-        after the other. The result is the same. Forked processes are refused: in trials they crashed after compiled code
-        had run in the process that they came from.
+        after the other. The result is the same to the last digit. Forked processes are refused: in trials they crashed after
+        compiled code had run in the process that they came from.
     progress
         called with what is being done and the fraction done, every few seconds where an executor runs the trials.
     budget
-        s for the whole, about: no round of add-ons begins after half of it, no fit of a trial takes more than a sixtieth of
-        it, and no fit to all records more than an eighth. What was stopped says so: its numbers depend on the
-        machine. None: no limit.
+        work of the whole, about, counted s of one core (`dampyr.identification.work`): after 85 % of it no further add-on is
+        tried, no fit of a trial takes more than a 120th of it, and no fit to all records more than a 16th. What was stopped
+        says so; where it is stopped does not depend on the machine. None: no limit.
+    seconds
+        on the clock, after which no further trial or fit begins. What is cut then depends on the machine, so `cut` says it, the
+        entries are the finalists that were finished, and none is chosen. None: no limit.
     nested
         also repeat all, screening and choice, five times without a fifth of the records, and score what each choice predicts of
         it: an estimate without the optimism of choosing.
@@ -309,32 +345,46 @@ def leaderboard(
     if unknown:
         raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
     if budget is not None and not budget > 0:
-        raise InputError(f"budget = {budget:g} s is not allowed; give a time above 0, or None for no limit")
+        raise InputError(f"budget = {budget:g} s is not allowed; give work above 0, or None for no limit")
+    if seconds is not None and not seconds > 0:
+        raise InputError(f"seconds = {seconds:g} is not allowed; give a time above 0, or None for no limit")
     settling = options.get("settling", SETTLING)
     whole = listed
     listed, pieces = enough_records(whole, settling)
     scorable(listed, settling)
     begun = time.perf_counter()
-    limit = np.inf if budget is None else budget
+    deadline = math.inf if seconds is None else time.time() + seconds
+    limit = math.inf if budget is None else budget
     report = progress or (lambda what, done: None)
     given = bandwidth = options.pop("bandwidth", None)
     if bandwidth is not None:
         check_bandwidth(listed, bandwidth)
     report("choosing the velocity", 0.0)
-    in_trials = options | ({} if budget is None else {"seconds": TRIAL_SHARE * budget})
+    in_trials = options | ({} if budget is None else {"budget": TRIAL_SHARE * budget})
+    spent = 0.0
     if bandwidth is None:
-        bandwidth = chosen_bandwidth(listed, in_trials, executor, lambda done: report("choosing the velocity", done))
+        bandwidth, spent = chosen_bandwidth(
+            listed, in_trials, executor, lambda done: report("choosing the velocity", done)
+        )
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
     allowed, left_out = _allowed(add_ons, listed)
     bases = list(models) if models else [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
-    end = time.time() + SCREENING_SHARE * limit - (time.perf_counter() - begun)
     screened, unfinished = screen_all(
-        bases, small, allowed, seed, in_trials, executor, lambda done: report("screening models", done), end
+        bases,
+        small,
+        allowed,
+        seed,
+        in_trials,
+        executor,
+        lambda done: report("screening models", done),
+        SCREENING_SHARE * limit - spent,
+        deadline,
     )
-    chosen = _finalists(screened, finalists)
-    if not chosen:
+    spent += sum(trial.work for one in screened for trial in one.trials)
+    cut = any(trial.reason == CUT for one in screened for trial in one.trials)
+    chosen = [] if cut else _finalists(screened, finalists)
+    if not chosen and not cut:
         raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
-    remaining = begun + limit - time.perf_counter()
     entries = _judged(
         chosen,
         listed,
@@ -342,16 +392,26 @@ def leaderboard(
         seed,
         options | {"bandwidth": bandwidth},
         executor,
-        remaining,
+        math.inf if budget is None else budget - spent,
         budget,
         lambda done: report("validating the best", done),
+        deadline,
     )
     ranked = sorted(entries, key=lambda one: (one.error, one.model))
-    notes = [*pieces, *left_out, *_stopped(screened, unfinished, ranked, begun, limit)]
+    notes = [*pieces, *left_out, *([] if cut else _stopped(screened, unfinished, ranked))]
+    missing = [model for model in chosen if model not in {one.model for one in entries}]
+    spent += sum(one.work for one in entries)
     board = Leaderboard(
-        tuple(ranked), tuple(screened), bandwidth, tuple(notes), time.perf_counter() - begun, optimism(ranked)
+        tuple(ranked),
+        tuple(screened),
+        bandwidth,
+        tuple(notes),
+        time.perf_counter() - begun,
+        optimism(ranked),
+        cut=_cut_words(screened, missing, seconds) if cut or missing else "",
+        work=spent,
     )
-    if not nested:
+    if not nested or board.cut:
         return board
     repeat = partial(
         leaderboard,
@@ -363,7 +423,7 @@ def leaderboard(
         bandwidth=given,
         **options,
     )
-    error = _nested_error(repeat, listed, seed, settling, report)
+    error = _nested_error(repeat, listed, seed, settling, report, deadline)
     return replace(board, nested=error, seconds=time.perf_counter() - begun)
 
 
@@ -416,16 +476,18 @@ def _judged(
     remaining: float,
     budget: float | None,
     report: Callable[[float], None],
+    deadline: float,
 ) -> list[Entry]:
     """Every finalist on all records, each fold and each fit to all records a job of its own, so that no core waits.
 
-    The fits are to the ``whole`` records, of which ``records`` may be pieces.
+    The fits are to the ``whole`` records, of which ``records`` may be pieces. ``remaining`` is counted work, s, of which the
+    fits have equal shares, twice over as most end before. Finalists that ``deadline`` cuts, of ``time.time``, are left out.
     """
     splits = ["record"] + ["input"] * (len({r.input_value for r in records}) > 2)
     if budget is not None:
         count = len(models) * (1 + sum(len(split_tasks(records, split, PARTS, seed)) for split in splits))
-        share = 2.0 * max(remaining, 0.0) * parallel.workers(executor) / count
-        options = options | {"seconds": max(LEAST_TIME, min(FINAL_SHARE * budget, share))}
+        share = 2.0 * max(remaining, 0.0) / max(count, 1)
+        options = options | {"budget": max(LEAST_WORK, min(FINAL_SHARE * budget, share))}
     jobs: list[tuple[str, Callable[[], Any]]] = []
     planned = []
     for model in models:
@@ -435,12 +497,14 @@ def _judged(
         planned.append((model, parts))
     # The slowest first, so that no core waits for another at the end.
     order = sorted(range(len(jobs)), key=lambda k: -len(compose(jobs[k][0]).parameters))
-    done = parallel.run_all([partial(_quiet, jobs[k][1]) for k in order], executor, report)
+    done = parallel.run_all([partial(_quiet, jobs[k][1]) for k in order], executor, report, deadline=deadline)
     results = iter([result for _, result in sorted(zip(order, done, strict=True), key=lambda pair: pair[0])])
     entries = []
     for model, parts in planned:
-        validations = [assemble([next(results) for _ in some]) for some, assemble in parts]
-        entries.append(_entry(model, validations, *next(results)))
+        folds, fitted = [[next(results) for _ in some] for some, _ in parts], next(results)
+        if fitted is not None and all(one is not None for each in folds for one in each):
+            validations = [assemble(each) for each, (_, assemble) in zip(folds, parts, strict=True)]
+            entries.append(_entry(model, validations, *fitted))
     return entries
 
 
@@ -512,7 +576,10 @@ def simplest(entries: Sequence[Entry]) -> Entry:
 
 
 def choice_in_words(board: Leaderboard) -> list[str]:
-    """Which model was chosen and why, which may stand in a building, and how much the choice flatters, a sentence each."""
+    """Which model was chosen and why, which may stand in a building, and how much the choice flatters, a sentence each; or why
+    none was chosen."""
+    if board.cut:
+        return [board.cut]
     winner, best, suited = board.winner, board.best, board.for_building
     words = [f"chosen: {winner.model}, the lowest error"]
     if winner is not best:
@@ -567,30 +634,37 @@ def _mean_l1(fold: Fold) -> float:
     return float(np.mean([one.l1 for one in fold.scores.values()])) if fold.scores else float("nan")
 
 
-def _stopped(
-    screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Entry], begun: float, limit: float
-) -> list[str]:
-    """What the time did not suffice for."""
+def _cut_words(screened: Sequence[Screened], missing: Sequence[str], seconds: float | None) -> str:
+    """What a limit in seconds has cut, and how to go on."""
+    trials = [trial for one in screened for trial in one.trials]
+    done = sum(trial.reason != CUT for trial in trials)
+    what = f"{counted(len(missing), 'finalist')} not validated" if missing else f"{done} of {len(trials)} trials done"
+    return (
+        f"the search was cut after {seconds:g} s, {what}, and what it finished until then depends on the machine, so no model "
+        "is chosen: search without a limit in seconds, give more of them, or name the model that you want"
+    )
+
+
+def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Entry]) -> list[str]:
+    """What the work did not suffice for."""
     notes = []
-    trials = [trial.model for one in screened for trial in one.trials if OUT_OF_TIME in trial.reason]
+    trials = [trial.model for one in screened for trial in one.trials if OUT_OF_WORK in trial.reason]
     if trials:
         notes.append(
-            f"the trial fits of {listing(trials, 3)} were stopped by the time budget: their errors may be lower"
+            f"the trial fits of {listing(trials, 3)} were stopped by the budget of work: their errors may be lower"
         )
     if unfinished:
-        notes.append(f"no time was left to try more add-ons with {listing(unfinished, 3)}; give a larger budget")
+        notes.append(f"no work was left to try more add-ons with {listing(unfinished, 3)}; give a larger budget")
     slow = [
         one.model
         for one in entries
-        if OUT_OF_TIME in one.reason
-        or any(OUT_OF_TIME in fold.reason for each in one.validations for fold in each.folds)
+        if OUT_OF_WORK in one.reason
+        or any(OUT_OF_WORK in fold.reason for each in one.validations for fold in each.folds)
     ]
     if slow:
         notes.append(
-            f"fits of {listing(slow, 3)} to all records were stopped by the time budget: their errors may be lower"
+            f"fits of {listing(slow, 3)} to all records were stopped by the budget of work: their errors may be lower"
         )
-    if time.perf_counter() - begun > limit:
-        notes.append(f"the search took longer than its budget of {limit:.0f} s: compiling, and each fit's least time")
     return notes
 
 
@@ -600,13 +674,17 @@ def _nested_error(
     seed: int,
     settling: float,
     report: Callable[[str, float], None],
+    deadline: float,
 ) -> float:
-    """The mean L1 ratio of records that a whole search did not see, by the model that it chose."""
+    """The mean L1 ratio of records that a whole search did not see, by the model that it chose; NaN after ``deadline``."""
     tasks = split_tasks(records, "record", PARTS, seed)
     values = []
     for k, task in enumerate(tasks):
         report("choosing again without a fifth of the records", k / len(tasks))
-        board = repeat(task.fitted, seed=seed)
+        left = None if deadline == math.inf else deadline - time.time()
+        board = repeat(task.fitted, seed=seed, seconds=left) if left is None or left > 0 else None
+        if board is None or board.cut:
+            return float("nan")
         damper = board.winner.fit.damper if board.winner.fit else None
         if damper is None:
             return float("nan")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from typing import Any
@@ -22,24 +24,41 @@ def refuse_forks(executor: Executor | None) -> None:
 
 
 def run_all(
-    jobs: Sequence[Callable[[], Any]], executor: Executor | None, progress: Callable[[float], None]
+    jobs: Sequence[Callable[[], Any]],
+    executor: Executor | None,
+    progress: Callable[[float], None],
+    enough: Callable[[Any], bool] = lambda result: False,
+    deadline: float = math.inf,
 ) -> list[Any]:
-    """The jobs' results in their order, whatever the order in which they come."""
+    """The jobs' results in their order, whatever the order in which they come; None for a job that was not done.
+
+    ``enough`` is given each result, in the order of the jobs; once it says so, the results of all later jobs are None, whether
+    they had been done or not, so that neither the number of workers nor their speed changes what comes back. No job begins
+    after ``deadline``, a value of ``time.time`` in s.
+    """
     progress(0.0)
     if executor is None:
-        results = []
+        results: list[Any] = [None] * len(jobs)
         for k, job in enumerate(jobs):
-            results.append(job())
+            if time.time() > deadline:
+                break
+            results[k] = job()
             progress((k + 1) / len(jobs))
+            if enough(results[k]):
+                break
         return results
     futures: list[Future[Any]] = [executor.submit(job) for job in jobs]
-    waiting = set(futures)
+    waiting, heard, stop = set(futures), 0, len(futures)
     while waiting:
-        _, waiting = wait(waiting, timeout=HEARTBEAT, return_when=FIRST_COMPLETED)
+        _, waiting = wait(
+            waiting, timeout=min(HEARTBEAT, max(deadline - time.time(), 0.1)), return_when=FIRST_COMPLETED
+        )
+        while heard < stop and futures[heard].done() and not futures[heard].cancelled():
+            heard += 1
+            if enough(futures[heard - 1].result()):
+                stop = heard
+        if stop < len(futures) or time.time() > deadline:
+            for future in waiting:
+                future.cancel()
         progress(1.0 - len(waiting) / len(jobs))
-    return [future.result() for future in futures]
-
-
-def workers(executor: Executor | None) -> int:
-    """How many jobs an executor runs at a time."""
-    return 1 if executor is None else max(int(getattr(executor, "_max_workers", 1)), 1)
+    return [None if k >= stop or future.cancelled() else future.result() for k, future in enumerate(futures)]

@@ -19,6 +19,7 @@ from dampyr.units import Quantity
 
 Array = NDArray[np.float64]
 KINDS = ("constant", "polynomial", "interpolation")
+OTHERS = "*"  # in `laws`: every parameter that is not named there
 MIN_WARMING = (
     2.0  # °C between the coldest and the warmest record: below it a law of temperature would follow their noise
 )
@@ -124,16 +125,16 @@ def columns(
     """One column per parameter.
 
     ``inputs`` are those of the records (a number, or an array where it varies during the test). ``laws`` is a kind for all
-    parameters, or one per flat name: ``"constant"``, ``"interpolation"`` (the default where inputs differ) or
-    ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 by default). With ``+temperature``, such as
-    ``"interpolation+temperature"``, the parameter is such a law at the lowest and the highest of ``temperatures`` (of each
-    record, degC) and straight between them. ``tied`` parameters take the law of
-    another.
+    parameters, or one per flat name, ``"*"`` standing for those that are not named: ``"constant"``, ``"interpolation"`` (the
+    default where inputs differ) or ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 by default). With
+    ``+temperature``, such as ``"interpolation+temperature"``, the parameter is such a law at the lowest and the highest of
+    ``temperatures`` (of each record, degC) and straight between them. ``tied`` parameters take the law of another.
     """
     tied = dict(tied or {})
     fixed = dict(fixed or {})
-    for name, kinds in (("fixed", fixed), ("laws", {} if isinstance(laws, str) or laws is None else laws)):
-        unknown = sorted(set(kinds) - set(composition.parameters))
+    each = {OTHERS: laws} if isinstance(laws, str) else dict(laws or {})
+    for name, named in (("fixed", {*fixed}), ("laws", {*each} - {OTHERS})):
+        unknown = sorted(named - set(composition.parameters))
         if unknown:
             raise InputError(f"{name} names {unknown[0]!r}; {composition} has {', '.join(composition.parameters)}")
     varying = any(np.ndim(u) for u in inputs)
@@ -141,7 +142,7 @@ def columns(
     lag = None if composition.lag is None else composition.parameters[composition.lag]
     made = []
     for name, quantity in composition.quantities.items():
-        wanted = laws if isinstance(laws, str) else (laws or {}).get(name)
+        wanted = each.get(name, each.get(OTHERS))
         if name == lag:  # the delay of the input does not depend on the input
             wanted = "constant"
         wanted, warming = _without_temperature(wanted)

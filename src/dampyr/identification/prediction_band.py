@@ -21,6 +21,7 @@ from dampyr.models import Damper
 from dampyr.models.prediction_error import force_draws
 from dampyr.records import Record, with_velocity
 from dampyr.records.moving_average import averaged
+from dampyr.records.nominal_input import without_noise_beyond
 from dampyr.records.smoothing import force_average
 from dampyr.representation import Representation, Summary, percent
 
@@ -140,6 +141,7 @@ def drawn_forces(
         record = with_velocity(record, damper.bandwidth)
     if record.temperature is not None:
         damper = damper.at_temperature(float(np.mean(record.temperature)), allow_extrapolation=True)
+    record = without_noise_beyond(record, *damper.range)
     session = record.measurement_session if record.measurement_session in error.sessions else None
     average = force_average(record)
     reach = None if average is None else average.reach(record.dt)

@@ -16,6 +16,7 @@ from dampyr.identification.parametrisation import Column, bases
 from dampyr.models import Composition
 from dampyr.models.input_lag import lagged
 from dampyr.models.path_integration import acceleration
+from dampyr.units import OPEN_MARGIN
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -26,7 +27,6 @@ VISCOUS = "N s/m"
 PRIOR = {"gain": 0.05, "temperature": 0.2}
 MISFIT = 0.05  # of the force's spread: against how large an error a prior is weighed
 MAX_LOGARITHM = 1.0  # how far the logarithms of gain and viscosity may go from 0
-OPEN_MARGIN = 1e-9  # SI units by which a value stays off a limit that it must not reach
 
 
 @dataclass(frozen=True)

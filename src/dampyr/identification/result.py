@@ -498,7 +498,7 @@ def _damper(
     within: tuple[str, ...],
 ) -> tuple[Damper | None, str]:
     """The damper that the coefficients make, or None and why they make none."""
-    inputs = np.concatenate([np.ravel(p.u) for p in problem.pieces])
+    inputs = np.concatenate([np.ravel(p.levels) for p in problem.pieces])
     low, high = float(inputs.min()), float(inputs.max())
     try:
         damper = Damper(
@@ -515,7 +515,11 @@ def _damper(
             provenance=_provenance(records),
         )
     except InputError as problem_:
-        return None, f"the fitted numbers make no damper: {problem_}"
+        between = any(c.size and c.kind == "polynomial" for c in problem.columns)
+        repair = (
+            "; between the inputs it is fitted at a polynomial may go anywhere: lower its degree" if between else ""
+        )
+        return None, f"the fitted numbers make no damper: {problem_}{repair}"
     return damper, ""
 
 

@@ -26,8 +26,6 @@ Holland and Welsch (1977).
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -38,7 +36,8 @@ from dampyr.errors import InputError
 from dampyr.identification.normal_equations import modelled_force
 from dampyr.identification.problem import Point, Problem
 from dampyr.identification.score import span
-from dampyr.identification.variable_projection import OUT_OF_TIME, Outcome, search
+from dampyr.identification.variable_projection import Outcome, search
+from dampyr.identification.work import Work
 
 Array = NDArray[np.float64]
 LOSSES = ("squares", "huber", "l1")
@@ -61,9 +60,10 @@ def iteratively_reweighted(
     outcome: Outcome,
     loss: str,
     progress: Callable[[int, float], None] | None = None,
-    deadline: float = math.inf,
+    work: Work | None = None,
 ) -> tuple[Problem, Outcome]:
     """From the least-squares fit to that of ``loss``: the problem with its weights, and how the last search ended."""
+    work = Work() if work is None else work
     scales, before, steps = np.ones(len(problem.pieces)), np.inf, outcome.iterations
     unweighted = problem
     for turn in range(MAX_ROUNDS):
@@ -79,15 +79,12 @@ def iteratively_reweighted(
             return _weighted(unweighted, residuals, scales, loss), replace(outcome, iterations=steps, reason=reason)
         before = total
         problem = _weighted(unweighted, residuals, scales, loss, second=False)
-        outcome = search(problem, outcome.point, progress, tolerance=1e-9, deadline=deadline)
+        outcome = search(problem, outcome.point, progress, tolerance=1e-9, work=work)
         steps += outcome.iterations
-        if time.perf_counter() > deadline:
+        if work.stopped:
             break
-    reason = (
-        OUT_OF_TIME
-        if time.perf_counter() > deadline
-        else f"did not converge: after {MAX_ROUNDS} rounds of weights the {loss} loss still changes"
-    )
+    changes = f"did not converge: after {MAX_ROUNDS} rounds of weights the {loss} loss still changes"
+    reason = work.stopped or changes
     residuals = _residuals(problem, outcome.point)
     return _weighted(unweighted, residuals, scales, loss), replace(
         outcome, converged=False, reason=reason, iterations=steps

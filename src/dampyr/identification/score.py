@@ -40,6 +40,7 @@ from dampyr.identification.scoring_window import MIN_SCORED, SETTLING, Window, s
 from dampyr.models import Damper
 from dampyr.records import Record, cycles, with_velocity
 from dampyr.records.moving_average import averaged
+from dampyr.records.nominal_input import without_noise_beyond
 from dampyr.records.smoothing import force_average
 from dampyr.representation import Representation, Summary, percent
 
@@ -134,7 +135,8 @@ def score(
 
 def prediction(damper: Damper, record: Record, allow_extrapolation: bool = False) -> Array:
     """The force in N, shape (n,), that ``damper`` predicts along ``record``, with the velocity it was calibrated with, at
-    the record's mean temperature where its laws depend on that.
+    the record's mean temperature where its laws depend on that. What the noise of a varying input reaches beyond the damper's
+    range counts as the end of the range (`dampyr.records.nominal_input.without_noise_beyond`).
 
     Where the record's force went through a moving average that is not undone, so does this one; at the ends, over what is there
     of the window.
@@ -150,6 +152,7 @@ def prediction(damper: Damper, record: Record, allow_extrapolation: bool = False
             f"{record.name}: the damper's parameters depend on its temperature, and the record has none; give it a temperature "
             "channel in degC, or predict with damper.at_temperature(...)"
         )
+    record = without_noise_beyond(record, *damper.range)
     force = damper.force(
         record.time,
         record.displacement,

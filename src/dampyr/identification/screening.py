@@ -16,7 +16,7 @@ import numpy as np
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import parallel
 from dampyr.identification.validation import Validation, cross_validate
-from dampyr.identification.variable_projection import OUT_OF_TIME
+from dampyr.identification.work import OUT_OF_TIME, OUT_OF_WORK
 from dampyr.models import compose
 from dampyr.records import Record, check_bandwidth, cycles, default_bandwidth, measure, motion_start, with_velocity
 from dampyr.representation import Representation, Summary, Table, counted, percent
@@ -26,7 +26,8 @@ PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_
 BETWEEN = 0.25  # the weight of inputs left out: see `dampyr.identification.leaderboard`
 CONTENDING = 1.15  # times the lowest error: a model beyond it gets no further add-on
 WORTH = 0.02  # of the error: what an add-on must lower it by to stay
-NOT_BEGUN = "not tried: the time was used up"
+NOT_BEGUN = "not tried: the work was used up"
+CUT = "not tried: the search was cut"
 STEPS = 15  # of each fit: enough to rank the models, not to converge
 PROBE = "hyperbolic_tangent + spring + compliance"  # friction and elasticity, quick to fit
 PER_INPUT = 4  # records of each input: from the smallest to the largest speed, two between
@@ -38,12 +39,16 @@ SAMPLES_PER_BANDWIDTH = 4.0  # twice the rate below which the motion would alias
 
 @dataclass(frozen=True)
 class Trial:
-    """One model on the screening set: its validation error there; ``reason`` says why it is infinite, or what stopped a fit."""
+    """One model on the screening set: its validation error there; ``reason`` says why it is infinite, or what stopped a fit.
+
+    ``work`` is what its fits have spent, counted s (`dampyr.identification.work`).
+    """
 
     model: str
     error: float
     seconds: float
     reason: str = ""
+    work: float = 0.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -80,8 +85,9 @@ def chosen_bandwidth(
     options: dict[str, Any],
     executor: Executor | None = None,
     progress: Callable[[float], None] = lambda done: None,
-) -> float | None:
-    """That of the derived velocity, or None for the velocity as recorded, whichever lets the probe predict better.
+) -> tuple[float | None, float]:
+    """That of the derived velocity, or None for the velocity as recorded, whichever lets the probe predict better; and the
+    work of finding out.
 
     Records without a velocity, sampled so differently that no bandwidth serves all of them, use their own bandwidths: None.
     """
@@ -92,10 +98,10 @@ def chosen_bandwidth(
     except InputError:
         derived = None
     if derived is None or any(record.velocity is None for record in records):
-        return derived
+        return derived, 0.0
     jobs = [partial(trial, PROBE, screening_set(records, b), 0, options) for b in (None, derived)]
     recorded, smooth = parallel.run_all(jobs, executor, progress)
-    return None if recorded.error < smooth.error else derived
+    return None if recorded.error < smooth.error else derived, recorded.work + smooth.work
 
 
 def screen_all(
@@ -106,35 +112,63 @@ def screen_all(
     options: dict[str, Any],
     executor: Executor | None,
     progress: Callable[[float], None],
+    limit: float = math.inf,
     deadline: float = math.inf,
 ) -> tuple[list[Screened], list[str]]:
     """Every model bare and with each add-on; then, round by round, those in contention with one more.
 
-    Every bare model is tried. No other trial begins after ``deadline``, a value of ``time.time`` in s; the models that would
-    have been gone on with, or have trials that were not begun, are returned too.
+    Every bare model is tried. Of the others none counts after those that together, in their order, have spent ``limit``,
+    counted s; the models that would have been gone on with, or have trials that were not done, are returned too. No trial
+    begins after ``deadline``, a value of ``time.time`` in s: those that it cuts have the reason `CUT`.
     """
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
     ends = {base: base for base in bases}
-    going, rounds = list(bases), max(len(add_ons), 1)
+    going, rounds, tally = list(bases), max(len(add_ons), 1), _Tally(limit, len(bases))
     for k in range(rounds):
-        if not going or (k and time.time() > deadline):
+        if not going or tally.used_up:
             break
         plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
-        # Each add-on with all models before the next one, so that a lack of time is the same for all.
+        # Each add-on with all models before the next one, so that a lack of work is the same for all.
         tried = range(max(map(len, plan.values())))
         models = [model for n in tried for each in plan.values() for model in each[n : n + 1]]
-        tasks = [partial(trial, m, small, seed, options, math.inf if m in plan else deadline) for m in models]
-        results = parallel.run_all(tasks, executor, lambda done, k=k: progress((k + done) / rounds))  # type: ignore[misc]
-        by_model = dict(zip(models, results, strict=True))
+        tasks = [partial(trial, m, small, seed, options) for m in models]
+        results = parallel.run_all(
+            tasks,
+            executor,
+            lambda done, k=k: progress((k + done) / rounds),  # type: ignore[misc]
+            tally.add,
+            deadline,
+        )
+        why = NOT_BEGUN if tally.used_up else CUT
+        by_model = {m: one or Trial(m, math.inf, 0.0, why) for m, one in zip(models, results, strict=True)}
         for base, each in plan.items():
             trials[base] += [by_model[model] for model in each]
         going = _still_going(going, trials, ends) if k + 1 < rounds else []
     progress(1.0)
-    unfinished = [base for base in bases if any(one.reason == NOT_BEGUN for one in trials[base])]
+    unfinished = [base for base in bases if any(one.reason in (NOT_BEGUN, CUT) for one in trials[base])]
     return [Screened(base, tuple(trials[base])) for base in bases], [
         *unfinished,
         *(ends[base] for base in going if base not in unfinished),
     ]
+
+
+@dataclass
+class _Tally:
+    """What trials have spent, in their order, of ``limit``, counted s; the first ``sure`` are tried whatever they take."""
+
+    limit: float
+    sure: int
+    spent: float = 0.0
+
+    def add(self, done: Trial) -> bool:
+        """Count one; whether no later one counts."""
+        self.spent, self.sure = self.spent + done.work, self.sure - 1
+        return self.used_up
+
+    @property
+    def used_up(self) -> bool:
+        """Whether the limit is reached and nothing is sure."""
+        return self.sure <= 0 and self.spent > self.limit
 
 
 def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
@@ -170,21 +204,18 @@ def held_in(model: str) -> dict[str, float]:
     return {name: value for held in pairs for name, value in held.items()}
 
 
-def trial(model: str, small: list[Record], seed: int, options: dict[str, Any], deadline: float = math.inf) -> Trial:
-    """The validation error of one model on the screening set; what cannot be fitted says why.
-
-    Not begun after ``deadline``, a value of ``time.time`` in s, which the processes of an executor share.
-    """
-    if time.time() > deadline:
-        return Trial(model, float("inf"), 0.0, NOT_BEGUN)
+def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -> Trial:
+    """The validation error of one model on the screening set; what cannot be fitted says why."""
     begun = time.perf_counter()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # of a model that may never be chosen
             validations = validations_of(model, small, 2, seed, options | {"steps": STEPS})
         reasons = [reason for one in validations for reason in one.failed.values()]
-        reasons += [fold.reason for one in validations for fold in one.folds if OUT_OF_TIME in fold.reason]
-        return Trial(model, validation_error(validations), time.perf_counter() - begun, "; ".join(reasons[:1]))
+        folds = [fold for one in validations for fold in one.folds]
+        reasons += [fold.reason for fold in folds if OUT_OF_WORK in fold.reason or OUT_OF_TIME in fold.reason]
+        work = sum(fold.work for fold in folds)
+        return Trial(model, validation_error(validations), time.perf_counter() - begun, "; ".join(reasons[:1]), work)
     except (InputError, np.linalg.LinAlgError) as problem:
         return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.identification.fit import check_model_and_records, fit
+from dampyr.identification.fit import check_model_and_records, fit, one_thread
 from dampyr.identification.score import Score, score
 from dampyr.identification.scoring_window import SETTLING, check_settling, scorable
 from dampyr.identification.splits import Target, Task, split_tasks
@@ -32,7 +32,7 @@ class Fold(Representation):
     """One part of the split: what was fitted, what was predicted, and how well (nothing where the fit gave no damper).
 
     ``outside`` says which predicted records go beyond what the fitted ones covered, and by how much; ``skipped`` are those
-    that are too short to be scored.
+    that are too short to be scored. ``work`` is what the fit has spent, counted s (`dampyr.identification.work`).
     """
 
     fitted_on: tuple[str, ...]
@@ -41,6 +41,7 @@ class Fold(Representation):
     reason: str
     outside: dict[str, str]
     skipped: tuple[str, ...] = ()
+    work: float = 0.0
 
     def _summary(self) -> Summary:
         l1 = [one.l1 for one in self.scores.values()]
@@ -259,8 +260,15 @@ def validation_jobs(
         check_bandwidth(listed, options["bandwidth"])
     inputs = {r.name: float(r.input_value or 0.0) for r in listed}
     unit = listed[0].input or ""
-    jobs: list[Callable[[], Fold]] = [partial(_fold, model, task, settling, not_scored, options) for task in tasks]
+    jobs: list[Callable[[], Fold]] = [
+        partial(_fold_by_one_thread, model, task, settling, not_scored, options) for task in tasks
+    ]
     return jobs, lambda done: Validation(split, tuple(done), inputs, unit, not_scored)
+
+
+def _fold_by_one_thread(*arguments: Any) -> Fold:
+    with one_thread():  # the scores too
+        return _fold(*arguments)
 
 
 def _fold(
@@ -271,8 +279,9 @@ def _fold(
     skipped = tuple(t.record.name for t in task.predicted if t.record.name in not_scored)
     scores: dict[str, Score] = {}
     outside: dict[str, str] = {}
+    work = fit_result.outcome.work
     if fit_result.damper is None:
-        return Fold(names, scores, fit_result.converged, fit_result.reason, outside)
+        return Fold(names, scores, fit_result.converged, fit_result.reason, outside, work=work)
     for target in task.predicted:
         if target.record.name in not_scored:
             continue
@@ -281,10 +290,10 @@ def _fold(
             try:
                 scores[target.record.name] = _predicted(fit_result.damper, target, settling)
             except InputError as problem:  # a law that leaves its allowed values beyond the fitted inputs
-                return Fold(names, {}, False, str(problem), outside)
+                return Fold(names, {}, False, str(problem), outside, work=work)
         if caught:
             outside[target.record.name] = "; ".join(str(w.message) for w in caught)
-    return Fold(names, scores, fit_result.converged, fit_result.reason, outside, skipped)
+    return Fold(names, scores, fit_result.converged, fit_result.reason, outside, skipped, work)
 
 
 def _named(record: Record, task: Task) -> str:

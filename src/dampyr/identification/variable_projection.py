@@ -9,8 +9,6 @@ determine; so a secant estimate of the second derivatives is added, as in NL2SOL
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -20,6 +18,7 @@ from numpy.typing import NDArray
 from dampyr.identification.fit_data import first_part
 from dampyr.identification.normal_equations import NormalEquations, Step, linearise, step_point
 from dampyr.identification.problem import Point, Problem, independent_blocks
+from dampyr.identification.work import Work
 
 Array = NDArray[np.float64]
 MAX_ITERATIONS = 80  # unless a fit gives `steps`
@@ -37,14 +36,13 @@ SAME_STEP = 0.05  # of a step's length, each coefficient in units of its own err
 DAMPING = 1e-3  # of a search that begins, as a part of each diagonal element
 WARM_DAMPING = 1e-6  # of one that begins near its end
 ROUNDING = 1e-18  # of each sample's variance: records without noise are met to a billionth
-OUT_OF_TIME = "did not converge: its time was used up"
 CONVERGED = "converged: no step lowers the sum of squares by more than 1e-8 of it"
 FLAT = "converged: along a flat valley, where a step lowers the sum of squares by less than 1e-5 of it"
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The end of a search, and its reason."""
+    """The end of a search, and its reason; ``work`` is what a fit has spent on it, counted s (`dampyr.identification.work`)."""
 
     point: Point
     cost: float
@@ -52,6 +50,7 @@ class Outcome:
     reason: str
     iterations: int
     at_limit: tuple[int, ...]
+    work: float = 0.0
 
 
 def search(
@@ -60,20 +59,21 @@ def search(
     progress: Callable[[int, float], None] | None = None,
     tolerance: float = TOLERANCE,
     max_iterations: int = MAX_ITERATIONS,
-    deadline: float = math.inf,
+    work: Work | None = None,
 ) -> Outcome:
     """Minimise from ``point``; the reason says how it ended. Blocks that share no coefficient are searched one by one.
 
-    ``deadline`` is a value of ``time.perf_counter``, s, after which no step begins; each block has an equal share of the time.
+    No step begins once ``work`` is used up, of which each block has an equal share.
     """
+    work = Work() if work is None else work
     theta, local = point.theta.copy(), point.local.copy()
     outcomes = []
     blocks = independent_blocks(problem)
     for k, block in enumerate(blocks):
         start = Point(theta[block.coefficients], local[block.records])
-        now = time.perf_counter()
-        until = now + (deadline - now) / (len(blocks) - k)
-        outcome = _search_in_stages(block.problem, start, progress, tolerance, max_iterations, until)
+        share = work.share(len(blocks) - k)
+        outcome = _search_in_stages(block.problem, start, progress, tolerance, max_iterations, share)
+        work.spent += share.spent
         theta[block.coefficients], local[block.records] = outcome.point.theta, outcome.point.local
         outcomes.append((block, outcome))
     end = Point(theta, local)
@@ -96,17 +96,15 @@ def _search_in_stages(
     progress: Callable[[int, float], None] | None,
     tolerance: float,
     max_iterations: int,
-    deadline: float,
+    work: Work,
 ) -> Outcome:
     """The search on the first part of each record, then on all samples: only there can it converge."""
     short = decimated_problem(problem)
     if short is None or max_iterations < 2:
-        return levenberg_marquardt(problem, point, progress, tolerance, max_iterations, deadline=deadline)
-    near = levenberg_marquardt(
-        short, point, None, max(COARSE_TOLERANCE, tolerance), max_iterations // 2, deadline=deadline
-    )
+        return levenberg_marquardt(problem, point, progress, tolerance, max_iterations, work=work)
+    near = levenberg_marquardt(short, point, None, max(COARSE_TOLERANCE, tolerance), max_iterations // 2, work=work)
     if not np.isfinite(near.cost):
-        return levenberg_marquardt(problem, point, progress, tolerance, max_iterations, deadline=deadline)
+        return levenberg_marquardt(problem, point, progress, tolerance, max_iterations, work=work)
     done = near.iterations
 
     def report_progress(iteration: int, cost: float) -> None:
@@ -114,7 +112,7 @@ def _search_in_stages(
             progress(done + iteration, cost)
 
     rest = max_iterations - done
-    outcome = levenberg_marquardt(problem, near.point, report_progress, tolerance, rest, WARM_DAMPING, deadline)
+    outcome = levenberg_marquardt(problem, near.point, report_progress, tolerance, rest, WARM_DAMPING, work)
     return replace(outcome, iterations=done + outcome.iterations)
 
 
@@ -138,10 +136,11 @@ def levenberg_marquardt(
     tolerance: float,
     max_iterations: int = MAX_ITERATIONS,
     damping: float = DAMPING,
-    deadline: float = math.inf,
+    work: Work | None = None,
 ) -> Outcome:
     """Minimise one problem whose records share coefficients."""
-    point, here = solve_linear_parameters(problem, point)
+    work = Work() if work is None else work
+    point, here = solve_linear_parameters(problem, point, work)
     if not here.finite:
         return Outcome(point, float("inf"), False, "did not begin: the model's force is not finite at the start", 0, ())
     reason, converged = "", False
@@ -164,7 +163,7 @@ def levenberg_marquardt(
             converged, reason = True, FLAT
             break
         costs.append(here.cost)
-        new_point, new_here = solve_linear_parameters(problem, step_point(problem, point, step))
+        new_point, new_here = solve_linear_parameters(problem, step_point(problem, point, step), work)
         if progress:
             progress(iteration, min(here.cost, new_here.cost) if new_here.finite else here.cost)
         if new_here.cost < here.cost:
@@ -184,8 +183,8 @@ def levenberg_marquardt(
                 left = f"the last promised {predicted / here.cost:.1g} of it"
                 reason = f"stopped where no step lowers the sum of squares any more ({left})"
                 break
-        if time.perf_counter() > deadline:
-            reason = OUT_OF_TIME
+        if work.stopped:
+            reason = work.stopped
             break
     else:
         reason = f"did not converge: {max_iterations} steps were not enough"
@@ -209,12 +208,13 @@ def more_damping(here: NormalEquations, step: Step, damping: float) -> float:
     return damping
 
 
-def solve_linear_parameters(problem: Problem, point: Point) -> tuple[Point, NormalEquations]:
+def solve_linear_parameters(problem: Problem, point: Point, work: Work) -> tuple[Point, NormalEquations]:
     """``point`` with its linear unknowns at their optimum, and the normal equations around it.
 
     The residual there is exact, the force being affine in these unknowns. Where their step was small, so are the changes of
     the other derivatives, and what was evaluated before it is kept.
     """
+    work.count(problem)
     here = linearise(problem, point)
     if not here.finite:
         return point, here
@@ -222,6 +222,7 @@ def solve_linear_parameters(problem: Problem, point: Point) -> tuple[Point, Norm
     point = step_point(problem, point, step)
     there = here.after(step)
     if here.cost - there.cost > SMALL_STEP * there.cost:
+        work.count(problem)
         there = linearise(problem, point)
     return point, there
 
@@ -252,7 +253,8 @@ def _at_limit(problem: Problem, point: Point) -> tuple[int, ...]:
     return tuple(int(k) for k in np.flatnonzero(near & ~np.isnan(low)))
 
 
-def projected_cost(problem: Problem, point: Point) -> float:
+def projected_cost(problem: Problem, point: Point, work: Work) -> float:
     """The cost at ``point`` with the linear unknowns at their optimum, without moving there."""
+    work.count(problem)
     here = linearise(problem, point)
     return here.after(here.solve(only_linear=True)).cost if here.finite else float("inf")

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
 from dampyr.models import card
 from dampyr.models.codegen.composition import Composition, compose
-from dampyr.models.laws import Constant, Law, WithTemperature
+from dampyr.models.laws import Constant, Law, WithTemperature, onto_limits
 from dampyr.models.part import part_name
 from dampyr.models.prediction_error import PredictionError, at_level, draws_of, session_words
 from dampyr.representation import Representation, Summary, Table, column_name, data_frame, extent, listing
@@ -128,7 +128,8 @@ class Damper(Representation):
         how far a measured force may be from the predicted one (`dampyr.models.prediction_error`): the levels of sessions and
         records and the residual; None where that was not estimated.
 
-    Raises :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
+    A law that misses a limit of its parameter by rounding alone, 1e-7 of its largest term, is put on that limit. Raises
+    :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
     """
 
     parts: str | Sequence[Any]
@@ -158,6 +159,9 @@ class Damper(Representation):
         object.__setattr__(self, "laws", laws)
         for name, quantity in composition.quantities.items():
             low, high = laws[name].extremes()
+            if low < quantity.low or high > quantity.high:
+                laws[name] = onto_limits(laws[name], quantity)
+                low, high = laws[name].extremes()
             law = laws[name]
             everywhere = isinstance(law, Constant) and law.is_everywhere
             where = name if everywhere else f"{name} between {law.low:g} and {law.high:g} {self.input}"
@@ -450,7 +454,10 @@ class Damper(Representation):
         inputs = self.check_input(u, allow_extrapolation)
         table = np.stack([np.asarray(law(inputs), dtype=float) for law in self.all_laws.values()], axis=-1)
         for k, (name, quantity) in enumerate(self.composition.quantities.items()):
-            for extreme in (table[..., k].min(), table[..., k].max()):
+            values = table[..., k]
+            if values.min() < quantity.low or values.max() > quantity.high:
+                values[...] = quantity.without_rounding(values, float(np.abs(values).max()))
+            for extreme in (values.min(), values.max()):
                 quantity.check(f"{name} at {_span(inputs)} {self.input}", float(extreme))
         if not static:
             table[..., list(self.composition.static)] = 0.0

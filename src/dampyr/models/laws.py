@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.units import Quantity
 
 Array = NDArray[np.float64]
 
@@ -315,6 +316,27 @@ def from_card(table: dict[str, Any]) -> Law:
             raise
         raise InputError(f"a law of kind {kind!r} holds something that is not a number: {problem}") from None
     raise InputError(f"unknown law {kind!r}; choose constant, polynomial, interpolation or temperature")
+
+
+def onto_limits(law: Law, quantity: Quantity) -> Law:
+    """``law``, on a limit of its ``quantity`` where it misses that by rounding alone (`Quantity.without_rounding`).
+
+    A straight line through two values at a limit, or a mean of two such values, comes out beyond it by the last digit. A
+    polynomial is moved as a whole, and by a few roundings more, so that it keeps to the limit however its terms are summed.
+    What is farther beyond comes back as it is.
+    """
+    if isinstance(law, WithTemperature):
+        cold, warm = (onto_limits(each, quantity) for each in (law.cold, law.warm))
+        return law if cold is law.cold and warm is law.warm else replace(law, cold=cold, warm=warm)
+    numbers = np.array(law.coefficients)
+    if isinstance(law, Polynomial):
+        size = float(np.abs(numbers) @ max(abs(law.low), abs(law.high)) ** np.arange(numbers.size))
+        ends = np.array(law.extremes())
+        away = quantity.without_rounding(ends, size) - ends
+        move = float(away[np.argmax(np.abs(away))])
+        return law.shifted(move + np.copysign(4.0 * numbers.size * np.finfo(float).eps * size, move)) if move else law
+    moved = quantity.without_rounding(numbers, float(np.abs(numbers).max()))
+    return law if np.array_equal(moved, numbers) else law.with_coefficients(moved)
 
 
 # The laws as piecewise polynomials, for kernels in which the input changes as they run:

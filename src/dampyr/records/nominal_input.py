@@ -1,13 +1,16 @@
 """The input that was meant, where the one that was measured has noise.
 
 A measured current is never the same twice: 0.4996 A, 0.5003 A, and -0.0141 A where there was none. What is constant but
-for noise is one number, and numbers that agree are one input.
+for noise is one number (`nominal_inputs`), and numbers that agree are one input. Of what varies and has noise the command is
+read off the channel (`commanded_input`): its noise reaches voltages that nobody commanded, and no law of the voltage is to end
+there.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +22,16 @@ TOLERANCE = 0.02  # of the largest input: the drift of a supply that is set once
 NOISE = 0.05  # of the largest input, rms: the noise of a channel that is set to a constant
 SMALLEST = 0.5  # V or A: a largest input below it is compared as if it were this, for sensors have an offset
 SOURCE, MEASURED = "input_source", "measured"
+NORMAL = 1.4826  # a normal distribution's standard deviation over its median absolute value
+CLEAN = 1e-3  # of the range of a channel, rms: below it noise moves no end of a law that anybody could tell
+FOURTH = math.sqrt(70.0)  # rms of the fourth difference of white noise of rms 1
+MIN_SAMPLES = 100  # samples of a channel whose noise is told from its command
+WINDOWS = (255, 127, 63, 31, 15, 9)  # samples of a running median, the widest first
+STILL_NOISE = 1.05  # times the noise: what a running median may take off; more of it would be the command
+SUSTAINED = 2.5  # times the noise: what the median of 9 samples of pure noise exceeds once in ten million samples
+SAME_PLATEAU = 5.0  # standard errors of a running median, within which it stays on a plateau
+ON_PLATEAUS = 0.8  # of the samples: with fewer the command is no sequence of plateaus
+RARE = 0.005  # of the samples beyond either end of a command without plateaus
 
 
 def nominal_inputs(records: Sequence[Record], nominal_values: Iterable[float] = ()) -> list[Record]:
@@ -49,6 +62,113 @@ def nominal_inputs(records: Sequence[Record], nominal_values: Iterable[float] = 
     means = sorted({_mean(r) for r, yes in zip(records, steady, strict=True) if yes})
     nominal = _nominal(means, sorted({0.0, *map(float, nominal_values), *stated}), largest)
     return [_constant(r, nominal[_mean(r)]) if yes else r for r, yes in zip(records, steady, strict=True)]
+
+
+@dataclass(frozen=True)
+class Commanded:
+    """The command behind a channel that varies and has noise: its ``levels`` (k,) in V or A, rising, and the ``noise``, rms.
+
+    The levels are those of its ``plateaus``, or, where it has none, the smoothed channel between its ends.
+    """
+
+    levels: Array
+    noise: float
+    plateaus: bool
+
+    @property
+    def low(self) -> float:
+        """The lowest level."""
+        return float(self.levels[0])
+
+    @property
+    def high(self) -> float:
+        """The highest level."""
+        return float(self.levels[-1])
+
+
+def commanded_input(values: Array) -> Commanded | None:
+    """The command behind a channel (n,); None where the channel has no noise to speak of, or fewer than 100 samples.
+
+    The noise is the scale of the fourth differences, which a command of up to a twentieth of the sampling rate does not enter;
+    below a thousandth of the channel's range there is none. The command is the running median over the widest window, of 9 to
+    255 samples, that takes off noise alone and leaves nothing sustained beyond the ends that follow from it: where it rests on
+    plateaus for 80 % of the samples their medians, those within 2 % of the largest input as one and 0 as 0, else its 0.5 % and
+    99.5 % quantiles.
+    """
+    values = np.asarray(values, dtype=float)
+    if values.size < MIN_SAMPLES:
+        return None
+    noise = NORMAL * float(np.median(np.abs(np.diff(values, 4)))) / FOURTH
+    if noise <= CLEAN * float(np.ptp(values)):
+        return None
+    from scipy.ndimage import median_filter
+
+    short = median_filter(values, WINDOWS[-1], mode="reflect")
+    for window in WINDOWS:
+        smooth = median_filter(values, window, mode="reflect")
+        if NORMAL * float(np.median(np.abs(values - smooth))) > STILL_NOISE * noise:
+            continue
+        largest = max(SMALLEST, float(np.abs(smooth).max()))
+        made = _of_plateaus(values, smooth, window, noise, largest) or _of_quantiles(smooth, noise, largest)
+        if made.low - SUSTAINED * noise <= short.min() and short.max() <= made.high + SUSTAINED * noise:
+            return made
+    return Commanded(np.unique(short), noise, plateaus=False)
+
+
+def _of_plateaus(values: Array, smooth: Array, window: int, noise: float, largest: float) -> Commanded | None:
+    """The levels that a running median rests on; None where it mostly does not rest."""
+    reach = SAME_PLATEAU * 1.25 * noise / math.sqrt(window)  # 1.25: the standard error of a median over that of a mean
+    levels, resting, first = [], 0, 0
+    while first - resting <= (1.0 - ON_PLATEAUS) * smooth.size and first < smooth.size:
+        away = np.abs(smooth[first:] - np.median(smooth[first : first + window // 2 + 1])) > reach
+        last = first + (int(np.argmax(away)) if away.any() else away.size)
+        if last - first > window // 2:
+            levels.append(float(np.median(values[first:last])))
+            resting += last - first
+        first = max(last, first + 1)
+    if first < smooth.size:
+        return None
+    nominal = _nominal(sorted(set(levels)), [0.0], largest)
+    return Commanded(np.array(sorted(set(nominal.values()))), noise, plateaus=True)
+
+
+def _of_quantiles(smooth: Array, noise: float, largest: float) -> Commanded:
+    """The running median between its outer quantiles, an end that is 0 but for the tolerance at 0."""
+    ends = np.quantile(smooth, (RARE, 1.0 - RARE))
+    low, high = (0.0 if abs(end) <= TOLERANCE * largest else float(end) for end in ends)
+    return Commanded(np.unique(np.clip(smooth, low, high)), noise, plateaus=False)
+
+
+def in_common(commanded: Sequence[Commanded], stated: Iterable[float] = ()) -> list[Commanded]:
+    """The commands, plateaus that agree with each other, 0 or a ``stated`` input at one level: see `nominal_inputs`."""
+    levels = sorted({float(level) for one in commanded if one.plateaus for level in one.levels})
+    largest = max([SMALLEST, *map(abs, levels)])
+    nominal = _nominal(levels, sorted({0.0, *map(float, stated)}), largest)
+    return [
+        replace(one, levels=np.array(sorted({nominal[float(level)] for level in one.levels}))) if one.plateaus else one
+        for one in commanded
+    ]
+
+
+def without_noise_beyond(record: Record, low: float, high: float) -> Record:
+    """The record with what noise of its input reaches beyond ``low`` to ``high``, in V or A, at these ends.
+
+    As it is where its input is a number, has no noise, or was commanded beyond them by more than 2 % of the largest
+    input and its own noise, which is how well an end is known.
+    """
+    value = _value(record)
+    if not isinstance(value, np.ndarray) or (low <= value.min() and value.max() <= high):
+        return record
+    meant = commanded_input(value)
+    if meant is None:
+        return record
+    slack = TOLERANCE * max(SMALLEST, abs(low), abs(high)) + meant.noise
+    if meant.low < low - slack or meant.high > high + slack:
+        return record
+    name = "voltage" if record.input == "V" else "current"
+    ends = f"{low:.4g} to {high:.4g} {record.input}"
+    note = f"{name}: what its noise of {meant.noise:.2g} {record.input} rms reaches beyond {ends} counts as the end"
+    return record.replace(note=note, **{name: np.clip(value, low, high)})
 
 
 def is_steady(record: Record, largest: float) -> bool:

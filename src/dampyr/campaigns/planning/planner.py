@@ -364,7 +364,9 @@ class _Loop:
         """The half width of the peak's 95 % interval over the peak, by the covariance of the fit."""
         if self.options.peak is None or evidence.damper is None:
             return None
-        plan = layout(evidence.damper, [p.u for p in evidence.problem.pieces], self.options.laws, self.options.fixed)
+        plan = layout(
+            evidence.damper, [p.levels for p in evidence.problem.pieces], self.options.laws, self.options.fixed
+        )
         goal, _ = peak_goal(plan, self.options.peak)
         return peak_half_of_fit(evidence, plan, goal)[0]
 
