@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,17 +12,21 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dampyr.errors import FileError, InputError
-from dampyr.models import Constant, Damper, Interpolation, available_parts, part
+from dampyr.errors import DampyrWarning, FileError, InputError
+from dampyr.identification import score, validate
+from dampyr.models import Constant, Damper, Interpolation, Polynomial, available_parts, part
 from dampyr.models.prediction_error import (
     HARMONICS,
     PredictionError,
     ShapeError,
     force_power,
     level_direction,
+    moved,
     phase_basis,
     residual_draw,
+    square_root,
 )
+from dampyr.records import Record
 
 ZEROS = (0.0,) * (2 * HARMONICS)
 SHAPE = ShapeError(1.0, ZEROS, ZEROS, 0.0, 0.0, 0.0, 8)
@@ -59,6 +64,19 @@ def test_a_parameter_goes_with_the_force_by_its_unit(unit: str, power: int) -> N
     assert force_power(unit) == power
 
 
+def values_of(name: str) -> dict[str, float]:
+    """Ordinary values of a part's parameters."""
+    values = {key: max(q.low if math.isfinite(q.low) else 0.0, 0.0) + 1e-3 for key, q in part(name).parameters.items()}
+    values |= {key: v for key, v in {"c0": 900.0, "c": 900.0, "kx": 900.0, "kw": 80.0, "fc": 60.0, "fy": 60.0, "ft": 60.0,
+                                     "n": 1.5, "sigma": 0.8, "rho": 3000.0, "k0": 500.0, "k1": 500.0, "f0": 90.0, "L": 0.1,
+                                     "gamma": 1.2, "m": 2.0, "s": 5e-7, "sigma1": 50.0, "sigma2": 100.0, "e": 0.4, "vs": 0.01,
+                                     "v0": 0.01, "vy": 0.01, "vh": 0.005, "vk": 0.01, "vc": 0.1, "r": 0.5, "kappa": 50.0,
+                                     "tau": 0.005, "g": 1e-4}.items() if key in values}  # fmt: skip
+    if name == "hyperbolic_tangent":
+        values["s"] = 5.0
+    return values
+
+
 QUICK = ("dahl", "spring")  # of the others each composition compiles
 
 
@@ -72,14 +90,7 @@ QUICK = ("dahl", "spring")  # of the others each composition compiles
 )
 def test_a_level_multiplies_the_force_of_every_part(name: str) -> None:
     """True of any formula whose units are right, in series too: the static offset alone stays."""
-    values = {key: max(q.low if math.isfinite(q.low) else 0.0, 0.0) + 1e-3 for key, q in part(name).parameters.items()}
-    values |= {key: v for key, v in {"c0": 900.0, "c": 900.0, "kx": 900.0, "kw": 80.0, "fc": 60.0, "fy": 60.0, "ft": 60.0,
-                                     "n": 1.5, "sigma": 0.8, "rho": 3000.0, "k0": 500.0, "k1": 500.0, "f0": 90.0, "L": 0.1,
-                                     "gamma": 1.2, "m": 2.0, "s": 5e-7, "sigma1": 50.0, "sigma2": 100.0, "e": 0.4, "vs": 0.01,
-                                     "v0": 0.01, "vy": 0.01, "vh": 0.005, "vk": 0.01, "vc": 0.1, "r": 0.5, "kappa": 50.0,
-                                     "tau": 0.005, "g": 1e-4}.items() if key in values}  # fmt: skip
-    if name == "hyperbolic_tangent":
-        values["s"] = 5.0
+    values = values_of(name)
     laws = {f"{name}.{key}": value for key, value in values.items()}
     base = "" if name == "dahl" else "dahl + "
     one = Damper(f"{base}{name}", laws | {"dahl.kx": 800.0, "dahl.kw": 50.0, "dahl.rho": 4000.0} if base else laws)
@@ -178,8 +189,9 @@ def test_the_noise_of_a_draw_has_its_size_and_its_memory() -> None:
     t = np.arange(0.0, 400.0, 0.01)
     basis = phase_basis(t, np.sin(5.0 * t), 5.0 * np.cos(5.0 * t))
     shape = replace(SHAPE, noise=0.05, noise_time=0.2, white=0.02)
-    noise = residual_draw(basis, 0.01, shape, np.random.default_rng(1))
-    assert np.std(noise) == pytest.approx(math.hypot(0.05, 0.02), rel=0.05)
+    noise, white = residual_draw(basis, 0.01, shape, np.random.default_rng(1))
+    assert np.std(noise) == pytest.approx(0.05, rel=0.07)
+    assert np.std(white) == pytest.approx(0.02, rel=0.05)
     lag = float(np.mean(noise[20:] * noise[:-20]))
     assert lag == pytest.approx(0.05**2 * math.exp(-1.0), rel=0.1)
     assert lfilter([1.0], [1.0, 0.0], noise)[3] == noise[3]
@@ -189,13 +201,13 @@ def test_the_shape_of_a_draw_repeats_with_the_motion_and_shrinks_with_it() -> No
     t = np.arange(0.0, 8.0, 0.01)
     x, v = np.sin(2 * np.pi * t), 2 * np.pi * np.cos(2 * np.pi * t)
     shape = replace(SHAPE, shape_mean=(0.1, 0.0, 0.0, 0.05, *ZEROS[4:]), records=1_000_000)
-    drawn = residual_draw(phase_basis(t, x, v), 0.01, shape, np.random.default_rng(1))
+    drawn, _ = residual_draw(phase_basis(t, x, v), 0.01, shape, np.random.default_rng(1))
     np.testing.assert_allclose(
         drawn[100:200], drawn[300:400], atol=0.02
     )  # a line through eight cycles of a sine is not quite flat
     assert np.ptp(drawn) == pytest.approx(0.2, rel=0.5)
     half = np.where(t < 4.0, 1.0, 0.5)
-    smaller = residual_draw(phase_basis(t, half * x, half * v), 0.01, shape, np.random.default_rng(1))
+    smaller, _ = residual_draw(phase_basis(t, half * x, half * v), 0.01, shape, np.random.default_rng(1))
     assert np.ptp(smaller[450:650]) == pytest.approx(0.5 * np.ptp(smaller[150:350]), rel=0.1)
 
 
@@ -218,3 +230,115 @@ def test_the_band_of_a_path_is_about_the_force_and_narrower_for_a_fitted_session
         one.band(t, x, voltage=1.0, level=90.0)
     with pytest.raises(InputError, match="has no prediction error"):
         replace(one, prediction_error=None).band(t, x, voltage=1.0)
+
+
+COMPOSITIONS = (
+    *(
+        name if name in ("dahl", "bouc_wen", "lugre") else f"dahl + {name}"
+        for name in available_parts()
+        if name != "dahl"
+    ),
+    "modified_bouc_wen + lag",
+    "hyperbolic_tangent + compliance + spring + delay",
+    "hysteretic_biviscous + spring + compliance + offset",
+)
+
+
+def limited(model: str, kind: str, at_limit: bool) -> Damper:
+    """A damper over 0 to 2 V, its parameters ordinary or, where they may be, at the lower end of the allowed values."""
+    laws: dict[str, object] = {}
+    for name in model.split(" + "):
+        for key, value in values_of(name).items():
+            q = part(name).parameters[key]
+            value = q.low if at_limit and math.isfinite(q.low) and not q.open_low else value
+            laws[f"{name}.{key}"] = (
+                Interpolation((0.0, 1.0, 2.0), (value, 1.1 * value, 1.2 * value))
+                if kind == "interpolation" and name != "lag"
+                else Polynomial((value, -0.4 * (value - max(q.low, 0.0)), 0.1 * value, 0.01 * value), 0.0, 2.0)
+                if kind == "polynomial" and name != "lag"
+                else Constant(value, 0.0, 2.0)
+            )
+    return Damper(model, laws)  # type: ignore[arg-type]
+
+
+def with_covariance(one: Damper, size: float) -> Damper:
+    """With errors of ``size`` times the coefficients, correlated, and the levels of a session."""
+    scale = size * (np.abs(one.coefficients) + 1e-3 * (one.coefficients == 0.0))
+    root = scale[:, None] * np.random.default_rng(5).standard_normal((scale.size, scale.size)) / math.sqrt(scale.size)
+    error = damper().prediction_error
+    assert error is not None
+    directions = np.array([level_direction(one)] * 2)
+    return replace(one, covariance=root @ root.T, prediction_error=replace(error, directions=directions))
+
+
+@pytest.mark.parametrize("at_limit", [False, True], ids=["inside", "at limits"])
+@pytest.mark.parametrize("kind", ["constant", "interpolation", "polynomial"])
+@pytest.mark.parametrize(
+    "model",
+    [pytest.param(model, marks=[] if model in COMPOSITIONS[-3:-1] else pytest.mark.prove) for model in COMPOSITIONS],
+)
+def test_every_covariance_gives_draws_of_every_model(model: str, kind: str, at_limit: bool) -> None:
+    """A damper refuses what is not allowed, so that every one that is made is admissible."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)
+        one = limited(model, kind, at_limit)
+        for size in (1e-3, 1.0, 1e3):
+            wide = with_covariance(one, size)
+            for levels in (False, True):
+                drawn = wide.draws(5, seed=1, levels=levels)
+                assert len(drawn) == 5
+                assert all(np.all(np.isfinite(each.coefficients)) for each in drawn)
+            again = wide.draws(5, seed=1)
+            np.testing.assert_array_equal([each.coefficients for each in drawn], [each.coefficients for each in again])
+
+
+def test_small_errors_are_drawn_as_the_normal_distribution_has_them() -> None:
+    """A change loses its third order: of a hundredth of the way to the limit 2e-4 of itself, at two standard errors."""
+    errors = np.array([8.0, 20.0, 0.5, 3.0, 40.0])
+    one = replace(damper(), prediction_error=None, covariance=np.diag(errors**2))
+    normal = errors * np.random.default_rng(3).standard_normal((2000, 5))
+    drawn = np.array([each.coefficients for each in one.draws(2000, seed=3)]) - one.coefficients
+    np.testing.assert_allclose(drawn, normal, rtol=1e-3)
+    np.testing.assert_allclose(drawn.mean(axis=0) / errors, normal.mean(axis=0) / errors, atol=1e-3)
+    np.testing.assert_allclose(np.cov((drawn / errors).T), np.cov((normal / errors).T), atol=2e-3)
+
+
+def test_a_covariance_of_very_different_units_keeps_its_small_numbers() -> None:
+    """1/m beside m/N: the rounding of the one's variance, 1e-10, is far above the other's, 1e-16."""
+    rng = np.random.default_rng(2)
+    scale = np.array([1e3, 20.0, 2.0, 1e-8])
+    correlation = np.corrcoef(rng.standard_normal((4, 30)))
+    covariance = correlation * np.outer(scale, scale)
+    root = square_root(covariance)
+    np.testing.assert_allclose(root @ root.T, covariance, rtol=1e-12)
+
+
+def test_a_change_goes_towards_a_limit_as_far_as_it_can() -> None:
+    """The closed form of one parameter, downwards and upwards; at the limit only the other way is open."""
+    one = Damper("spring + dahl", {"spring.k0": 0.0, "dahl.kx": 100.0, "dahl.kw": 50.0, "dahl.rho": 4000.0})
+    change = np.array([-7.0, -300.0, 20.0, -4000.0])
+    expected = [-7.0, 100.0 - 300.0 / math.sqrt(10.0), 70.0, 4000.0 * (1.0 - math.sqrt(0.5))]
+    np.testing.assert_allclose(moved(one, change).coefficients, expected, rtol=1e-12)
+    at = one.with_coefficients([0.0, 0.0, 50.0, 4000.0])
+    assert [moved(at, np.array([0.0, d, 0.0, 0.0])).coefficients[1] for d in (-5.0, 5.0)] == [0.0, 5.0]
+    wide = replace(one, covariance=np.diag([1.0, 1e6, 1e4, 1e8]))
+    medians = np.median([each.coefficients for each in wide.draws(4001, 1)], axis=0)
+    np.testing.assert_allclose(medians[1:], one.coefficients[1:], rtol=0.25)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [pytest.param(model, marks=[] if model == "dahl + spring" else pytest.mark.prove) for model in COMPOSITIONS],
+)
+def test_every_model_has_bands_and_scores_with_any_covariance(model: str) -> None:
+    t = np.linspace(0.0, 4.0, 801)
+    x = 0.008 * np.sin(2 * np.pi * t)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)
+        one = with_covariance(limited(model, "interpolation", at_limit=False), 1.0)
+        record = Record(t, x, one.force(t, x, voltage=1.0), voltage=1.0, name="a")
+        scored = score(one, record, band=0.9)
+        assert scored.band is not None
+        assert np.all(np.isfinite(scored.band.low) & np.isfinite(scored.band.high))
+        validated = validate(one, [record])
+        assert validated.no_band == ""

@@ -39,6 +39,9 @@ PRIOR_RECORD = 0.05  # of single records at each input, which cannot tell: as th
 SEEN = 0.05  # singular value of I - H below which a contrast of levels is rounding
 GRID = 80  # values of each standard deviation
 SPAN = (1e-3, 1.0)  # of the standard deviation between sessions on the grid
+NEIGHBOURS = 5  # samples, of whose median a false one stands out, and slow noise or a corner of the loop does not
+FALSE = 12.0  # medians of how far samples are from that, eight standard deviations of white noise: a false sample is none of it
+STANDS_OUT = 6.0  # medians of the whole residual, four standard deviations: corners of the loop stand out by less
 MIN_GROUP = 3  # records at an input, for a shape error of its own
 
 
@@ -217,6 +220,8 @@ class _Level:
 
     @classmethod
     def of(cls, problem: Problem, forces: Sequence[Array], name: str, pieces: Sequence[int]) -> _Level:
+        from scipy.ndimage import median_filter
+
         measured, model, bases = [], [], []
         for k in pieces:
             piece, seen = problem.pieces[k], problem.pieces[k].comparable
@@ -224,15 +229,20 @@ class _Level:
             model.append(forces[k][seen] - np.mean(forces[k][seen]))
             bases.append(phase_basis(piece.t[seen], piece.x[seen], piece.v[seen]))
         F, M, basis = np.concatenate(measured), np.concatenate(model), np.concatenate(bases)
-        square = float(M @ M)
-        level = float(F @ M) / square if square > 0.0 else 1.0
-        if level <= 0.0:  # a record that the fit describes upside down: its level is no factor
-            level = 1.0
-        scale = max(math.sqrt(square / M.size), 1e-300)
-        residual = (F - level * M) / (level * scale)
-        shape = np.asarray(np.linalg.lstsq(basis, residual, rcond=None)[0], dtype=float)
-        rest = residual - basis @ shape
-        lags = np.array([float(np.mean(rest[k:] * rest[: rest.size - k])) for k in range(3)])
+        true = np.ones(F.size, dtype=bool)
+        for _ in range(2):  # of all samples, then without the false ones
+            square = float(M[true] @ M[true])
+            level = float(F[true] @ M[true]) / square if square > 0.0 else 1.0
+            if level <= 0.0:  # a record that the fit describes upside down: its level is no factor
+                level = 1.0
+            scale = max(math.sqrt(square / int(true.sum())), 1e-300)
+            residual = (F - level * M) / (level * scale)
+            shape = np.asarray(np.linalg.lstsq(basis[true], residual[true], rcond=None)[0], dtype=float)
+            rest = residual - basis @ shape
+            away = np.abs(rest - median_filter(rest, NEIGHBOURS))
+            true = away <= max(FALSE * float(np.median(away)), STANDS_OUT * float(np.median(np.abs(rest))))
+        pairs = [(true[k:] & true[: rest.size - k], rest[k:] * rest[: rest.size - k]) for k in range(3)]
+        lags = np.array([float(np.sum(products[both])) / max(int(both.sum()), 1) for both, products in pairs])
         one = problem.pieces[pieces[0]]
         u = float(np.mean([np.mean(problem.pieces[k].u) for k in pieces]))
         return cls(u, math.log(level), shape, lags, float(np.median(np.diff(one.t))))

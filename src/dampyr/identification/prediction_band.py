@@ -4,6 +4,11 @@ A band is made of draws (`dampyr.models.prediction_error`): of the coefficients,
 record to come, of the shape error and the noise. Limits are quantiles of the draws, sample by sample for the force, and of the
 draws' own peaks and energies for these. As with a score only the offset is taken from the record: each draw has the
 record's mean in the window.
+
+A sample holds the white noise of its sensor, the peak of the damper's force does not: the largest of a thousand noisy samples
+lies three of its standard deviations higher. So the draws' peaks have their shape error and their correlated noise, and no
+white one, and from the peak that was measured is taken what white noise adds to the draws' (their median), of the size that
+the record itself has by the median of its second differences.
 """
 
 from __future__ import annotations
@@ -53,7 +58,8 @@ class Band(Representation):
     """The band of a record at ``level``: ``low`` and ``high`` (n,) of the ``measured`` force in N, its offset included.
 
     ``holds`` is the share of the window's samples inside, ``width`` half the mean width over the mean size of the force
-    about the middle of its range (0.12 is ± 12 %). ``peak`` is half the range of the force in N, ``energy`` that of a
+    about the middle of its range (0.12 is ± 12 %). ``peak`` is half the range of the force in N without white noise of the
+    sensor, ``energy`` that of a
     cycle in J, None where the window has no whole cycle. ``session`` is the fitted session that the record belongs to,
     None where it counts as a new one.
     """
@@ -132,8 +138,9 @@ def why_no_band(damper: Damper) -> str:
 
 def drawn_forces(
     damper: Damper, record: Record, draws: int = DRAWS, seed: int = 0, allow_extrapolation: bool = False
-) -> tuple[Array, str | None]:
-    """Forces (draws, n) in N that may be measured along a record, without its offset, and the fitted session that it is of."""
+) -> tuple[Array, Array, str | None]:
+    """Forces (draws, n) in N of the damper along a record, without its offset, the white noise (draws, n) that is measured
+    besides, and the fitted session that the record is of."""
     error = damper.prediction_error
     if error is None or why_no_band(damper):
         raise InputError(f"{why_no_band(damper)}; identify it again from its records")
@@ -153,12 +160,19 @@ def drawn_forces(
         "velocity": record.velocity,
     }
     averaging = None if reach is None else lambda force: averaged(force, *reach)
-    return force_draws(damper, path, draws, seed, session, allow_extrapolation, averaging), session
+    return *force_draws(damper, path, draws, seed, session, allow_extrapolation, averaging), session
 
 
 def _interval(draws: Array, measured: float, tails: tuple[float, float]) -> Interval:
     low, high = np.quantile(draws, tails)
     return Interval(float(low), float(high), measured)
+
+
+def _white(residual: Array, seed: int, draws: int) -> Array:
+    """White noise (draws, n) as large as that of a residual (n,): the median tells it without false samples."""
+    second = residual[1:-1] - 0.5 * (residual[:-2] + residual[2:])  # of white noise it has 1.5 times the variance
+    size = 1.4826 * float(np.median(np.abs(second))) / np.sqrt(1.5)
+    return np.asarray(size * np.random.default_rng([seed, 1]).standard_normal((draws, residual.size)))
 
 
 def prediction_band(
@@ -182,20 +196,22 @@ def prediction_band(
     )
     check_level(level)
     where = scoring_window(record, settling, window)
-    forces, session = drawn_forces(damper, record, draws, seed, allow_extrapolation)
+    forces, noise, session = drawn_forces(damper, record, draws, seed, allow_extrapolation)
     inside = where.slice
     measured = record.force
     forces += (np.mean(measured[inside]) - np.mean(forces[:, inside], axis=1))[:, None]
     tails = 0.5 * (1.0 - level), 0.5 * (1.0 + level)
-    low, high = np.quantile(forces, tails, axis=0)
+    low, high = np.quantile(forces + noise, tails, axis=0)
     seen = (low[inside] <= measured[inside]) & (measured[inside] <= high[inside])
     spread = np.mean(np.abs(measured[inside] - 0.5 * sum(np.quantile(measured[inside], (0.01, 0.99)))))
     peaks = 0.5 * np.ptp(forces[:, inside], axis=1)
+    rough = forces[:, inside] + _white(measured[inside] - np.median(forces[:, inside], axis=0), seed, len(forces))
+    from_noise = float(np.median(0.5 * np.ptp(rough, axis=1) - peaks))
     energy = None
     if span := whole_cycles(record, where):
         part, count = span
         x = record.displacement[part] - np.mean(record.displacement[part])
-        work = [np.trapezoid(one[part] - np.mean(one[part]), x) / count for one in (*forces, measured)]
+        work = [np.trapezoid(one[part] - np.mean(one[part]), x) / count for one in (*(forces + noise), measured)]
         energy = _interval(np.array(work[:-1]), float(work[-1]), tails)
     return Band(
         level=level,
@@ -205,7 +221,7 @@ def prediction_band(
         high=high,
         holds=float(np.mean(seen)),
         width=float(0.5 * np.mean(high[inside] - low[inside]) / spread),
-        peak=_interval(peaks, 0.5 * float(np.ptp(measured[inside])), tails),
+        peak=_interval(peaks, 0.5 * float(np.ptp(measured[inside])) - from_noise, tails),
         energy=energy,
         session=session,
         window=where,

@@ -54,10 +54,9 @@ class Spread(Representation):
 
     ``mean`` (geometric where ``relative``), its ``mean_interval``, the ``spread`` between specimens with ``spread_interval``
     (a part of the mean where ``relative``, else in the unit), and ``new_specimen``, the interval in which a further specimen
-    lies. ``estimates``, their standard ``errors`` (pooled over the specimens unless asked otherwise) and ``shrunken`` (drawn
-    towards the mean as far as their errors ask) by specimen; ``left_out`` says which specimens are missing here, and why.
-    ``level`` is that of all intervals.
-    """
+    lies (how often it does: `dampyr.identification.random_effects`). ``estimates``, their standard ``errors`` (pooled over
+    the specimens unless asked otherwise) and ``shrunken`` (drawn towards the mean as far as their errors ask) by specimen;
+    ``left_out`` says which specimens are missing here, and why. ``level`` is that of all intervals."""
 
     label: str
     unit: str
@@ -193,7 +192,7 @@ class Specimens(Representation):
         )
 
     def new_specimens(self, n: int, seed: int = 0) -> list[Damper]:
-        """``n`` dampers of this type: the mean, the spread between specimens and the error of the mean, Student's t.
+        """``n`` dampers of this type about the mean, as wide as the intervals ``new_specimen``, Student's t.
 
         All are admissible, and go into `dampyr.structures.ensemble`. Raises InputError where a number has no mean, or where
         fewer than 1 % of the draws are admissible.
@@ -252,11 +251,13 @@ class Specimens(Representation):
 
     @cached_property
     def _covariance(self) -> Array:
-        """Of a new specimen, in the coordinates: that between specimens and that of the mean."""
+        """Of a new specimen, in the coordinates: with Student's t its intervals are as wide as those of ``new_specimen``."""
+        from scipy.stats import t
+
         _ = self._mean
         labels = list(self._reference.parameters)
-        effects = [self.effects[label] for label in labels]
-        widths = np.sqrt([one.spread**2 + one.mean_error**2 for one in effects])
+        spans = [self.effects[label].prediction for label in labels]
+        widths = 0.5 * np.diff(spans)[:, 0] / float(t.ppf(0.5 + 0.5 * self.level, len(self.fits) - 1))
         return np.asarray(self.between * np.outer(widths, widths))
 
     @cached_property

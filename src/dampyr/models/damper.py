@@ -17,7 +17,7 @@ from dampyr.models import card
 from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.laws import Constant, Law, WithTemperature, onto_limits
 from dampyr.models.part import part_name
-from dampyr.models.prediction_error import PredictionError, at_level, draws_of, session_words
+from dampyr.models.prediction_error import PredictionError, at_level, draws_of, moved, session_words, square_root
 from dampyr.representation import Representation, Summary, Table, column_name, data_frame, extent, listing
 from dampyr.units import for_people, in_si
 
@@ -581,8 +581,8 @@ class Damper(Representation):
         time, displacement = _path(t, x)
         speed = self._velocity(time, displacement, velocity)
         path = {"t": time, "x": displacement, "voltage": voltage, "current": current, "velocity": speed}
-        forces = force_draws(self, path, draws, seed, session, allow_extrapolation)
-        low, high = np.quantile(forces, (0.5 * (1.0 - level), 0.5 * (1.0 + level)), axis=0)
+        forces, noise = force_draws(self, path, draws, seed, session, allow_extrapolation)
+        low, high = np.quantile(forces + noise, (0.5 * (1.0 - level), 0.5 * (1.0 + level)), axis=0)
         return low, high
 
     def _behind(self, t: Array, u: Array) -> ArrayLike:
@@ -646,14 +646,14 @@ class Damper(Representation):
                 )
 
     def draws(self, n: int, seed: int, levels: bool = True) -> list[Damper]:
-        """``n`` dampers from the distribution of the fit (normal in the coefficients, inadmissible ones drawn again).
+        """``n`` dampers from the distribution of the fit: normal in the coefficients, and inside the allowed values
+        (`dampyr.models.prediction_error`).
 
         With a `prediction_error` each draw is the damper as a test of another session would find it: with the levels of the
         fitted sessions and that of the session to come, and Student's t in the place of the normal distribution.
         ``levels=False`` leaves the levels out. Warns where the covariance holds within the fitted records only: where
         only one or two records determine a coefficient, the difference to another record is not in it. Raises
-        InputError without a covariance, where a coefficient was unidentifiable in the fit, or where fewer than 1 % of
-        the draws are admissible.
+        InputError without a covariance, or where a coefficient was unidentifiable in the fit.
         """
         covariance = self.finite_covariance()
         if self.within_records:
@@ -664,20 +664,12 @@ class Damper(Representation):
                 stacklevel=2,
             )
         rng = np.random.default_rng(seed)
-        if levels and self.prediction_error is not None:
-            return [each.damper.at_level(each.level) for each in draws_of(self, self.prediction_error, n, rng)]
-        dampers: list[Damper] = []
-        for _ in range(100 * n):
-            coefficients = rng.multivariate_normal(self.coefficients, covariance, method="eigh")
-            try:
-                dampers.append(self.with_coefficients(coefficients))
-            except InputError:
-                continue
-            if len(dampers) == n:
-                return dampers
-        raise InputError(
-            f"only {len(dampers)} of {100 * n} draws were admissible; the fit is too uncertain to draw from"
-        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DampyrWarning)  # of doubtful values the damper itself has warned
+            if levels and self.prediction_error is not None:
+                return [each.damper.at_level(each.level) for each in draws_of(self, self.prediction_error, n, rng)]
+            root = square_root(covariance)
+            return [moved(self, root @ rng.standard_normal(len(root))) for _ in range(n)]
 
     def finite_covariance(self) -> Array:
         """The covariance of the coefficients; :class:`~dampyr.errors.InputError` unless dampers can be drawn from it."""

@@ -18,6 +18,15 @@ measured in one session only: a prediction has the difference of two sessions' l
 
 A draw takes all of these: coefficients from their covariance and from the sessions' levels, the level of the record to
 come, its shape error and its noise. `dampyr.identification.levels` estimates the numbers.
+
+A change :math:`\delta` that is drawn for a parameter p goes towards a limit of its allowed values as far as it can,
+
+.. math:: p + \frac{\delta}{\sqrt{1 + (\delta/d)^2}}
+
+with the distance d to the limit on the side of the change: all of :math:`\delta` where there is none, and all but its third
+order where it is small. So every finite covariance gives draws, each of them allowed, and their medians are the fitted values
+(docs/decisions/0043-draws-inside-the-allowed-values.md). For a polynomial this is done to its values at as many points of its
+range as it has coefficients; where it leaves the allowed values between them, its change is halved until it does not.
 """
 
 from __future__ import annotations
@@ -32,11 +41,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
+from dampyr.models.laws import Polynomial, WithTemperature
 
 Array = NDArray[np.float64]
 HARMONICS = 5  # of the phase: a loop's corners need three or more; higher ones count as noise
 AMPLITUDE_QUANTILE = 0.995  # of |x| and |v|: one false sample sets no amplitude
-MAX_TRIES = 100  # draws of inadmissible coefficients for each that is admissible
+CLEARANCE = (
+    1e-12  # of a polynomial's values, which its powers give back to rounding only: as near as it comes to a limit
+)
+HALVINGS = 50  # of a polynomial's change: the last is its rounding
 
 
 @dataclass(frozen=True)
@@ -45,7 +58,8 @@ class ShapeError:
 
     ``shape_mean`` and ``shape_sd`` (10,): cosines and sines of the first to the fifth harmonic of the phase, in pairs.
     ``noise`` is the standard deviation of the correlated noise, ``noise_time`` its correlation time in s, ``white`` that of
-    the white one. ``records`` is how many it rests on.
+    the white one, which is of the sensor: it is in what a sample may be and not in what the damper's peak is. False samples
+    are in neither. ``records`` is how many it rests on.
     """
 
     input: float
@@ -209,6 +223,62 @@ def at_level(damper: Any, level: float) -> Any:
     return damper.with_coefficients(damper.coefficients * np.repeat([level**power for power in _powers(damper)], sizes))
 
 
+def square_root(covariance: Array) -> Array:
+    """The matrix A (m, m) of which A A' is the covariance, from the correlations: the rounding of one variance, in 1/m^2,
+    may be more than all of another, in m^2/N^2."""
+    scale = np.sqrt(np.diag(covariance))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def moved(damper: Any, change: Array) -> Any:
+    """The damper with its coefficients changed by ``change`` (m,), as far as the allowed values let them."""
+    laws, quantities = damper.all_laws.values(), damper.composition.quantities.values()
+    ends = np.cumsum([len(law.coefficients) for law in laws])[:-1]
+    return damper.with_coefficients(
+        np.concatenate(
+            [
+                _law_moved(law, part, quantity.low, quantity.high)
+                for law, part, quantity in zip(laws, np.split(change, ends), quantities, strict=True)
+            ]
+        )
+    )
+
+
+def _law_moved(law: Any, change: Array, low: float, high: float) -> Array:
+    """The coefficients of a law after their change, its values between ``low`` and ``high``."""
+    if isinstance(law, WithTemperature):
+        halves = zip((law.cold, law.warm), np.split(change, 2), strict=True)
+        return np.concatenate([_law_moved(one, part, low, high) for one, part in halves])
+    before = np.array(law.coefficients)
+    if not isinstance(law, Polynomial):
+        return _inside(before, change, low, high)
+    width = (law.high - law.low) or 1.0
+    points = law.low + 0.5 * width * (1.0 - np.cos(np.linspace(0.0, math.pi, before.size)))
+    powers = np.vander(points, increasing=True)
+    values, change = powers @ before, powers @ change
+    clear = CLEARANCE * float(np.abs([values, change]).max())
+    step = np.linalg.solve(powers, _inside(values, change, low + clear, high - clear) - values)
+    for _ in range(HALVINGS):
+        smallest, largest = law.with_coefficients(before + step).extremes()
+        if low < smallest and largest <= high:
+            return np.asarray(before + step)
+        step = 0.5 * step
+    return before  # it stands at its limit where the change would take it beyond
+
+
+def _inside(values: Array, change: Array, low: float, high: float) -> Array:
+    """The values after their change towards a limit, by what is left to it: the difference would lose the digits of that."""
+    limit = np.where(change < 0.0, low, high)
+    room = np.abs(limit - values)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        r = np.where(room > 0.0, np.abs(change) / room, math.inf)
+        h = np.hypot(1.0, r)
+        left = np.where(room > 0.0, room / (h * (h + r)), 0.0)
+        return np.where(np.isinf(room), values + change, np.where(change < 0.0, limit + left, limit - left))
+
+
 def _powers(damper: Any) -> list[int]:
     static = damper.composition.static
     return [
@@ -233,22 +303,14 @@ def draws_of(
     In a fitted session the sessions' levels are those of the fit, so that only what is not known of that session's counts.
     """
     covariance = damper.finite_covariance()
-    values, vectors = np.linalg.eigh(covariance if error.within_sessions is None else error.within_sessions)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    root = square_root(covariance if error.within_sessions is None else error.within_sessions)
     fitted = None if session is None else error.sessions.index(session)
     for _ in range(n):
         spread = error.session_sd * _t_factor(rng, error.session_freedom)
-        for _ in range(MAX_TRIES):
-            change = _t_factor(rng, error.freedom) * root @ rng.standard_normal(values.size)
-            if fitted is None:
-                change = change + spread * rng.standard_normal(len(error.sessions)) @ error.directions
-            try:
-                drawn = damper.with_coefficients(damper.coefficients + change)
-            except InputError:
-                continue
-            break
-        else:
-            raise InputError(f"none of {MAX_TRIES} draws was admissible; the fit is too uncertain to draw from")
+        change = _t_factor(rng, error.freedom) * root @ rng.standard_normal(len(root))
+        if fitted is None:
+            change = change + spread * rng.standard_normal(len(error.sessions)) @ error.directions
+        drawn = moved(damper, change)
         if fitted is None:
             level = spread * rng.standard_normal()
         else:
@@ -273,12 +335,13 @@ def phase_basis(t: Array, x: Array, v: Array) -> Array:
     return np.asarray(radius[:, None] * waves)
 
 
-def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Generator) -> Array:
-    """A residual (n,) over the standard deviation of the force, along the motion of a `phase_basis` with ``dt`` s a sample."""
+def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Generator) -> tuple[Array, Array]:
+    """A residual (n,) over the standard deviation of the force, and its white noise (n,) besides, along the motion of a
+    `phase_basis` with ``dt`` s a sample."""
     n = len(basis)
     wide = math.sqrt(1.0 + 1.0 / max(shape.records, 1))
     coefficients = np.array(shape.shape_mean) + wide * np.array(shape.shape_sd) * rng.standard_normal(2 * HARMONICS)
-    out = basis @ coefficients + shape.white * rng.standard_normal(n)
+    out, white = basis @ coefficients, shape.white * rng.standard_normal(n)
     if shape.noise > 0.0:
         from scipy.signal import lfilter
 
@@ -286,7 +349,7 @@ def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Gen
         drive = shape.noise * math.sqrt(1.0 - keep**2) * rng.standard_normal(n)
         drive[0] = shape.noise * rng.standard_normal()
         out = out + lfilter([1.0], [1.0, -keep], drive)
-    return np.asarray(out)
+    return np.asarray(out), white
 
 
 def force_draws(
@@ -297,9 +360,10 @@ def force_draws(
     session: str | None = None,
     allow_extrapolation: bool = False,
     averaging: Callable[[Array], Array] | None = None,
-) -> Array:
-    """Forces (n, samples) in N that may be measured along a ``path``, the arguments t, x, voltage, current and velocity of
-    `Damper.force`; ``averaging`` is what the measured force went through before its noise.
+) -> tuple[Array, Array]:
+    """Forces (n, samples) in N of the damper along a ``path``, the arguments t, x, voltage, current and velocity of
+    `Damper.force`, and the white noise (n, samples) of the sensor that is measured besides; ``averaging`` is what the measured
+    force went through before its noise.
 
     Raises :class:`~dampyr.errors.InputError` where the damper has no prediction error or none of its sessions has this name.
     """
@@ -315,11 +379,13 @@ def force_draws(
     t, u = path["t"], damper.pick_input(path["voltage"], path["current"])
     rng = np.random.default_rng(seed)
     basis, dt = phase_basis(t, path["x"], path["velocity"]), float(np.median(np.diff(t)))
-    shape, out = error.shape_at(float(np.mean(u))), np.empty((n, len(t)))
+    shape, forces, noise = error.shape_at(float(np.mean(u))), np.empty((n, len(t))), np.empty((n, len(t)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # the prediction itself warns of what is outside
         for k, one in enumerate(draws_of(damper, error, n, rng, session)):
             force = one.level * one.damper.force(**path, allow_extrapolation=allow_extrapolation)
             force = force if averaging is None else averaging(force)
-            out[k] = force + float(np.std(force)) * residual_draw(basis, dt, shape, rng)
-    return out
+            residual, white = residual_draw(basis, dt, shape, rng)
+            size = float(np.std(force))
+            forces[k], noise[k] = force + size * residual, size * white
+    return forces, noise
