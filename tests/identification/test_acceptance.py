@@ -45,14 +45,12 @@ def test_a_card_expects_the_closed_form_of_friction_and_dashpot():
     at_middle = 1.0 - (1.0 + np.tanh(RHO * A)) * np.exp(-RHO * A)
     energy = np.pi * KX * speed * A + 4 * KW * (A - np.tanh(RHO * A) / RHO)
     assert acceptance.passed is True
-    assert len(acceptance.points) == 3 * 5
-    np.testing.assert_allclose(
-        [p.expected for p in of(acceptance, "extension")], KX * speed + KW * at_middle, rtol=2e-3
-    )
-    np.testing.assert_allclose(
-        [p.expected for p in of(acceptance, "compression")], -KX * speed - KW * at_middle, rtol=2e-3
-    )
-    np.testing.assert_allclose([p.expected for p in of(acceptance, "energy")], energy, rtol=2e-3)
+    assert len(acceptance.points) == 3 * 6  # six cycles were run, and a third of one
+    window = np.arccos(0.95)  # of phase, to each side of the peak velocity
+    mean = KX * speed * np.sin(window) / window + KW * at_middle
+    np.testing.assert_allclose([p.expected for p in of(acceptance, "extension")], mean, rtol=2e-3)
+    np.testing.assert_allclose([p.expected for p in of(acceptance, "compression")], -mean, rtol=2e-3)
+    np.testing.assert_allclose([p.expected for p in of(acceptance, "energy")][1:], energy, rtol=2e-3)
     np.testing.assert_allclose([p.speed for p in acceptance.points], speed, rtol=2e-3)
 
 
@@ -93,13 +91,12 @@ def test_a_force_stronger_in_one_direction_shows_half_in_each_until_the_zero_is_
 
 def test_one_cycle_outside_is_outside_and_is_named():
     tested = run()
-    wrong = np.where((tested.time > 2.9) & (tested.time < 3.1), 1.3, 1.0)
+    wrong = np.where((tested.time > 3.4) & (tested.time < 3.6), 1.3, 1.0)
     acceptance = accept(replace(tested, force=tested.force * wrong), CARD)
     assert acceptance.passed is False
     (one,) = acceptance.outside
-    assert (one, one.quantity) == (acceptance.worst, "extension")
+    assert (one, one.quantity, one.cycle) == (acceptance.worst, "compression", 4)
     assert one.deviation == pytest.approx(0.3, abs=0.02)
-    assert tested.time[0] + one.cycle == pytest.approx(3.0, abs=1.0)
 
 
 def test_tests_of_a_reference_are_interpolated_over_speed_in_each_direction():
@@ -251,7 +248,6 @@ def test_repeated_real_tests_judge_each_other(campaign_folder):
         "ensaio10.2.2",
         "ensaio.B.1",
         "ensaio.B.10",
-        "ensaio.A.1",
         "ensaio.A.10",
     }  # fastest and slowest of their input
     assert undecided == ends
