@@ -1,16 +1,18 @@
 r"""Acceptance of a tested damper: whether it lies within a band about a reference, as in production and device tests.
 
-Every whole cycle of every level (`dampyr.records.cut_cycles`) is judged by three quantities: the force at peak velocity in
-extension and in compression (the peak-velocity pick-up of a damper dynamometer, `dampyr.records.cycle_table`), and the energy that
-it dissipates; and so is the mean of each over the cycles of a level. With the reference's value :math:`e` the band is
+Every whole cycle of every level (`dampyr.records.cut_cycles`) is judged by three quantities: the force at peak
+velocity in extension and in compression (the peak-velocity pick-up of a damper dynamometer,
+`dampyr.records.cycle_table`), and the energy that it dissipates; and so is the mean of each over the cycles of a
+level. With the reference's value :math:`e` the band is
 
 .. math:: e \pm (r |e| + a)
 
-with a relative share r and a slack a in N or J. One cycle outside is outside. What the record's own noise explains is allowed beyond
-the edge: z standard errors, :math:`z = \Phi^{-1}(1 - 0.05/N)` for N values, so that noise alone fails a damper within the band in at
-most 5 % of tests, however many cycles they have; but no more than a third of the half band, and the error of a level's mean falls
-with its cycles. A cycle without a reference value (another input, faster, a wider stroke) is not judged, and the reason is kept;
-nothing is extrapolated. Without every level judged there is no verdict but "failed".
+with a relative share r and a slack a in N or J. One cycle outside is outside. What the record's own noise explains is
+allowed beyond the edge: z standard errors, :math:`z = \Phi^{-1}(1 - 0.05/N)` for N values, so that noise alone fails
+a damper within the band in at most 5 % of tests, however many cycles they have; but no more than a third of the half
+band, and the error of a level's mean falls with its cycles. A cycle without a reference value (another input, faster,
+a wider stroke) is not judged, and the reason is kept; nothing is extrapolated. Without every level judged there is no
+verdict but "failed".
 
 The band of 15 % that stands as the default is what a maker of friction dampers promises of each specimen, of its force and of
 the area of its loops [SteelDamper]_. Standards for seismic devices have bands of their own: state yours.
@@ -46,9 +48,9 @@ QUANTITIES: tuple[Quantity, ...] = ("extension", "compression", "energy")
 UNITS = {"extension": "N", "compression": "N", "energy": "J"}
 SHARE = 0.5  # of a quantity's points of a level: with more of them open than judged the test is no test
 RISK = 0.05  # that noise alone fails a damper at the edge of its band
-MOST = 1 / 3  # of half the band: more is not allowed for noise
+NOISE_SHARE = 1 / 3  # of half the band: more is not allowed for noise
 BEYOND = 4 / 3  # of half the band: how far the damper is off whose chance to pass is stated, 20 % with a band of 15 %
-SUCCESSIVE = 4  # cycles of a level: from their differences its scatter is told
+SUCCESSIVE = 8  # cycles of a level: from their differences its scatter is told
 NORMAL = NormalDist()
 
 
@@ -86,10 +88,10 @@ class Tolerance:
 class Point:
     """One quantity of one cycle, SI; forces in compression are negative.
 
-    ``cycle`` counts from 1, ``speed`` is the peak velocity in that direction (of ``energy``: the faster of the two) and is
-    positive. ``error`` is the standard error of ``measured``, None where the record does not tell it. The band is ``low`` to
-    ``high``; ``inside`` allows ``allowance`` beyond it for noise. Where the point was not judged, ``expected``, ``low``, ``high``
-    and ``inside`` are None and ``reason`` says why.
+    ``cycle`` counts from 1, ``speed`` is the peak velocity in that direction (of ``energy``: the faster of the two)
+    and is positive. ``error`` is the standard error of ``measured``, None where the record does not tell it. The band
+    is ``low`` to ``high``; ``inside`` allows ``allowance`` beyond it for noise. Where the point was not judged,
+    ``expected``, ``low``, ``high`` and ``inside`` are None and ``reason`` says why.
     """
 
     cycle: int
@@ -125,9 +127,10 @@ class Point:
 class JudgedLevel:
     """The cycles of one level together, SI.
 
-    ``cycles`` were run, from the cycle ``first`` on, ``judged`` of them by every quantity. ``deviation`` of each quantity is the mean
-    measured over the mean expected value less 1, ``inside`` whether that mean lies within the band, both None where too few cycles
-    were judged, and ``scatter`` the standard deviation of single values over the mean expected one; ``reason`` says why.
+    ``cycles`` were run, from the cycle ``first`` on, ``judged`` of them by every quantity. ``deviation`` of each
+    quantity is the mean measured over the mean expected value less 1, ``inside`` whether that mean lies within the
+    band, both None where too few cycles were judged, and ``scatter`` the standard deviation of single values over the
+    mean expected one; ``reason`` says why.
     """
 
     number: int
@@ -160,7 +163,8 @@ class AcceptancePlots:
         from dampyr.figures import style
         from dampyr.figures.acceptance import band_used
 
-        return style.in_pyplot(band_used, used_of_band(self.results))
+        used, outside = used_of_band(self.results)
+        return style.in_pyplot(band_used, used, outside=outside)
 
 
 @dataclass(frozen=True, repr=False)
@@ -171,10 +175,11 @@ class Acceptance(Representation):
     factor that the measured forces were divided by, 1 unless `relevelled` took one from the first cycles.
 
     ``run`` cycles were run, in halves, and ``cut`` are whole; ``stroke_m`` is the largest stroke of the motion and
-    ``judged_stroke_m`` that of the judged cycles, 0 without any. ``wrong_rejection`` is the chance that a damper just like the reference
-    fails at the record's own scatter, ``wrong_acceptance`` the chance that one passes whose one quantity at one level lies beyond
-    the edge of the band by a third of its half width (off by 20 % where 15 % are allowed), at the level where that chance is
-    largest; None where the record has too few cycles and samples to tell its scatter.
+    ``judged_stroke_m`` that of the judged cycles, 0 without any. ``wrong_rejection`` is the chance that a damper just
+    like the reference fails at the record's own scatter, ``wrong_acceptance`` the chance that one passes whose one
+    quantity at one level lies beyond the edge of the band by a third of its half width (off by 20 % where 15 % are
+    allowed), at the level where that chance is largest; None where the record has too few cycles and samples to tell
+    its scatter.
     """
 
     record: str
@@ -234,7 +239,10 @@ class Acceptance(Representation):
             ("verdict", self.verdict),
             ("input", given),
             ("band", f"{self.tolerance} of the reference"),
-            ("cycles", f"{self.run:g} run, {self.cut} whole, {self.judged_cycles} judged at {len(self.levels)} level(s)"),
+            (
+                "cycles",
+                f"{self.run:g} run, {self.cut} whole, {self.judged_cycles} judged at {len(self.levels)} level(s)",
+            ),
             ("stroke", f"{1e3 * self.stroke_m:.4g} mm at most, judged to {1e3 * self.judged_stroke_m:.4g} mm"),
             ("points", f"{len(self.points)}, {len(self.judged)} judged, {len(self.outside)} outside"),
         ]
@@ -242,7 +250,12 @@ class Acceptance(Representation):
         if worst is not None and worst.deviation is not None:
             rows.append(("worst", f"{worst.quantity} of cycle {worst.cycle}, {100 * worst.deviation:+.3g} %"))
         if self.wrong_rejection is not None and self.wrong_acceptance is not None:
-            rows.append(("risk", f"{percent(self.wrong_rejection)} wrong rejection, {percent(self.wrong_acceptance)} wrong acceptance"))
+            rows.append(
+                (
+                    "risk",
+                    f"{percent(self.wrong_rejection)} wrong rejection, {percent(self.wrong_acceptance)} wrong acceptance",
+                )
+            )
         if self.unjudged:
             rows.append(("not judged", self.reason or next(iter(self.unjudged))))
         return f"Acceptance of {self.record!r}", rows
@@ -330,10 +343,11 @@ def accept(
     cycles; or one or more `Record` of a reference damper at the same input, whose points are interpolated over speed in each
     direction, and whose energies are compared where the strokes agree to 10 % (the record itself among them is left out).
 
-    From the forces of every record, and of the damper's run, its own mean over the cycles of its levels is taken, since a load cell's zero
-    and the gas force are not the damper's work. A force that is larger in one direction only moves that mean, so half of the
-    excess shows in each direction; where the zero is known, give it: ``offset`` in N is then taken from the measured forces,
-    and a damper's force stays as it is. ``allow_extrapolation`` judges beyond what a damper was calibrated on, with a warning.
+    From the forces of every record, and of the damper's run, its own mean over the cycles of its levels is taken,
+    since a load cell's zero and the gas force are not the damper's work. A force that is larger in one direction only
+    moves that mean, so half of the excess shows in each direction; where the zero is known, give it: ``offset`` in N
+    is then taken from the measured forces, and a damper's force stays as it is. ``allow_extrapolation`` judges beyond
+    what a damper was calibrated on, with a warning.
 
     Raises :class:`~dampyr.errors.InputError` for an argument that is wrong. What cannot be judged is a value with a reason.
     """
@@ -368,8 +382,11 @@ def relevelled(one: Acceptance, cycles: int) -> Acceptance:
     points = tuple(
         replace(p, measured=p.measured / level, error=None if p.error is None else p.error / level) for p in later
     )
-    levels = tuple(replace(each, first=max(each.first, cycles + 1), cycles=min(each.cycles, each.first + each.cycles - cycles - 1))
-                   for each in one.levels if each.first + each.cycles > cycles + 1)
+    levels = tuple(
+        replace(each, first=max(each.first, cycles + 1), cycles=min(each.cycles, each.first + each.cycles - cycles - 1))
+        for each in one.levels
+        if each.first + each.cycles > cycles + 1
+    )
     return _with_verdict(replace(one, points=points, levels=levels, level=level), "")
 
 
@@ -400,12 +417,19 @@ def forces_and_band(acceptances: Sequence[Acceptance]) -> tuple[list[list[tuple[
     return [band(acceptances, "extension"), band(acceptances, "compression")], drawn
 
 
-def used_of_band(acceptances: Sequence[Acceptance]) -> dict[str, dict[str, list[float]]]:
-    """Record -> quantity -> what each judged cycle uses of the band; see `Point.used`."""
-    return {
+def used_of_band(
+    acceptances: Sequence[Acceptance],
+) -> tuple[dict[str, dict[str, list[float]]], dict[str, dict[str, list[bool]]]]:
+    """Record -> quantity -> what each judged cycle uses of the band (see `Point.used`), and whether it lies outside."""
+    used: dict[str, dict[str, list[float]]] = {
         one.record: {q: [p.used or 0.0 for p in one.judged if p.quantity == q] for q in one.quantities}
         for one in acceptances
     }
+    outside: dict[str, dict[str, list[bool]]] = {
+        one.record: {q: [p.inside is False for p in one.judged if p.quantity == q] for q in one.quantities}
+        for one in acceptances
+    }
+    return used, outside
 
 
 def _checked_quantities(quantities: Iterable[Quantity], band: Tolerance) -> tuple[Quantity, ...]:
@@ -461,7 +485,9 @@ def _with_verdict(one: Acceptance, reason: str) -> Acceptance:
     count = len(having) + len({(p.level, p.quantity) for p in having})
     z = NORMAL.inv_cdf(1.0 - RISK / max(count, 1))
     points = tuple(_placed(p, z) for p in one.points)
-    levels = tuple(_level(each, [p for p in points if p.level == each.number], one.quantities, z) for each in one.levels)
+    levels = tuple(
+        _level(each, [p for p in points if p.level == each.number], one.quantities, z) for each in one.levels
+    )
     rejection, acceptance = _risks(levels, points, z)
     return replace(
         one, points=points, levels=levels, reason=reason or _reason(levels, one.quantities), wrong_rejection=rejection,
@@ -475,7 +501,7 @@ def _half(points: Sequence[Point]) -> float:
 
 
 def _allowed(half: float, error: float, z: float) -> float:
-    return min(z * error, MOST * half)
+    return min(z * error, NOISE_SHARE * half)
 
 
 def _placed(p: Point, z: float) -> Point:
@@ -544,7 +570,7 @@ def _risks(levels: Sequence[JudgedLevel], points: Sequence[Point], z: float) -> 
         off = BEYOND * half
         all_pass = math.prod(_passes(off, *each) for each in limits)
         wrong = max(wrong, min(all_pass, _passes(off, *mean)))  # the mean passes where the single values do: no product
-    return (max(-math.expm1(right), 0.0), wrong) if judged else (None, None)
+    return (max(0.0, -math.expm1(right)), wrong) if judged else (None, None)
 
 
 def _passes(off: float, spread: float, limit: float) -> float:
@@ -567,5 +593,7 @@ def _reason(levels: Sequence[JudgedLevel], requested: Sequence[Quantity]) -> str
     if len(reasons) == len(levels) and len(set(reasons.values())) == 1:
         return next(iter(reasons.values()))
     return "; ".join(
-        f"level {each.number} of {len(levels)}, {1e3 * each.stroke_m:.4g} mm: {each.reason}" for each in levels if each.reason
+        f"level {each.number} of {len(levels)}, {1e3 * each.stroke_m:.4g} mm: {each.reason}"
+        for each in levels
+        if each.reason
     )

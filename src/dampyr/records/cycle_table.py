@@ -1,9 +1,9 @@
 """Every whole cycle of a record by itself: what a damper dynamometer prints.
 
-The peak-velocity pick-up is the mean of the force over a window of phase, that in which the velocity is above 95 % of its peak (on
-a sine 18 degrees to each side of it, and 98.3 % of the peak velocity on average). One sample at the peak would carry all of the
-noise. Its standard error is :math:`s/\\sqrt{n}` with n samples in the window and the deviation s of the samples of all windows of a
-level about their own mean and one common parabola over the position.
+The peak-velocity pick-up is the mean of the force over a window of phase, that in which the velocity is above 95 % of
+its peak (on a sine 18 degrees to each side of it, and 98.3 % of the peak velocity on average). One sample at the peak
+would carry all of the noise. Its standard error is :math:`s/\\sqrt{n}` with n samples in the window and the deviation
+s of the samples of all windows of a level about their own mean and one common parabola over the position.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.models.numerics.differentiation import carried
 from dampyr.records.cycles import Cut, CutCycle, cut_cycles
 from dampyr.records.record import Array, Record
 from dampyr.records.velocity import PER_TEST_FREQUENCY, WITHOUT_CYCLES, differentiate
@@ -32,12 +33,13 @@ Indices = NDArray[np.int64]
 class Cycle:
     """One whole cycle, SI.
 
-    ``number`` counts from 1 from the start of the motion, ``level`` is the number of its level, 0 of the run-in and the run-out
-    (`dampyr.records.cut_cycles`). ``start_s`` and ``period_s``; ``stroke_m`` from its lowest to its highest point, ``open_m`` from
-    its start to its end; ``least_force`` and ``largest_force``; ``energy`` dissipated, J. The peak-velocity pick-up: ``speed_out``
-    and ``speed_in`` are the largest velocities of extension (positive) and compression (negative), m/s, ``force_out`` and
-    ``force_in`` the mean forces above 95 % of them less the offset of the record, N. ``error_out``, ``error_in`` and
-    ``energy_error`` are standard errors by the noise within the record, None where it has too few samples to tell.
+    ``number`` counts from 1 from the start of the motion, ``level`` is the number of its level, 0 of the run-in and
+    the run-out (`dampyr.records.cut_cycles`). ``start_s`` and ``period_s``; ``stroke_m`` from its lowest to its
+    highest point, ``open_m`` from its start to its end; ``least_force`` and ``largest_force``; ``energy`` dissipated,
+    J. The peak-velocity pick-up: ``speed_out`` and ``speed_in`` are the largest velocities of extension (positive)
+    and compression (negative), m/s, ``force_out`` and ``force_in`` the mean forces above 95 % of them less the offset
+    of the record, N. ``error_out``, ``error_in`` and ``energy_error`` are standard errors by the noise within the
+    record, None where it has too few samples to tell.
     """
 
     number: int
@@ -61,9 +63,10 @@ class Cycle:
 def cycle_table(record: Record, offset: float | None = None) -> list[Cycle]:
     """The whole cycles in their order, as `dampyr.records.cut_cycles` cuts them.
 
-    The velocity is derived level by level, since it leaps where a step of amplitude begins, at 15 times the level's frequency.
-    ``offset`` in N is taken from the forces at peak velocity; None takes the mean force over the cycles of all levels. What comes
-    before the first turning point of a motion that begins in the middle is left out of the pick-up: there a damper comes from rest.
+    The velocity is derived level by level, since it leaps where a step of amplitude begins, at 15 times the level's
+    frequency. ``offset`` in N is taken from the forces at peak velocity; None takes the mean force over the cycles of
+    all levels. What comes before the first turning point of a motion that begins in the middle is left out of the
+    pick-up: there a damper comes from rest.
 
     Raises InputError where there is no whole cycle.
     """
@@ -128,7 +131,8 @@ def _speed(record: Record, level: Sequence[CutCycle]) -> Array:
         if k + 1 < len(level) and level[k + 1].first - one.last <= 2:
             continue
         part = slice(level[begin].first, one.last + 1)
-        own = bandwidth if part.stop - part.start >= FEW else None
+        low, high = carried(record.dt, float(record.time[part][-1] - record.time[part][0]))
+        own = None if part.stop - part.start < FEW else min(max(bandwidth, low), high)
         out[part] = differentiate(record.time[part], record.displacement[part], own)
         begin = k + 1
     return out

@@ -42,8 +42,15 @@ HALTED = 0.4  # of a leg's duration near its middle: there the motion pauses
 NEAR_MIDDLE, AT_MIDDLE = 0.05, 0.01  # of a leg: the zone in which a pause is looked for, and its ends
 HALF_LEG = 0.7  # of the leg beyond: two such legs in a row meet where one level ends in the middle and the next begins
 SAME_STROKE, SAME_PERIOD = 0.1, 0.2  # relative: cycles of one level
+RISING, RANGE, IN_ORDER = (
+    4,
+    2.0,
+    0.9,
+)  # cycles, of the largest over the smallest stroke, rank correlation: rising strokes
 RUN_IN_TO = 3  # cycles of a level: single cycles that grow up to it, or fall from it, are its run-in or run-out
-_cache: WeakKeyDictionary[Record, Indices] = WeakKeyDictionary()  # records never change, and every package needs their cycles
+_cache: WeakKeyDictionary[Record, Indices] = (
+    WeakKeyDictionary()
+)  # records never change, and every package needs their cycles
 _cuts: WeakKeyDictionary[Record, Cut] = WeakKeyDictionary()
 
 
@@ -51,10 +58,10 @@ _cuts: WeakKeyDictionary[Record, Cut] = WeakKeyDictionary()
 class CutCycle:
     """A cycle or half cycle as it was commanded, SI.
 
-    ``number`` counts from 1 from the start of the motion, half cycles by themselves; ``level`` is the level's number, 0 of a cycle
-    of the run-in or run-out. It lasts from ``start_s`` to ``stop_s``, between samples where the motion passes its position
-    between them; the samples ``first`` to ``last`` lie within. ``stroke_m`` is from its lowest to its highest point, ``open_m`` how
-    far its end lies from its start.
+    ``number`` counts from 1 from the start of the motion, half cycles by themselves; ``level`` is the level's number,
+    0 of a cycle of the run-in or run-out. It lasts from ``start_s`` to ``stop_s``, between samples where the motion
+    passes its position between them; the samples ``first`` to ``last`` lie within. ``stroke_m`` is from its lowest to
+    its highest point, ``open_m`` how far its end lies from its start.
     """
 
     number: int
@@ -112,6 +119,17 @@ class Cut:
         """Whether this is a test of levels: two or more of different strokes or periods, which hold most of its cycles."""
         several = [each for each in self.levels if each.count > 1]
         return len(several) > 1 and sum(each.count for each in several) > 0.5 * len(self.cycles)
+
+    @property
+    def graded(self) -> bool:
+        """Whether the motion was commanded with rising or falling strokes: in levels, or from cycle to cycle."""
+        strokes = np.array([each.stroke_m for each in self.cycles if each.level])
+        if self.stepped:
+            return True
+        if strokes.size < RISING or strokes.max() < RANGE * strokes.min():
+            return False
+        rank = np.argsort(np.argsort(strokes))
+        return bool(abs(np.corrcoef(rank, np.arange(strokes.size))[0, 1]) > IN_ORDER)
 
     @property
     def repeats(self) -> bool:
@@ -176,6 +194,20 @@ def cycles(record: Record) -> list[tuple[int, int]]:
     Those in between are kept, so the ranges follow on one another. Of the two ways to cut (upper or lower turning points) the
     one with more cycles is taken, the earlier one when they are equal. An empty list says that there is no whole cycle.
     """
+    spans = similar_cycles(record)
+    if not spans:
+        return []
+    x = record.displacement
+    far = [x[i0 + int(np.argmax(np.abs(x[i0 : i1 + 1] - x[i0])))] for i0, i1 in spans]
+    span = np.abs([(point - x[i0], point - x[i1]) for point, (i0, i1) in zip(far, spans, strict=True)])
+    apart = np.abs(span / np.median(span) - 1.0)
+    ramp = np.max(apart, axis=1) > max(OF_FULL_AMPLITUDE, BEYOND_SCATTER * float(np.median(apart)))
+    full = np.flatnonzero(~ramp)
+    return spans[full[0] : full[-1] + 1] if full.size else spans
+
+
+def similar_cycles(record: Record) -> list[tuple[int, int]]:
+    """The ranges of `cycles` with those of ramps at both ends that differ by less than 30 % from the median cycle."""
     points = turning_points(record)
     made = cut_cycles(record)
     if made.stepped:
@@ -255,15 +287,7 @@ def _like_the_others(record: Record, points: Indices) -> list[tuple[int, int]]:
     indices = np.flatnonzero(alike)
     if len(indices) == 0:
         return []
-    first, last = int(indices[0]), int(indices[-1])
-    level = float(np.median(span[first : last + 1]))
-    apart = np.abs(span / level - 1.0)
-    ramp = np.max(apart, axis=1) > max(OF_FULL_AMPLITUDE, BEYOND_SCATTER * float(np.median(apart[first : last + 1])))
-    while first < last and ramp[first]:
-        first += 1
-    while first < last and ramp[last]:
-        last -= 1
-    return [(int(edges[k]), int(edges[k + 1])) for k in range(first, last + 1)]
+    return [(int(edges[k]), int(edges[k + 1])) for k in range(indices[0], indices[-1] + 1)]
 
 
 def _cut(record: Record) -> Cut:
@@ -280,10 +304,10 @@ def _cut(record: Record) -> Cut:
         own = points[low:high]
         begins = start if k == 0 else _left(x, int(points[low - 1]), int(own[0]))
         ends = stop if high == len(points) else _reached(x, int(own[-1]), int(points[high]))
-        edges, known, middle = _edges(record, own, begins, ends, k > 0)
+        edges, from_start, middle = _edges(record, own, begins, ends, k > 0)
         halves += [(a[1], b[0]) for a, b in pairwise(edges)]
         if k == 0:
-            from_start, in_the_middle = known, middle
+            from_start, in_the_middle = from_start, middle
     legs = np.abs(np.diff(x[np.r_[start, points, stop]]))
     return _counted(record, halves, from_start, float(np.max(legs)), in_the_middle, float(record.time[points[0]]))
 
@@ -367,7 +391,7 @@ def _edges(
     start = start if rested else 0
     away = float(x[start] - centre[0]) / amplitude
     opposite = away * (x[points[0]] - x[start]) < 0.0
-    known = True
+    from_start = True
     if abs(away) <= (STARTS_IN_THE_MIDDLE if rested else AT_ONCE):
         edges, level, begins = [(t[start], t[start])], centre + (x[start] - centre[0]), True
     elif opposite and abs(away) >= (STARTS_IN_THE_MIDDLE if rested else 1.0 - AT_ONCE):
@@ -375,10 +399,15 @@ def _edges(
         edges = [(t[start], t[start]), *(_turned(t, x, points, k, lasting) for k in range(len(points)))]
         return _with_end(edges, x, t, points, stop, float(x[points[-2]]), noise), True, False
     else:
-        edges, level, known, begins = _passed(t, x, start, int(points[0]), float(centre[0]), noise), centre, rested, True
+        edges, level, from_start, begins = (
+            _passed(t, x, start, int(points[0]), float(centre[0]), noise),
+            centre,
+            rested,
+            True,
+        )
     for k, (one, other) in enumerate(pairwise(points.tolist())):
         edges += _passed(t, x, one, other, float(level[k]), noise)
-    return _with_end(edges, x, t, points, stop, float(level[-1]), noise), known, begins
+    return _with_end(edges, x, t, points, stop, float(level[-1]), noise), from_start, begins
 
 
 def _with_end(
@@ -393,9 +422,7 @@ def _with_end(
     return [*edges, (t[stop], t[stop])] if abs(x[stop] - level) <= NEAR_MIDDLE * leg else edges
 
 
-def _passed(
-    t: Array, x: Array, one: int, other: int, level: float, noise: float
-) -> list[tuple[float, float]]:
+def _passed(t: Array, x: Array, one: int, other: int, level: float, noise: float) -> list[tuple[float, float]]:
     """Where the motion from one sample to another passes ``level``: the time twice, or those of both ends of a pause there."""
     side = x[one : other + 1] - level
     leg = abs(side[-1] - side[0])
@@ -436,7 +463,7 @@ def _left(x: Array, meeting: int, following: int) -> int:
 
 
 def _counted(
-    record: Record, halves: Sequence[tuple[float, float]], known: bool, stroke: float, middle: bool, turn: float
+    record: Record, halves: Sequence[tuple[float, float]], from_start: bool, stroke: float, middle: bool, turn: float
 ) -> Cut:
     """The half cycles numbered and paired, the cycles in levels."""
     half_cycles = tuple(_span(record, k + 1, a, b) for k, (a, b) in enumerate(halves))
@@ -453,7 +480,7 @@ def _counted(
     return Cut(
         tuple(_on_level(one, of_cycle[one.number]) for one in whole),
         tuple(_on_level(one, of_half.get(one.number, 0)) for one in half_cycles),
-        levels, known, stroke, middle, turn,
+        levels, from_start, stroke, middle, turn,
     )  # fmt: skip
 
 
@@ -500,7 +527,9 @@ def _span(record: Record, number: int, start: float, stop: float) -> CutCycle:
     last = max(int(np.searchsorted(t, stop, side="right")) - 1, first)
     ends = np.interp([start, stop], t, x)
     own = np.r_[ends, x[first : last + 1]]
-    return CutCycle(number, 0, float(start), float(stop), first, last, float(np.ptp(own)), float(abs(ends[1] - ends[0])))
+    return CutCycle(
+        number, 0, float(start), float(stop), first, last, float(np.ptp(own)), float(abs(ends[1] - ends[0]))
+    )
 
 
 def _on_level(one: CutCycle, level: int) -> CutCycle:
