@@ -142,7 +142,7 @@ def _window(record: Record, made: Cut, one: CutCycle, speed: Array) -> Indices:
     """The samples of a cycle at which ``speed`` is above 95 % of its peak."""
     first = one.first
     if one.number == 1 and made.begins_in_the_middle and made.from_start:
-        first = int(np.searchsorted(record.time, made.first_turn))
+        first = min(int(np.searchsorted(record.time, made.first_turn)), one.last)
     part = speed[first : one.last + 1]
     return first + np.flatnonzero(part >= WINDOW * np.max(part))
 

@@ -33,7 +33,7 @@ BEYOND_SCATTER = 6.0  # ... unless the legs differ among themselves: median abso
 SMALLEST_LEVEL = 0.02  # of the largest stroke: smaller motions are not counted as cycles
 OVER_REST = 2.5  # times what a displacement at rest strays: legs that noise does not make
 LONG_LEG = 3.0  # times the median leg's duration: it may hide a pause, or a level of small strokes
-EXCURSION = 0.1  # of the first legs: motion for certain
+EXCURSION = 0.1  # of the way to the first turning point: motion for certain
 NEARBY = 2  # legs to each side, of whose middles the median is the mean position there
 STARTS_IN_THE_MIDDLE = 0.5  # of the amplitude: a motion that begins closer to its mean position is cut where it began
 AT_ONCE = 0.1  # of the amplitude: what a record that begins in full motion may be away from its mean position or turning point
@@ -358,13 +358,11 @@ def _turns_within(x: Array, low: int, high: int, floor: float, neighbour: float 
 def _rest_ends(x: Array, points: Indices) -> tuple[int, int]:
     """The last sample at rest before the motion and the first one after it, or the record's ends."""
 
-    def start(values: Array, first: Indices) -> int:
-        size = float(np.max(np.abs(np.diff(values[first]))))
-        away = np.flatnonzero(np.abs(values[: first[-1] + 1] - values[0]) > EXCURSION * size)
-        return last_at_rest(values, int(away[0])) if away.size else 0
+    def start(values: Array, first: int) -> int:
+        away = np.abs(values[: first + 1] - values[0])
+        return last_at_rest(values, int(np.argmax(away > EXCURSION * away[-1])))
 
-    few = 2 * NEARBY + 1
-    return start(x, points[:few]), len(x) - 1 - start(x[::-1], len(x) - 1 - points[::-1][:few])
+    return start(x, int(points[0])), len(x) - 1 - start(x[::-1], len(x) - 1 - int(points[-1]))
 
 
 def _meetings(x: Array, points: Indices) -> list[int]:
