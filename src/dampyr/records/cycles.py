@@ -358,9 +358,11 @@ def _turns_within(x: Array, low: int, high: int, floor: float, neighbour: float 
 def _rest_ends(x: Array, points: Indices) -> tuple[int, int]:
     """The last sample at rest before the motion and the first one after it, or the record's ends."""
 
+    noise = rest_tolerance(x)
+
     def start(values: Array, first: int) -> int:
         away = np.abs(values[: first + 1] - values[0])
-        return last_at_rest(values, int(np.argmax(away > EXCURSION * away[-1])))
+        return last_at_rest(values, int(np.argmax(away > max(EXCURSION * away[-1], min(noise, 0.5 * away[-1])))))
 
     return start(x, int(points[0])), len(x) - 1 - start(x[::-1], len(x) - 1 - int(points[-1]))
 

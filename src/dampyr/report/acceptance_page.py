@@ -87,13 +87,17 @@ def _verdict(one: Acceptance) -> Verdict:
 
 def _short(results: Sequence[Acceptance]) -> list[Block]:
     rows: list[list[Cell]] = []
+    worst_rows: list[list[Cell]] = []
     for one in results:
         worst = one.worst
         off = None if worst is None or worst.deviation is None else 100 * worst.deviation
         rows.append(
             [one.record, _input(one), _verdict(one), one.run, one.cut, one.judged_cycles, 1e3 * one.stroke_m,
-             1e3 * one.judged_stroke_m, len(one.outside), worst.quantity if worst else None,
-             worst.cycle if worst else None, off, _chance(one.wrong_rejection), _chance(one.wrong_acceptance)]
+             1e3 * one.judged_stroke_m, len(one.outside)]
+        )  # fmt: skip
+        worst_rows.append(
+            [one.record, worst.quantity if worst else None, worst.cycle if worst else None, off,
+             _chance(one.wrong_rejection), _chance(one.wrong_acceptance)]
         )  # fmt: skip
     what = ", ".join(results[0].quantities)
     relative = results[0].tolerance.relative
@@ -105,19 +109,24 @@ def _short(results: Sequence[Acceptance]) -> list[Block]:
             "one of these has neither passed nor failed."
         ),
         Table(
-            ("record", "input", "verdict", "run", "cut", "judged", "stroke", "judged to", "outside", "worst", "cycle", "off by",
-             "wrong rejection", "wrong acceptance"),
+            ("record", "input", "verdict", "run", "cut", "judged", "stroke", "judged to", "outside"),
             rows,
-            ("", "", "", "cycles", "cycles", "cycles", "mm", "mm", "points", "", "", "%", "", ""),
+            ("", "", "", "cycles", "cycles", "cycles", "mm", "mm", "points"),
+            digits=4,
+            caption="Cycles count from the start of the motion: those run, those of them that are whole, those judged.",
+        ),
+        Table(
+            ("record", "worst", "cycle", "off by", "wrong rejection", "wrong acceptance"),
+            worst_rows,
+            ("", "", "", "%", "chance", "chance"),
             digits=3,
             caption=(
-                "Cycles count from the start of the motion: those run, those of them that are whole, those judged. The "
-                "worst point is the one that uses most of its band. Wrong rejection: the chance that a damper just like the "
-                f"reference fails at this record's scatter. Wrong acceptance: that one passes which is {beyond} in one "
+                "The worst point is the one that uses most of its band. Wrong rejection: the chance that a damper just like "
+                f"the reference fails at this record's scatter. Wrong acceptance: that one passes which is {beyond} in one "
                 "quantity at one level."
             ),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _chance(chance: float | None) -> str | None:
@@ -125,42 +134,34 @@ def _chance(chance: float | None) -> str | None:
 
 
 def _levels(results: Sequence[Acceptance]) -> list[Block]:
-    """The means of every level; the scatter of single cycles beside them."""
+    """The means of every level, and the scatter of single cycles."""
     names = results[0].quantities
     levels = [(one, each) for one in results for each in one.levels]
     if not levels:
         return [Text("No record has a whole cycle.")]
     rows: list[list[Cell]] = []
     for one, each in levels[:MAX_POINTS]:
-        shown = [_percent(each.deviation.get(q)) for q in names]
-        scatter = [_percent(each.scatter.get(q)) for q in names]
         word: Kind = "failed" if each in one.levels_outside else "not judged" if each.reason else "passed"
-        rows.append([one.record, each.number, each.cycles, each.judged, 1e3 * each.stroke_m, each.frequency_hz, Verdict(word),
-                     *shown, *scatter])  # fmt: skip
+        means = [_mean(each.deviation.get(q), each.scatter.get(q)) for q in names]
+        judged = f"{each.judged} of {each.cycles}"
+        rows.append([one.record, each.number, judged, 1e3 * each.stroke_m, each.frequency_hz, Verdict(word), *means])
     more = f" The first {MAX_POINTS} of {len(levels)}." if len(levels) > MAX_POINTS else ""
     return [
         Table(
-            (
-                "record",
-                "level",
-                "cycles",
-                "judged",
-                "stroke",
-                "frequency",
-                "mean",
-                *names,
-                *(f"scatter, {q}" for q in names),
-            ),
+            ("record", "level", "judged", "stroke", "frequency", "mean", *names),
             rows,
-            ("", "", "", "", "mm", "Hz", "", *("%",) * (2 * len(names))),
+            ("", "", "cycles", "mm", "Hz", "", *("%" for _ in names)),
             digits=3,
-            caption=f"Mean of measured over expected less 1, and the standard deviation of single cycles about it.{more}",
+            caption=f"Mean of measured over expected less 1, ± the standard deviation of a single cycle.{more}",
         )
     ]
 
 
-def _percent(share: float | None) -> float | None:
-    return None if share is None else 100 * share
+def _mean(deviation: float | None, scatter: float | None) -> str | None:
+    if deviation is None:
+        return None
+    text = f"{100 * deviation:+.1f}" + ("" if scatter is None else f" ± {100 * scatter:.1f}")
+    return text.replace(" ", "\N{NO-BREAK SPACE}").replace("-", "\N{MINUS SIGN}")
 
 
 def _forces(results: Sequence[Acceptance]) -> list[Block]:
