@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.records.channel_noise import last_at_rest, rest_tolerance
 from dampyr.records.record import Array, Record
+from dampyr.representation import Representation, Summary
 
 Indices = NDArray[np.int64]
 FRACTION_OF_LEG = 0.25  # a reversal smaller than this part of a leg is noise or a stop, no turning point
@@ -47,6 +48,7 @@ RISING, RANGE, IN_ORDER = (
     2.0,
     0.9,
 )  # cycles, of the largest over the smallest stroke, rank correlation: rising strokes
+SHOWN = 5  # levels in a summary
 RUN_IN_TO = 3  # cycles of a level: single cycles that grow up to it, or fall from it, are its run-in or run-out
 _cache: WeakKeyDictionary[Record, Indices] = (
     WeakKeyDictionary()
@@ -90,8 +92,8 @@ class Level:
         return self.last - self.first + 1
 
 
-@dataclass(frozen=True)
-class Cut:
+@dataclass(frozen=True, repr=False)
+class Cut(Representation):
     """A motion as it was cut.
 
     ``cycles`` are whole; ``half_cycles`` are those of all of them and one more where the motion ends, or pauses, half a cycle
@@ -108,6 +110,21 @@ class Cut:
     stroke_m: float = 0.0
     begins_in_the_middle: bool = False
     first_turn: float = -np.inf
+
+    def _summary(self) -> Summary:
+        rows = [
+            (
+                "cycles",
+                f"{self.run:g} run, {len(self.cycles)} whole{'' if self.from_start else ', from the first pass on'}",
+            )
+        ]
+        rows += [
+            (f"level {each.number}", f"{each.count} x {1e3 * each.stroke_m:.4g} mm at {1.0 / each.period_s:.4g} Hz")
+            for each in self.levels[:SHOWN]
+        ]
+        if len(self.levels) > SHOWN:
+            rows.append(("", f"and {len(self.levels) - SHOWN} more levels"))
+        return "Cut", rows
 
     @property
     def run(self) -> float:
