@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 from tests.identification.synthetic import sine
+from tests.identification.test_acceptance import THREE, ladder
 
 from dampyr.cli import cli
 from dampyr.models import Damper
@@ -41,7 +42,8 @@ def test_the_exit_code_tells_the_verdict(lab: Path) -> None:
     assert (failed.exit_code, failed.stdout.splitlines()[0]) == (1, "3 records: 1 passed, 1 failed, 1 not judged")
     assert "not judged: no whole cycle – still" in failed.stdout
     row = next(line for line in failed.stdout.splitlines() if line.strip().startswith("strong"))
-    assert row.split()[-1] == "20"
+    assert row.split()[-7:-6] == ["20"]  # before the two chances
+    assert "4 of 5" in row  # the first cycle grows
     assert run(lab / "card.toml", lab / "good.h5", lab / "still.h5").exit_code == 3
     assert run(lab / "card.toml", lab / "good.h5", "--tolerance", "fifteen").exit_code == 2
 
@@ -94,3 +96,32 @@ def test_another_input_is_not_judged(lab: Path) -> None:
     result = run("spencer_1997", lab / "nine.h5")
     assert result.exit_code == 3
     assert "voltage 9 V is outside the calibrated range" in result.stdout
+
+
+def test_a_damper_that_is_weak_at_its_design_amplitude_does_not_pass(tmp_path: Path) -> None:
+    """25/50/100 % of 8 mm, three cycles each, the force of the last level 0.6 times the published one."""
+    weak = ladder(THREE, weak=0.6)
+    write(weak, tmp_path / "weak.csv")
+    failed = run("raminelli_2020", tmp_path / "weak.csv", "--report", tmp_path / "page.html")
+    assert failed.exit_code == 1
+    assert "1 record: 1 failed" in failed.stdout
+    assert "9 of 9" in failed.stdout
+    assert [line.split()[1:5] for line in failed.stdout.splitlines() if line.split()[-1:] == ["outside"]][-1] == [
+        "3",
+        "3",
+        "3",
+        "16",
+    ]
+    output = json.loads(run("raminelli_2020", tmp_path / "weak.csv", "--json").stdout)["records"][0]
+    assert (output["run"], output["cut"], output["judged_cycles"]) == (9.0, 9, 9)
+    assert output["judged_stroke_m"] == pytest.approx(0.016, rel=1e-3)
+    assert output["wrong_rejection"] < 1e-3 > output["wrong_acceptance"]
+    page = (tmp_path / "page.html").read_text("utf-8")
+    assert "The levels" in page
+    assert "wrong acceptance" in page
+    write(ladder(THREE), tmp_path / "good.csv")
+    assert run("raminelli_2020", tmp_path / "good.csv").exit_code == 0
+    told = CliRunner().invoke(cli, ["records", str(tmp_path / "weak.csv")]).stdout
+    assert "3 levels, 9 whole cycles of 9, 4 to 16 mm peak to peak" in told
+    assert "smoothed" not in told
+    assert "no repeating cycle" not in told

@@ -11,6 +11,7 @@ from dampyr.identification import Tolerance, accept, fit
 from dampyr.identification.acceptance import band
 from dampyr.models import Damper, published
 from dampyr.records import Record, read_campaign
+from dampyr.studies import load_damper
 
 KX, KW, RHO = 900.0, 150.0, 3000.0
 A, HZ = 0.010, 1.0
@@ -45,14 +46,12 @@ def test_a_card_expects_the_closed_form_of_friction_and_dashpot():
     at_middle = 1.0 - (1.0 + np.tanh(RHO * A)) * np.exp(-RHO * A)
     energy = np.pi * KX * speed * A + 4 * KW * (A - np.tanh(RHO * A) / RHO)
     assert acceptance.passed is True
-    assert len(acceptance.points) == 3 * 5
-    np.testing.assert_allclose(
-        [p.expected for p in of(acceptance, "extension")], KX * speed + KW * at_middle, rtol=2e-3
-    )
-    np.testing.assert_allclose(
-        [p.expected for p in of(acceptance, "compression")], -KX * speed - KW * at_middle, rtol=2e-3
-    )
-    np.testing.assert_allclose([p.expected for p in of(acceptance, "energy")], energy, rtol=2e-3)
+    assert len(acceptance.points) == 3 * 6  # six cycles were run, and a third of one
+    window = np.arccos(0.95)  # of phase, to each side of the peak velocity
+    mean = KX * speed * np.sin(window) / window + KW * at_middle
+    np.testing.assert_allclose([p.expected for p in of(acceptance, "extension")], mean, rtol=2e-3)
+    np.testing.assert_allclose([p.expected for p in of(acceptance, "compression")], -mean, rtol=2e-3)
+    np.testing.assert_allclose([p.expected for p in of(acceptance, "energy")][1:], energy, rtol=2e-3)
     np.testing.assert_allclose([p.speed for p in acceptance.points], speed, rtol=2e-3)
 
 
@@ -93,13 +92,12 @@ def test_a_force_stronger_in_one_direction_shows_half_in_each_until_the_zero_is_
 
 def test_one_cycle_outside_is_outside_and_is_named():
     tested = run()
-    wrong = np.where((tested.time > 2.9) & (tested.time < 3.1), 1.3, 1.0)
+    wrong = np.where((tested.time > 3.4) & (tested.time < 3.6), 1.3, 1.0)
     acceptance = accept(replace(tested, force=tested.force * wrong), CARD)
     assert acceptance.passed is False
     (one,) = acceptance.outside
-    assert (one, one.quantity) == (acceptance.worst, "extension")
+    assert (one, one.quantity, one.cycle) == (acceptance.worst, "compression", 4)
     assert one.deviation == pytest.approx(0.3, abs=0.02)
-    assert tested.time[0] + one.cycle == pytest.approx(3.0, abs=1.0)
 
 
 def test_tests_of_a_reference_are_interpolated_over_speed_in_each_direction():
@@ -251,7 +249,6 @@ def test_repeated_real_tests_judge_each_other(campaign_folder):
         "ensaio10.2.2",
         "ensaio.B.1",
         "ensaio.B.10",
-        "ensaio.A.1",
         "ensaio.A.10",
     }  # fastest and slowest of their input
     assert undecided == ends
@@ -270,3 +267,112 @@ def test_a_card_of_the_campaign_judges_the_validation_record(campaign_folder):
     assert accept(vali.replace(note="weak", force=0.75 * vali.force), card).passed is False
     other = next(r for r in records if r.voltage == 1.98)
     assert accept(other, card).reason.startswith("voltage 1.98 V is outside the calibrated range")
+
+
+PUBLISHED = load_damper("raminelli_2020")
+THREE = [(0.25, 3), (0.5, 3), (1.0, 3)]
+LADDERS = {
+    "25/50/100 %": THREE,
+    "falling": THREE[::-1],
+    "FEMA 461": [(0.048 * 1.4**k, 2) for k in range(10)],
+    "25/50/75/100 %": [(0.25, 5), (0.5, 5), (0.75, 5), (1.0, 5)],
+    "50/100 %": [(0.5, 5), (1.0, 5)],
+    "80/100 %": [(0.8, 5), (1.0, 5)],
+    "peak in the middle": [(0.5, 3), (1.0, 3), (0.5, 3)],
+    "modified ATC-24": [(0.1, 3), (0.2, 3), (0.3, 3), (0.5, 2), (0.7, 2), (1.0, 1)],
+}
+
+
+def ladder(levels, weak=1.0, voltage=1.98, hz=1.0, rest=0.5, pause=0.0, noise=0.0):
+    """Levels (share of 8 mm, cycles) of the published damper, ``weak`` times as strong at the largest one."""
+    pieces, factors, largest = [np.zeros(round(200 * rest))], [np.ones(round(200 * rest))], max(s for s, _ in levels)
+    for share, cycles in levels:
+        t = np.arange(round(200 * cycles / hz)) / 200.0
+        pieces += [8e-3 * share * np.sin(2 * np.pi * hz * t), np.zeros(round(200 * pause))]
+        factors += [np.full(len(t) + len(pieces[-1]), weak if share == largest else 1.0)]
+    x, factor = np.concatenate([*pieces, np.zeros(101)]), np.concatenate([*factors, np.ones(101)])
+    t = np.arange(len(x)) / 200.0
+    force = factor * PUBLISHED.force(t, x, voltage=voltage)
+    force = force + noise * np.max(np.abs(force)) * np.random.default_rng(0).standard_normal(len(t))
+    return Record(t, x, force, voltage=voltage, name="ladder")
+
+
+@pytest.mark.parametrize("name", LADDERS)
+def test_a_damper_that_is_weak_at_its_design_amplitude_fails_and_a_good_one_passes_with_every_cycle(name):
+    run = sum(cycles for _, cycles in LADDERS[name])
+    for pause, noise in ((0.0, 0.0), (1.0, 0.005)):
+        good = accept(ladder(LADDERS[name], pause=pause, noise=noise), PUBLISHED)
+        assert (good.verdict, good.run, good.cut, good.judged_cycles) == ("passed", run, run, run), good
+        assert [each.cycles for each in good.levels if each.judged == each.cycles] == [n for _, n in LADDERS[name]]
+        assert good.judged_stroke_m == pytest.approx(good.stroke_m, rel=0.02)
+        assert good.stroke_m == pytest.approx(0.016 * max(s for s, _ in LADDERS[name]), rel=0.02)
+    weak = accept(ladder(LADDERS[name], weak=0.6), PUBLISHED)
+    assert weak.verdict == "failed"
+    (level,) = weak.levels_outside
+    assert level.stroke_m == max(each.stroke_m for each in weak.levels)
+    assert level.deviation["compression"] == pytest.approx(-0.4, abs=0.03)
+
+
+def test_without_the_largest_level_judged_there_is_no_verdict():
+    """A card that was calibrated on half of the stroke says nothing of the design amplitude, and a push that ends no
+    cycle has no loop."""
+    narrow = replace(PUBLISHED, ranges={"displacement": (0.0, 0.0045)})
+    one = accept(ladder(THREE, weak=0.6), narrow)
+    assert (one.verdict, one.judged_cycles, one.cut) == ("not judged", 6, 9)
+    assert (
+        one.reason
+        == "level 3 of 3, 16 mm: a wider stroke than the reference was calibrated on (up to 4.5 mm of amplitude)"
+    )
+    assert one.judged_stroke_m == pytest.approx(0.008, rel=1e-3)
+    pushed = ladder([(0.25, 3), (0.5, 3), (1.0, 0.25)], weak=0.6, rest=0.0)
+    pushed = replace(pushed, **{c: getattr(pushed, c)[:1250] for c in ("time", "displacement", "force")})
+    pushed = accept(pushed, PUBLISHED)
+    assert pushed.verdict == "not judged"
+    assert "belongs to no whole cycle of a level" in pushed.reason
+    rng = np.random.default_rng(0)
+    walk = np.convolve(np.cumsum(rng.standard_normal(4000)), np.hanning(100) / 50.0, "same")
+    t, x = np.arange(4000) / 200.0, 0.008 * (walk - walk[0]) / np.max(np.abs(walk - walk[0]))
+    random = accept(Record(t, x, PUBLISHED.force(t, x, voltage=1.98), voltage=1.98), PUBLISHED)
+    assert (random.verdict, random.reason.partition(":")[0]) == ("not judged", "the motion does not repeat itself")
+
+
+def test_a_good_damper_passes_at_seven_percent_noise_however_long_the_test_and_a_wrong_one_never():
+    """White noise of 7 % of the peak force, 1.5 Hz, 200 samples a second; single samples passed one damper in four."""
+    for cycles in (3, 20, 60):
+        for share, verdict in ((1.0, "passed"), (1.1, "passed"), (0.9, "passed"), (1.2, "failed"), (0.8, "failed")):
+            tested = ladder([(0.6, cycles)], hz=1.5, noise=0.07)
+            mean = np.mean(ladder([(0.6, cycles)], hz=1.5).force)
+            tested = replace(
+                tested, force=tested.force + (share - 1.0) * (ladder([(0.6, cycles)], hz=1.5).force - mean)
+            )
+            judged = accept(tested, PUBLISHED)
+            assert judged.verdict == verdict, (cycles, share, judged)
+            assert judged.judged_cycles == cycles
+    for p in (p for p in judged.points if p.quantity != "energy" and p.cycle > 1):
+        # 13 samples of 133 lie in the window: 7 % of the peak force over the root of 13
+        assert p.error == pytest.approx(0.07 / np.sqrt(13.0) * abs(p.expected), rel=0.2)
+
+
+def test_the_stated_chances_are_those_of_many_tests():
+    """A noise of 18 % makes them large enough to be counted: one quantity, one level."""
+    clean = ladder([(0.6, 4)], hz=1.5)
+    peak, rng = np.max(np.abs(clean.force)), np.random.default_rng(3)
+
+    def judged(share):
+        force = share * clean.force + 0.18 * peak * rng.standard_normal(clean.n)
+        return accept(replace(clean, force=force), PUBLISHED, quantities=["compression"])
+
+    right, wrong = [judged(1.0) for _ in range(40)], [judged(1.2) for _ in range(40)]
+    stated = float(np.mean([one.wrong_acceptance for one in wrong]))
+    assert np.mean([one.passed is True for one in wrong]) == pytest.approx(stated, abs=0.2)
+    assert 0.05 < stated < 0.6
+    assert np.mean([one.wrong_rejection for one in right]) < 0.02
+    assert np.mean([one.passed is False for one in right]) <= 0.05
+
+
+def test_the_projects_own_tests_pass_by_the_damper_that_was_published_with_them(campaign_folder):
+    """By single samples 10 of 10 at 0 V failed, with 31 of their 263 points of extension outside."""
+    for record in (each for each in read_campaign(campaign_folder, role=None) if each.voltage == 0.0):
+        judged = accept(record, PUBLISHED)
+        assert (judged.verdict, judged.outside) == ("passed", ()), judged
+        assert judged.judged_cycles == judged.cut >= judged.run - 0.5

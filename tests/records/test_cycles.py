@@ -1,12 +1,25 @@
 """Turning points and cycles on plateaus, drift, noise and harmonics, and on all real records."""
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import Record, cycle_average, cycles, legs, read_campaign, turning_points
+from dampyr.records import (
+    Record,
+    cut_cycles,
+    cycle_average,
+    cycle_table,
+    cycles,
+    describe,
+    legs,
+    measure,
+    read,
+    read_campaign,
+    turning_points,
+)
 
 FREQUENCY = 0.9
 
@@ -146,3 +159,121 @@ def test_all_real_records_have_regular_cycles(campaign_folder):
         assert record.duration - (record.time[record_cycles[-1][1]] - record.time[record_cycles[0][0]]) < 8.0, (
             record.name
         )
+
+
+def in_levels(levels, shape="middle", rest=0.5, pause=0.0, hz=1.0, noise=0.0):
+    """Levels (amplitude mm, cycles): from the middle position, or one-sided from the bottom."""
+    pieces = [np.zeros(round(200 * rest))]
+    for amplitude, count in levels:
+        phase = 2 * np.pi * hz * np.arange(round(200 * count / hz)) / 200.0
+        pieces += [
+            1e-3 * amplitude * (np.sin(phase) if shape == "middle" else 1 - np.cos(phase)),
+            np.zeros(round(200 * pause)),
+        ]
+    x = np.concatenate([*pieces, np.zeros(round(200 * rest) + 1)])
+    x = x + noise * np.random.default_rng(0).standard_normal(len(x))
+    return Record(np.arange(len(x)) / 200.0, x, 100.0 * np.sign(np.gradient(x)))
+
+
+STEPS = {
+    "rising": [(2, 3), (4, 3), (8, 3)],
+    "falling": [(8, 3), (4, 3), (2, 3)],
+    "FEMA 461": [(8 * 0.048 * 1.4**k, 2) for k in range(10)],
+    "four of five": [(2, 5), (4, 5), (6, 5), (8, 5)],
+    "80/100": [(6.4, 5), (8, 5)],
+    "peak in the middle": [(4, 3), (8, 3), (4, 3)],
+    "single cycle at the end": [(0.8, 3), (1.6, 3), (2.4, 3), (4, 2), (5.6, 2), (8, 1)],
+    "one level": [(8, 3)],
+}
+
+
+@pytest.mark.parametrize("name", STEPS)
+@pytest.mark.parametrize("shape", ["middle", "bottom"])
+@pytest.mark.parametrize(("rest", "pause"), [(0.0, 0.0), (0.5, 0.0), (0.5, 1.0)])
+def test_cycles_are_those_that_were_commanded_level_by_level(name, shape, rest, pause):
+    levels = STEPS[name]
+    made = cut_cycles(in_levels(levels, shape, rest, pause))
+    assert [each.count for each in made.levels] == [count for _, count in levels]
+    assert [1e3 * each.stroke_m for each in made.levels] == pytest.approx([2 * size for size, _ in levels], rel=0.01)
+    assert [each.number for each in made.cycles] == list(range(1, len(made.cycles) + 1))
+    assert made.run == len(made.cycles) == sum(count for _, count in levels)
+    assert [one.stop_s - one.start_s for one in made.cycles] == pytest.approx([1.0] * len(made.cycles), abs=0.1)
+    assert made.cycles[0].start_s == pytest.approx(rest, abs=0.03)
+    for one, (first, second) in zip(
+        made.cycles, zip(made.half_cycles[::2], made.half_cycles[1::2], strict=True), strict=True
+    ):
+        assert (first.start_s, second.stop_s, first.level) == (one.start_s, one.stop_s, one.level)
+
+
+def test_half_cycles_are_kept_as_such_and_a_record_that_begins_in_full_motion_says_so(make_sine):
+    made = cut_cycles(in_levels([(8, 2.5)]))
+    assert (made.run, len(made.cycles), len(made.half_cycles), made.from_start) == (2.5, 2, 5, True)
+    record = make_sine()
+    part = slice(245, 1200)  # 0.13 of a cycle after the fourth pass
+    begun = record.replace(note="later", **{c: getattr(record, c)[part] for c in ("time", "displacement", "force")})
+    assert not cut_cycles(begun).from_start
+    assert cut_cycles(record).from_start
+    assert cut_cycles(record.replace(note="at rest", displacement=np.zeros(record.n))).cycles == ()
+
+
+def test_cycles_of_a_run_in_are_counted_and_belong_to_no_level(make_sine):
+    record = make_sine(rest=1.0, duration=16.0)
+    ramp = np.clip((record.time - 1.0) / (3.0 / FREQUENCY), 0.0, 1.0)
+    made = cut_cycles(record.replace(note="ramp", displacement=record.displacement * ramp))
+    assert [each.number for each in made.cycles if not each.level] == [1, 2, 3]
+    assert [(each.first, each.last) for each in made.levels] == [(4, len(made.cycles))]
+
+
+def test_a_force_that_fades_is_compared_with_the_third_cycle_from_the_start():
+    """4 % of the first a cycle: the sixth has 0.80 and the third 0.92 of it."""
+    record = in_levels([(8, 6)])
+    passed = np.clip(np.floor(record.time - 0.5 + 1e-9), 0, 5)
+    fading = record.replace(note="fades", force=record.force * (1.0 - 0.04 * passed))
+    energies = np.array([one.energy for one in cycle_table(fading)])
+    assert len(energies) == 6
+    assert np.max(np.abs(energies / energies[2] - 1.0)) == pytest.approx(1.0 - 0.80 / 0.92, abs=2e-3)
+
+
+def test_energy_per_cycle_is_of_whole_cycles_of_full_amplitude():
+    """Three cycles between two ramps of three: friction dissipates four times force and amplitude, a ramp's cycle less."""
+    t = np.arange(2001) / 200.0
+    x = 0.01 * np.clip(np.minimum(t, 9.0 - t) / 3.0, 0.0, 1.0) * np.sin(2 * np.pi * t)
+    record = Record(t, x, 100.0 * np.tanh(np.gradient(x, t) / 1e-5))
+    assert measure(record).energy_per_cycle == pytest.approx(4 * 100.0 * 0.01, rel=0.005)
+    assert measure(record).peak_to_peak_m == pytest.approx(0.02, rel=0.005)
+
+
+def test_energy_per_cycle_of_a_measured_friction_damper():
+    path = Path(__file__).parents[3] / "shared/findings/cases/brfd_friction_0.5Hz_0.5in.csv"
+    if not path.is_file():
+        pytest.skip(f"{path.name} is not here")
+    assert measure(read(path)).energy_per_cycle == pytest.approx(531.0, abs=2.0)
+
+
+def test_quasi_static_loops_of_rising_amplitude_get_no_hints_of_smoothing_or_noise():
+    """Digitised points, joined by straight lines and resampled 20 times as fine: what a moving average of 20 leaves, too."""
+    rng = np.random.default_rng(0)
+    x = [0.0]
+    for amplitude in np.linspace(5.0, 60.0, 8):
+        for target in (amplitude, -amplitude, 0.0):
+            steps = rng.uniform(0.4, 1.6, max(int(abs(target - x[-1]) / 3.0), 6))
+            x += list(x[-1] + np.cumsum(steps / steps.sum()) * (target - x[-1]))
+    x, w, force = 1e-3 * np.array(x), 0.0, [0.0]
+    for dx in np.diff(x):
+        w = np.sign(dx) + (w - np.sign(dx)) * np.exp(-400.0 * abs(dx))
+        force.append(1e5 * w)
+    fine = np.arange(0.0, len(x) - 1.0, 0.05)
+    values = [np.interp(fine, np.arange(len(x)), each) for each in (x, np.array(force))]
+    loops = Record(
+        np.arange(len(fine)) * 1.0, np.round(values[0], 7), np.round(values[1] + rng.normal(0.0, 20.0, len(fine)), -1)
+    )
+    about = describe(loops)
+    assert about["smoothing"] == ()
+    assert about["notes"] == [
+        "strokes that rise or fall from cycle to cycle: 8 whole cycles of 8, 10 to 120 mm peak to peak"
+    ]
+    assert [each["cycles"] for each in about["levels"]] == [1] * 8
+    stepped = describe(in_levels(STEPS["rising"]))
+    assert stepped["notes"][0] == "3 levels, 9 whole cycles of 9, 4 to 16 mm peak to peak"
+    assert stepped["smoothing"] == ()
+    assert [each["energy_per_cycle"] for each in stepped["levels"]] == pytest.approx([0.8, 1.6, 3.2], rel=0.02)

@@ -39,7 +39,7 @@ def test_a_page_says_who_passed_and_what_is_outside(tmp_path: Path) -> None:
     assert html.count("<svg") == 4  # one for each input, and the shares of the band
     outside = acceptances[1].outside
     assert len(outside) == len(acceptances[1].points)
-    assert reader.inside("td").count("weak") == 1 + len(outside)
+    assert reader.inside("td").count("weak") == 3 + len(outside)  # in short twice, its level, and the points
 
 
 def test_a_page_without_anything_outside_or_judged_says_so(tmp_path: Path) -> None:

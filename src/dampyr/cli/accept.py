@@ -22,20 +22,11 @@ if TYPE_CHECKING:
 
 FAILED, UNDECIDED = 1, 3  # exit codes; 2 is a wrong request, as with every command
 MAX_REASONS = 6  # lines below the table; --json and --report have all
-COLUMNS = [
-    "record",
-    "input",
-    "verdict",
-    "judged",
-    "outside",
-    "worst",
-    "cycle",
-    "speed",
-    "measured",
-    "expected",
-    "off by",
-]
-UNITS = ["", "", "", "", "", "", "", "mm/s", "N or J", "N or J", "%"]
+COLUMNS = ["record", "input", "verdict", "run", "cut", "judged", "largest", "outside", "worst", "cycle", "speed",
+           "measured", "expected", "off by", "false fail", "false pass"]  # fmt: skip
+UNITS = ["", "", "", "cycles", "cycles", "cycles", "mm", "points", "", "", "mm/s", "N or J", "N or J", "%", "", ""]
+LEVELS = ["record", "level", "cycles", "judged", "stroke", "frequency", *("extension", "compression", "energy"), ""]
+LEVEL_UNITS = ["", "", "", "", "mm", "Hz", "%", "%", "%", ""]
 QUANTITIES = ("extension", "compression", "energy")
 
 
@@ -79,11 +70,12 @@ def command(
 ) -> int:
     """Judge records by a reference damper with a band of tolerance.
 
-    REFERENCE is a card, the name of a published damper, or records of a reference damper (a file, or a folder of them). Every
-    whole cycle of every record in PATHS is judged: the force at peak velocity in extension and in compression, and the energy.
-    Exits with 0 when every record passed, with 1 when a point lies outside, with 3 when none does but a record could not be
-    judged. --relevel judges again with one factor on the force, that of each record's first cycles, taken out: it tells
-    a session that came out weaker from a damper of another shape. The exit code is that of the records as they are.
+    REFERENCE is a card, the name of a published damper, or records of a reference damper (a file, or a folder of
+    them). Every whole cycle of every level of every record in PATHS is judged: the force at peak velocity in
+    extension and in compression, and the energy; and the mean of each over a level. Exits with 0 when every record
+    passed, with 1 when a point or a mean lies outside, with 3 when none does but a record could not be judged.
+    --relevel judges again with one factor on the force, that of each record's first cycles, taken out: it tells a
+    session that came out weaker from a damper of another shape. The exit code is that of the records as they are.
     """
     from dampyr import units
     from dampyr.identification import AcceptOptions, accept_records
@@ -142,12 +134,20 @@ def _reference(text: str, reading: Reading) -> Damper | list[Record]:
 
 
 def _print(result: Accepted) -> None:
-    from dampyr.identification.acceptance import in_short
+    from dampyr.identification.acceptance import BEYOND, in_short
 
     results = result.results
     title = f"{len(results)} {'record' if len(results) == 1 else 'records'}: {in_short(results)}"
-    notes = [f"by {result.reference}, {results[0].tolerance}"]
+    off = BEYOND * results[0].tolerance.relative
+    notes = [
+        f"by {result.reference}, {results[0].tolerance}",
+        "run, cut, judged: cycles from the start of the motion, whole ones, those judged; largest: the largest stroke judged",
+        "false fail: the chance, at the record's scatter, that a damper like the reference fails; false pass: that one passes "
+        "which is off by "
+        + (f"{100 * off:.3g} % in one quantity at one level" if off else "a third more than is allowed"),
+    ]
     print_table(title, COLUMNS, [_row(one) for one in results], UNITS, notes=[*notes, *_reasons(results)])
+    _print_levels(results)
     if result.relevelled:
         again = result.relevelled
         title = f"Relevelled by the first cycles: {in_short(again)}"
@@ -157,13 +157,34 @@ def _print(result: Accepted) -> None:
         print_table(title, [*COLUMNS[:2], "level", *COLUMNS[2:]], rows, units, notes=[*notes, *_reasons(again)])
 
 
+def _print_levels(results: Sequence[Acceptance]) -> None:
+    """The means of every level, of records with more than one."""
+    rows = [
+        [one.record, each.number, each.cycles, each.judged, 1e3 * each.stroke_m, each.frequency_hz,
+         *(_percent(each.deviation.get(q)) for q in QUANTITIES), "outside" if each in one.levels_outside else ""]
+        for one in results if len(one.levels) > 1 for each in one.levels
+    ]  # fmt: skip
+    if rows:
+        click.echo()
+        print_table("Means of each level, off by", LEVELS, rows, LEVEL_UNITS)
+
+
+def _percent(share: float | None) -> float | None:
+    return None if share is None else 100 * share
+
+
 def _row(one: Acceptance) -> list[Any]:
+    from dampyr.identification.acceptance import percent
+
     worst = one.worst
-    head = [one.record, one.input_value, one.verdict, f"{len(one.judged)} of {len(one.points)}", len(one.outside)]
+    largest = 1e3 * one.judged_stroke_m if one.judged else None
+    judged = f"{one.judged_cycles} of {one.cut}"
+    head = [one.record, one.input_value, one.verdict, one.run, one.cut, judged, largest, len(one.outside)]
+    chances = [each if each is None else percent(each) for each in (one.wrong_rejection, one.wrong_acceptance)]
     if worst is None:
-        return [*head, *[None] * 6]
-    off = None if worst.deviation is None else 100 * worst.deviation
-    return [*head, worst.quantity, worst.cycle, 1e3 * worst.speed, worst.measured, worst.expected, off]
+        return [*head, *[None] * 6, *chances]
+    off = _percent(worst.deviation)
+    return [*head, worst.quantity, worst.cycle, 1e3 * worst.speed, worst.measured, worst.expected, off, *chances]
 
 
 def _reasons(results: Sequence[Acceptance]) -> list[str]:

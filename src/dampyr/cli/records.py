@@ -200,6 +200,14 @@ def _print_one(description: dict[str, Any]) -> None:
         ]
     else:
         lines += _moved(description["overview"])
+        lines += [
+            (
+                f"level {each['number']}",
+                f"{each['cycles']} x {1e3 * each['stroke_m']:.4g} mm at {each['frequency_hz']:.4g} Hz, "
+                f"{each['energy_per_cycle']:.4g} J per cycle",
+            )
+            for each in description["levels"]
+        ]
     lines += [(f"{channel} step", f"{step:.4g} {CHANNELS[channel]}") for channel, step in q.quantum.items()]
     lines += [
         (

@@ -85,8 +85,25 @@ class Points(BaseModel):
     inside: list[bool | None]
 
 
+class LevelJudged(BaseModel):
+    """The cycles of one level, SI; ``deviation`` of each quantity is the mean measured over the mean expected value less 1."""
+
+    number: int
+    stroke_m: float
+    frequency_hz: float
+    cycles: int
+    judged: int
+    outside: bool
+    deviation: dict[str, float | None]
+
+
 class Judged(BaseModel):
-    """One record: how it came out, and why points were not judged (the reason and how many)."""
+    """One record: how it came out, and why points were not judged (the reason and how many).
+
+    Cycles count from the start of the motion: ``run`` in halves, ``cut`` whole ones, ``judged_cycles`` by every
+    quantity; strokes in m. ``wrong_rejection`` and ``wrong_acceptance`` are chances, see
+    `dampyr.identification.Acceptance`.
+    """
 
     key: str
     name: str
@@ -95,6 +112,14 @@ class Judged(BaseModel):
     verdict: Literal["passed", "failed", "not judged"]
     count: int
     judged: int
+    run: float
+    cut: int
+    judged_cycles: int
+    stroke_m: float
+    judged_stroke_m: float
+    wrong_rejection: float | None
+    wrong_acceptance: float | None
+    levels: list[LevelJudged]
     outside_count: int
     reason: str
     reasons: dict[str, int]
@@ -131,7 +156,7 @@ async def list_references(here: Here, request: Request) -> list[DamperLink]:
 
 @router.get("/acceptance")
 async def judge(here: Here, request: Request, query: Annotated[AcceptanceRequest, Query()]) -> Judgement:
-    """Judge every whole cycle of records by a reference; see `dampyr.identification.accept`."""
+    """Judge every whole cycle of every level of records by a reference; see `dampyr.identification.accept`."""
     return Judgement(**await here.workers.run(request, READING, judgement_of, here.data, query))
 
 
@@ -192,9 +217,28 @@ def _summarise(key: str, one: Acceptance) -> Judged:
         verdict=one.verdict,
         count=len(one.points),
         judged=len(one.judged),
+        run=one.run,
+        cut=one.cut,
+        judged_cycles=one.judged_cycles,
+        stroke_m=one.stroke_m,
+        judged_stroke_m=one.judged_stroke_m,
+        wrong_rejection=one.wrong_rejection,
+        wrong_acceptance=one.wrong_acceptance,
+        levels=[
+            LevelJudged(
+                number=each.number,
+                stroke_m=each.stroke_m,
+                frequency_hz=each.frequency_hz,
+                cycles=each.cycles,
+                judged=each.judged,
+                outside=each in one.levels_outside,
+                deviation=dict(each.deviation),
+            )
+            for each in one.levels
+        ],
         outside_count=len(one.outside),
         reason=one.reason,
-        reasons=one.reasons,
+        reasons=one.unjudged,
         worst=_one(one.worst) if one.worst else None,
         outside=[_one(p) for p in one.outside[:MAX_OUTSIDE]],
         points=[_points(q, [p for p in one.points if p.quantity == q]) for q in one.quantities],

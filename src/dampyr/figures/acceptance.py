@@ -53,10 +53,15 @@ def peak_velocity_band(
     return fig
 
 
-def band_used(records: Mapping[str, Mapping[str, ArrayLike]], title: str = "") -> Figure:
+def band_used(
+    records: Mapping[str, Mapping[str, ArrayLike]],
+    title: str = "",
+    outside: Mapping[str, Mapping[str, ArrayLike]] | None = None,
+) -> Figure:
     """``records`` name -> quantity -> how far each judged cycle lies from the reference, in halves of the band.
 
-    The edges are at -1 and 1; to the right the damper is stronger than the reference.
+    The edges are at -1 and 1; to the right the damper is stronger than the reference. ``outside`` says in the same way which of
+    these lie outside, where noise is allowed beyond the edges; without it those beyond them do.
     """
     row = 0.26 if len(records) <= MANY else 0.19
     fig, axes = style.figure(1.2 + row * max(len(records), 2), 1, 1, title)
@@ -65,9 +70,11 @@ def band_used(records: Mapping[str, Mapping[str, ArrayLike]], title: str = "") -
         panel.axvspan(-1.0, 1.0, color=style.SKY, alpha=0.18, lw=0, label="band")
         for edge in (-1.0, 1.0):
             panel.axvline(edge, color=style.INK, lw=0.8, ls="--")
-        for row, own in enumerate(records.values()):
+        for row, (name, own) in enumerate(records.items()):
             for quantity, values in own.items():
-                _used(panel, row, quantity, np.asarray(values, dtype=float))
+                used = np.asarray(values, dtype=float)
+                beyond = np.abs(used) > 1.0 if outside is None else np.asarray(outside[name][quantity], dtype=bool)
+                _used(panel, row, quantity, used, beyond)
         panel.set_yticks(range(len(records)), list(records))
         panel.set_ylim(len(records) - 0.4, -0.6)
         low, high = panel.get_xlim()
@@ -78,13 +85,12 @@ def band_used(records: Mapping[str, Mapping[str, ArrayLike]], title: str = "") -
     return fig
 
 
-def _used(panel: Any, row: int, quantity: str, values: Any) -> None:
+def _used(panel: Any, row: int, quantity: str, values: Any, outside: Any) -> None:
     shift = {"extension": -0.2, "compression": 0.0, "energy": 0.2}.get(quantity, 0.0)
     mark = MARKS.get(quantity, "o")
-    inside = np.abs(values) <= 1.0
     for which, words, look in (
-        (inside, quantity, {"ms": 3.4, "color": style.BLUE, "alpha": 0.7}),
-        (~inside, f"{quantity}, outside", {"ms": 6.0, "mfc": "none", "mec": style.VERMILLION, "mew": 1.5}),
+        (~outside, quantity, {"ms": 3.4, "color": style.BLUE, "alpha": 0.7}),
+        (outside, f"{quantity}, outside", {"ms": 6.0, "mfc": "none", "mec": style.VERMILLION, "mew": 1.5}),
     ):
         shown = values[which]
         if shown.size:

@@ -72,10 +72,16 @@ class Accepted(Representation):
         columns = {
             "input": [one.input_value for one in self.results],
             "verdict": [one.verdict for one in self.results],
+            "run": [one.run for one in self.results],
+            "cut": [one.cut for one in self.results],
+            "judged_cycles": [one.judged_cycles for one in self.results],
+            "judged_stroke_m": [one.judged_stroke_m for one in self.results],
             "points": [len(one.points) for one in self.results],
             "judged": [len(one.judged) for one in self.results],
             "outside": [len(one.outside) for one in self.results],
             "worst_deviation": [one.worst.deviation if one.worst else None for one in self.results],
+            "wrong_rejection": [one.wrong_rejection for one in self.results],
+            "wrong_acceptance": [one.wrong_acceptance for one in self.results],
         }
         return data_frame(columns, [one.record for one in self.results], "record")
 
@@ -83,7 +89,8 @@ class Accepted(Representation):
         from dampyr.figures.acceptance import band_used
 
         judged = [one for one in self.results if one.judged]
-        return band_used(used_of_band(judged)) if judged else None
+        used, outside = used_of_band(judged)
+        return band_used(used, outside=outside) if judged else None
 
     def _summary(self) -> Summary:
         rows = [("verdict", self.verdict), ("records", in_short(self.results))]
@@ -93,11 +100,11 @@ class Accepted(Representation):
 
     def _table(self) -> Table:
         rows = [
-            [one.record, one.verdict, len(one.points), len(one.judged), len(one.outside),
+            [one.record, one.verdict, one.run, one.cut, one.judged_cycles, 1e3 * one.judged_stroke_m, len(one.outside),
              None if one.worst is None or one.worst.deviation is None else 100 * one.worst.deviation]
             for one in self.results
         ]  # fmt: skip
-        return ("record", "verdict", "points", "judged", "outside", "worst off by [%]"), rows
+        return ("record", "verdict", "run", "cut", "judged", "judged to [mm]", "outside", "worst off by [%]"), rows
 
     @property
     def verdict(self) -> Verdict:
@@ -120,7 +127,7 @@ def accept_records(
     name: str = "the reference",
     progress: Callable[[str, float], None] | None = None,
 ) -> Accepted:
-    """Judge every whole cycle of every record by a damper, or by records of a reference damper.
+    """Judge every whole cycle of every level of every record by a damper, or by records of a reference damper.
 
     Measured inputs that are constant but for noise count as constants, those close to an input of the reference as that one.
     ``name`` is what the reference is called.

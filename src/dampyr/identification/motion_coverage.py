@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.records import Record, turning_points
-from dampyr.records.quality import rest_tolerance
+from dampyr.records.channel_noise import rest_tolerance
 
 Array = NDArray[np.float64]
 SHARE = 0.1  # of the moving time: what is outside for less decides no peak and little energy

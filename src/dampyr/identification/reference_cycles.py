@@ -18,7 +18,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.score import prediction
 from dampyr.models import Damper
 from dampyr.models.damper import INPUTS
-from dampyr.records import Cycle, Record, cycle_table, cycles
+from dampyr.records import Cycle, Record, cut_cycles, cycle_table
 from dampyr.records.nominal_input import SMALLEST, TOLERANCE, is_steady
 from dampyr.records.smoothing import force_average
 
@@ -27,6 +27,7 @@ Reference = Damper | Record | Sequence[Record]
 Expected = tuple[float | None, str]
 SAME = 0.02  # of a speed: within it two tests count as at one speed
 STROKE = 0.1  # of a stroke: within it the energy at one peak speed goes with the stroke
+OPEN = 0.05  # of a stroke: a cycle that ends farther from its start has an energy of its own
 WINDOW = 0.1  # of a moving average: within it two smoothed forces are compared
 _read: WeakKeyDictionary[Record, dict[float | None, list[Cycle]]] = WeakKeyDictionary()  # many records share references
 
@@ -67,7 +68,8 @@ def _of_damper(
     if not np.all(np.isfinite(force)):
         return _nothing(len(table), "the reference's force is not finite along this motion")
     zero = None if offset is None else 0.0
-    ran = cycle_table(record.replace(note="the force of a reference", force=force), zero)
+    whole = cycle_table(record.replace(note="the force of a reference", force=force), zero)
+    ran = [one for one in whole if one.level]
     reasons = ["" if beyond else _outside(damper, cycle) for cycle in table]
 
     def with_reasons(values: Sequence[float]) -> list[Expected]:
@@ -110,12 +112,13 @@ def _of_records(
     if not same:
         words = "is not smoothed" if here is None else f"is smoothed over {here.window:.4g} s"
         return _nothing(len(table), f"the force here {words}, that of the reference otherwise")
-    reference = [cycle for one in same for cycle in _cycles(one, offset)]
+    reference = [cycle for one in same for cycle in _cycles(one, offset) if cycle.level]
     if not reference:
         return _nothing(len(table), "the reference has no whole cycle")
     out = Curve(np.array([(c.speed_out, c.force_out) for c in reference]))
     back = Curve(np.array([(-c.speed_in, c.force_in) for c in reference]))
-    loops = Curve(np.array([(_fastest(c), c.energy / c.stroke_m, c.stroke_m) for c in reference]))
+    closed = [c for c in reference if c.open_m <= OPEN * c.stroke_m] or reference
+    loops = Curve(np.array([(_fastest(c), c.energy / c.stroke_m, c.stroke_m) for c in closed]))
     return {
         "extension": [out.at(c.speed_out) for c in table],
         "compression": [back.at(-c.speed_in) for c in table],
@@ -145,6 +148,8 @@ class Curve:
 
 
 def _energy(cycle: Cycle, loops: Curve) -> Expected:
+    if cycle.open_m > OPEN * cycle.stroke_m:
+        return None, f"the cycle ends {1e3 * cycle.open_m:.3g} mm from where it began"
     value, reason = loops.at(_fastest(cycle))
     if value is None:
         return None, reason
@@ -169,7 +174,7 @@ def groups(rows: Array, width: float) -> Array:
 def _cycles(record: Record, offset: float | None) -> list[Cycle]:
     tables = _read.setdefault(record, {})
     if offset not in tables:
-        tables[offset] = cycle_table(record, offset) if cycles(record) else []
+        tables[offset] = cycle_table(record, offset) if cut_cycles(record).cycles else []
     return tables[offset]
 
 

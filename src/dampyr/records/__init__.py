@@ -8,11 +8,12 @@ conditioning step returns a new record whose history says what was done; each re
 
 from dampyr.records.amplitude_spectrum import spectrum
 from dampyr.records.campaign_folder import CampaignRow, campaign_rows, read_campaign, read_row
+from dampyr.records.channel_noise import quantum
 from dampyr.records.comparison import write_comparison
 from dampyr.records.conversion import convert
 from dampyr.records.cut_record import cut
 from dampyr.records.cycle_table import Cycle, cycle_table
-from dampyr.records.cycles import cycle_average, cycles, legs, turning_points
+from dampyr.records.cycles import Cut, CutCycle, Level, cut_cycles, cycle_average, cycles, legs, turning_points
 from dampyr.records.datasets import fetch, locate
 from dampyr.records.description import describe
 from dampyr.records.drift import drift, remove_drift
@@ -24,7 +25,7 @@ from dampyr.records.measure import Measured, amplitude_error, cycle_energies, me
 from dampyr.records.moving_average import Declaration, MovingAverage
 from dampyr.records.nominal_input import nominal_inputs
 from dampyr.records.overview import Overview, overview
-from dampyr.records.quality import Quality, motion_start, quality, quantum
+from dampyr.records.quality import Quality, motion_start, quality
 from dampyr.records.record import Label, Record
 from dampyr.records.record_files import read, write
 from dampyr.records.smoothing import with_smoothing
@@ -52,6 +53,10 @@ __all__ = [
     "turning_points",
     "legs",
     "cycles",
+    "Cut",
+    "CutCycle",
+    "Level",
+    "cut_cycles",
     "cycle_average",
     "differentiate",
     "check_bandwidth",

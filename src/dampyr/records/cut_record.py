@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.records.quality import rest_tolerance
+from dampyr.records.channel_noise import rest_tolerance
 from dampyr.records.record import CHANNELS, MIN_SAMPLES, Array, Record
 from dampyr.units import parse
 

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from dampyr.records.cycle_table import cycle_table
+from dampyr.records.cycles import cut_cycles
 from dampyr.records.integrated_displacement import is_integrated
 from dampyr.records.label_checks import disagreements
 from dampyr.records.lowpass import displacement_noise
@@ -24,16 +26,17 @@ def describe(record: Record) -> dict[str, Any]:
     Name, role, session, specimen, input, label, what was measured, how well it was sampled, and in ``notes`` what a person
     should look at.
 
-    ``measured`` is None where the motion does not repeat itself: then ``overview`` stands for it. ``input_range`` is the least
-    and the largest input, None where it is not known. ``smoothing`` holds the moving averages that channels show and that are
-    not declared, ``smoothed`` the one that is declared and not undone, ``noise`` what the displacement's noise does,
-    ``marks`` the faults that the recorder saw, ``uncertainty`` the standard uncertainty of each channel and its parts.
+    ``measured`` is None where the motion does not repeat itself: then ``overview`` stands for it, and ``levels`` for
+    a test with rising or falling strokes. ``input_range`` is the least and the largest input, None where it is not
+    known. ``smoothing`` holds the moving averages that channels show and that are not declared, ``smoothed`` the one
+    that is declared and not undone, ``noise`` what the displacement's noise does, ``marks`` the faults that the
+    recorder saw, ``uncertainty`` the standard uncertainty of each channel and its parts.
     """
     seen = overview(record)
     measured = measure(record) if seen.repeats else None
-    notes = disagreements(record)
+    notes, levels = disagreements(record), describe_levels(record)
     if measured is None:
-        notes = [_irregular(seen), *notes]
+        notes = [_in_levels(record) if cut_cycles(record).graded else _irregular(seen), *notes]
     if is_integrated(record):
         notes = [f"displacement {record.provenance['displacement']}", *notes]
     sampled, noise, smoothing = quality(record), displacement_noise(record), recognise_smoothing(record)
@@ -47,6 +50,7 @@ def describe(record: Record) -> dict[str, Any]:
         "duration_s": record.duration,
         "label": record.label,
         "measured": measured,
+        "levels": levels,
         "overview": seen,
         "quality": sampled,
         "smoothing": smoothing,
@@ -67,6 +71,34 @@ def describe(record: Record) -> dict[str, Any]:
         "history": record.history,
         "provenance": record.provenance,
     }
+
+
+def describe_levels(record: Record) -> list[dict[str, Any]]:
+    """The levels of a test with rising or falling strokes, SI: number, cycles, stroke, frequency and the mean energy
+    of a cycle.
+
+    Empty for any other motion.
+    """
+    made = cut_cycles(record)
+    if not made.graded:
+        return []
+    energies: dict[int, list[float]] = {}
+    for one in cycle_table(record):
+        energies.setdefault(one.level, []).append(one.energy)
+    return [
+        {"number": each.number, "cycles": each.count, "stroke_m": each.stroke_m, "frequency_hz": 1.0 / each.period_s,
+         "energy_per_cycle": float(np.mean(energies[each.number]))}
+        for each in made.levels
+    ]  # fmt: skip
+
+
+def _in_levels(record: Record) -> str:
+    made = cut_cycles(record)
+    strokes = [1e3 * each.stroke_m for each in made.levels]
+    span = f"{min(strokes):.3g} to {max(strokes):.3g} mm peak to peak"
+    if made.stepped:
+        return f"{len(made.levels)} levels, {len(made.cycles)} whole cycles of {made.run:g}, {span}"
+    return f"strokes that rise or fall from cycle to cycle: {len(made.cycles)} whole cycles of {made.run:g}, {span}"
 
 
 def _irregular(seen: Overview) -> str:

@@ -16,11 +16,12 @@ import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.models.numerics.differentiation import response, smooth
+from dampyr.records.cycles import Cut, cut_cycles, turning_points
 from dampyr.records.measure import fundamental
 from dampyr.records.overview import repeats
 from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
-from dampyr.records.velocity import WITHOUT_CYCLES, default_bandwidth
+from dampyr.records.velocity import PER_TEST_FREQUENCY, WITHOUT_CYCLES, default_bandwidth
 from dampyr.representation import Representation, Summary
 
 PROVENANCE = "displacement_lowpass_hz"
@@ -29,6 +30,7 @@ WHITE = 0.6745 * math.sqrt(20.0)  # the median absolute third difference of whit
 ABOVE_NOISE = 10.0  # times the noise's power: there the motion stands out
 PASSED = 3.0  # times the highest frequency that stands out: there the low-pass takes less than 1 %
 SAMPLES_PER_CYCLE = 40  # as in `dampyr.records.quality`: with fewer, third differences hold the motion
+CORNER = 2  # samples to each side of a turning point
 LINES = 15  # of the spectrum, over which its power is averaged
 
 
@@ -72,8 +74,10 @@ class DisplacementNoise(Representation):
 def displacement_noise(record: Record) -> DisplacementNoise:
     """The noise of a record's displacement, and the low-pass that takes it but not the motion.
 
-    That is 15 times the frequency of a motion that repeats itself, else three times the highest frequency at which the motion's
-    power is ten times that of the noise. With fewer than 40 samples a cycle, motion and noise are not distinct, and
+    That is 15 times the frequency of a motion that repeats itself, else three times the highest frequency at which
+    the motion's power is ten times that of the noise; of a test with rising or falling strokes 15 times the highest
+    frequency of a level, and the two samples to each side of a turning point are left out, since a low-pass rounds
+    the corners of digitised loops. With fewer than 40 samples a cycle, motion and noise are not distinct, and
     ``backward`` is 0.
     """
     first = int(np.searchsorted(record.time, motion_start(record)))
@@ -82,18 +86,33 @@ def displacement_noise(record: Record) -> DisplacementNoise:
     rms = float(np.median(np.abs(np.diff(x[first:], 3)))) / WHITE
     chosen = _proposed(record, rms)
     moves = np.diff(smooth(record.time, x, chosen))[first:]
-    backward = float(np.mean(np.diff(x)[first:] * moves < 0.0))
-    if repeats(record) and fundamental(record)[0] * record.dt * SAMPLES_PER_CYCLE > 1.0:
+    against = np.diff(x)[first:] * moves < 0.0
+    made = cut_cycles(record)
+    if made.graded:  # digitised loops have corners, which a low-pass rounds; no noise is needed for that
+        for point in turning_points(record) - first:
+            against[max(point - CORNER, 0) : max(point + CORNER, 0)] = False
+    backward = float(np.mean(against))
+    if _period(record, made) < SAMPLES_PER_CYCLE * record.dt:
         backward = 0.0
     frequencies = np.linspace(0.0, 0.5 / record.dt, 2000)
     passed = float(np.trapezoid(response(frequencies, chosen) ** 2, frequencies)) * 2.0 * record.dt
     return DisplacementNoise(rms, backward, chosen, rms * math.sqrt(passed))
 
 
+def _period(record: Record, made: Cut) -> float:
+    """The period of the motion, s: of the shortest level of a test in levels; infinite where it has none."""
+    if made.graded:
+        return min(level.period_s for level in made.levels)
+    return 1.0 / fundamental(record)[0] if repeats(record) else math.inf
+
+
 def _proposed(record: Record, rms: float) -> float:
     if repeats(record):
         return default_bandwidth(record)
     limit = WITHOUT_CYCLES / record.dt
+    made = cut_cycles(record)
+    if made.graded:
+        return min(PER_TEST_FREQUENCY / _period(record, made), limit)
     power = np.abs(np.fft.rfft((record.displacement - record.displacement[0]) * np.hanning(record.n))) ** 2
     floor = rms**2 * float(np.sum(np.hanning(record.n) ** 2))
     averaged = np.convolve(power, np.ones(LINES) / LINES, "same")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dampyr.records.cycles import cycles, turning_points
+from dampyr.records.cycles import cut_cycles, similar_cycles, turning_points
 from dampyr.records.measure import fundamental
 from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
@@ -24,9 +24,10 @@ class Overview(Representation):
     Attributes
     ----------
     repeats
-        Whether the motion repeats itself: whole cycles cover at least half of the time from the start of the motion to the
-        last turning point, and a sine with its harmonics misses at most half of it (rms). Only then do the frequency, the
-        stroke and the energy of :func:`measure` stand for the record.
+        Whether the motion repeats itself: whole cycles cover at least half of the time from the start of the motion
+        to the last turning point, a sine with its harmonics misses at most half of it (rms), and its strokes are not
+        in rising or falling levels (`dampyr.records.Cut`). Only then do the frequency, the stroke and the energy of
+        :func:`measure` stand for the record.
     stroke_m, peak_speed, rms_speed
         Largest less smallest displacement, m; m/s, from the start of the motion on.
     dominant_hz
@@ -71,8 +72,8 @@ def overview(record: Record) -> Overview:
 
 def repeats(record: Record) -> bool:
     """Whether the whole cycles of a record stand for its motion, see :class:`Overview`."""
-    spans, points = cycles(record), turning_points(record)
-    if not spans:
+    spans, points = similar_cycles(record), turning_points(record)
+    if not spans or cut_cycles(record).graded:
         return False
     moving = float(record.time[points[-1]]) - motion_start(record)
     covered = float(record.time[spans[-1][1]] - record.time[spans[0][0]])

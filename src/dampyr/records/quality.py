@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.records.channel_noise import last_at_rest, quantum
 from dampyr.records.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
 from dampyr.representation import Representation, Summary
@@ -200,25 +201,6 @@ def _run_away(record: Record, spans: list[tuple[int, int]]) -> float:
     return moved if straight and far else 0.0
 
 
-def quantum(values: Array) -> float | None:
-    """The quantisation step of a channel in its own unit, or None when the values are continuous.
-
-    Levels that differ by float noise are one level. The step is the smallest distance between levels, taken
-    when at least 95 % of the distances are whole multiples of it to 5 %, and then refined over the whole
-    span.
-    """
-    span = float(np.ptp(values))
-    apart = np.diff(np.unique(values))
-    apart = apart[apart > 1e-9 * max(span, float(np.max(np.abs(values))))]
-    if len(apart) < 4:
-        return None
-    step = float(np.min(apart))
-    whole = np.rint(apart / step)
-    if np.mean(np.abs(apart / step - whole) < 0.05) < 0.95:
-        return None
-    return float(np.sum(apart) / np.sum(whole))
-
-
 def _moving(record: Record, spans: list[tuple[int, int]]) -> slice:
     """The whole cycles, or without them all that comes after the start of the motion."""
     if spans:
@@ -253,31 +235,9 @@ def motion_start(record: Record) -> float:
     away = np.flatnonzero(np.abs(x - x[0]) > EXCURSION * size)
     if size == 0 or len(away) == 0:
         return float(record.time[-1])
-    return float(record.time[_last_at_rest(x, int(away[0]))])
+    return float(record.time[last_at_rest(x, int(away[0]))])
 
 
 def _size(record: Record) -> float:
     lengths = np.abs(legs(record))
     return float(np.median(lengths)) if len(lengths) else float(np.ptp(record.displacement))
-
-
-def _last_at_rest(x: Array, away: int) -> int:
-    near = rest_tolerance(x)
-    level = x[0]
-    for _ in range(2):
-        at_rest = np.flatnonzero(np.abs(x[:away] - level) <= near)
-        if len(at_rest) == 0:
-            return 0
-        level = float(np.median(x[: at_rest[-1] + 1]))
-    return int(at_rest[-1])
-
-
-def rest_tolerance(x: Array) -> float:
-    """How far a displacement at rest strays, m: 1.5 quantisation steps or 4 deviations of the noise.
-
-    The noise comes from third differences (variance 20 times its own), which hold next to nothing of the
-    motion.
-    """
-    spread = np.median(np.abs(np.diff(x, 3))) / (0.6745 * np.sqrt(20.0))
-    step = quantum(x)
-    return max(1.5 * (step or 0.0), 4.0 * float(spread), 1e-9 * float(np.ptp(x)))

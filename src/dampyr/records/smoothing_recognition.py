@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.records.cycles import RUN_IN_TO, cut_cycles
 from dampyr.records.measure import fundamental
 from dampyr.records.moving_average import AVERAGED, UNITS
 from dampyr.records.overview import repeats
@@ -69,16 +70,19 @@ class Recognised:
 def recognise_smoothing(record: Record, steps: Mapping[str, float] | None = None) -> tuple[Recognised, ...]:
     """The moving averages that a record's displacement, velocity and force show, at most one a channel.
 
-    ``steps``: the converter's step of a channel in its SI unit, where it is known, such as ``{"displacement": 5e-6}``. Windows
-    from four samples to a quarter of the period of a motion that repeats itself, and to a sixteenth of the record, are tried.
+    ``steps``: the converter's step of a channel in its SI unit, where it is known, such as ``{"displacement":
+    5e-6}``. Windows from four samples to a quarter of the period of a motion that repeats itself, and to a sixteenth
+    of the record, are tried; of a test with rising or falling strokes within one level of three cycles or more.
     Channels that the record says are smoothed are left out, and so is a record with uneven sampling.
     """
     intervals = np.diff(record.time)
     if float(np.max(np.abs(intervals - record.dt))) > 0.01 * record.dt:
         return ()
-    period = 1.0 / fundamental(record)[0] / record.dt if repeats(record) else None
+    part, period = _looked_at(record)
+    if part is None:
+        return ()
     stated = record.smoothed.channels if record.smoothed is not None else ()
-    channels = {c: getattr(record, c) for c in AVERAGED if c not in stated and getattr(record, c) is not None}
+    channels = {c: getattr(record, c)[part] for c in AVERAGED if c not in stated and getattr(record, c) is not None}
     windows = {c: _by_zeros(values, period) for c, values in channels.items()}
     clear = [one[0] for one in windows.values() if one is not None]
     recognised = []
@@ -132,6 +136,21 @@ def _undoes(one: Recognised, unit: str, value: float) -> bool:
     if size is None:
         return False
     return abs(round(value * one.samples / size) - one.samples) <= (0 if unit == "samples" else 1)
+
+
+def _looked_at(record: Record) -> tuple[slice | None, float | None]:
+    """The samples in whose spectrum zeros tell something, and the period in samples of a motion that repeats itself there.
+
+    Of a test of levels that is the level with most samples, of three cycles or more. Strokes that rise from cycle to
+    cycle, as in quasi-static tests, have lines, corners and straight pieces between digitised points that look like
+    an average: none then.
+    """
+    made = cut_cycles(record)
+    if not made.graded:
+        return slice(0, record.n), 1.0 / fundamental(record)[0] / record.dt if repeats(record) else None
+    spans = [(made.cycles[one.first - 1].first, made.cycles[one.last - 1].last + 1, one) for one in made.levels]
+    first, last, level = max(spans, key=lambda span: (span[2].count >= RUN_IN_TO, span[1] - span[0]))
+    return (slice(first, last), level.period_s / record.dt) if level.count >= RUN_IN_TO else (None, None)
 
 
 def _last_window(n: int, period: float | None) -> int:

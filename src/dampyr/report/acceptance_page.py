@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.figures.acceptance import band_used, peak_velocity_band
 from dampyr.identification import Acceptance, Accepted
-from dampyr.identification.acceptance import UNITS, forces_and_band, in_short, used_of_band
-from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
+from dampyr.identification.acceptance import BEYOND, UNITS, forces_and_band, in_short, percent, used_of_band
+from dampyr.report.blocks import Block, Cell, FigureBlock, Kind, Section, Table, Text, Verdict, sentence
 from dampyr.report.html_page import page, write_page
 from dampyr.report.origin import files_of, people_and_parts
 
@@ -31,6 +31,7 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
         raise InputError("there is no judgement to show; judge one record or more")
     sections = [
         Section("In short", _short(results)),
+        Section("The levels", _levels(results)),
         Section("The forces at peak velocity", _forces(results)),
         Section("How much of the band is used", _used(results)),
         Section("The points outside", _outside(results)),
@@ -42,7 +43,10 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
     html = page(
         f"Judged by {Path(reference).name}",
         sections,
-        subtitle=f"Every whole cycle of {_count(len(results), 'record')}, within {results[0].tolerance} of the reference.",
+        subtitle=(
+            f"Every whole cycle of every level of {_count(len(results), 'record')}, within {results[0].tolerance} of the "
+            "reference."
+        ),
         provenance={"reference": reference, "tolerance": str(results[0].tolerance), "offset": _offset(results[0])},
         facts=people_and_parts(result.records),
         files=files_of((*result.records, *result.reference_records)),
@@ -82,28 +86,81 @@ def _verdict(one: Acceptance) -> Verdict:
 
 def _short(results: Sequence[Acceptance]) -> list[Block]:
     rows: list[list[Cell]] = []
+    worst_rows: list[list[Cell]] = []
     for one in results:
         worst = one.worst
         off = None if worst is None or worst.deviation is None else 100 * worst.deviation
         rows.append(
-            [one.record, _input(one), _verdict(one), len(one.points), len(one.judged), len(one.outside),
-             worst.quantity if worst else None, worst.cycle if worst else None, off]
+            [one.record, _input(one), _verdict(one), one.run, one.cut, one.judged_cycles, 1e3 * one.stroke_m,
+             1e3 * one.judged_stroke_m, len(one.outside)]
+        )  # fmt: skip
+        worst_rows.append(
+            [one.record, worst.quantity if worst else None, worst.cycle if worst else None, off,
+             _chance(one.wrong_rejection), _chance(one.wrong_acceptance)]
         )  # fmt: skip
     what = ", ".join(results[0].quantities)
+    relative = results[0].tolerance.relative
+    beyond = f"{100 * BEYOND * relative:.3g} % off" if relative else "off by a third more than is allowed"
     return [
         Text(
-            f"{in_short(results).capitalize()}. Judged in every whole cycle: {what}. One point outside fails a "
-            "record; a record "
-            "of which less than half of the cycles could be judged in one of these has neither passed nor failed."
+            f"{in_short(results).capitalize()}. Judged in every whole cycle, and in the mean over each level: {what}. One "
+            "point or one mean outside fails a record; a record of which a level could not be judged in half of its cycles in "
+            "one of these has neither passed nor failed."
         ),
         Table(
-            ("record", "input", "verdict", "points", "judged", "outside", "worst", "cycle", "off by"),
+            ("record", "input", "verdict", "run", "cut", "judged", "stroke", "judged to", "outside"),
             rows,
-            ("", "", "", "", "", "", "", "", "%"),
+            ("", "", "", "cycles", "cycles", "cycles", "mm", "mm", "points"),
+            digits=4,
+            caption="Cycles count from the start of the motion: those run, those of them that are whole, those judged.",
+        ),
+        Table(
+            ("record", "worst", "cycle", "off by", "wrong rejection", "wrong acceptance"),
+            worst_rows,
+            ("", "", "", "%", "chance", "chance"),
             digits=3,
-            caption="The worst point is the one that uses most of its band.",
+            caption=(
+                "The worst point is the one that uses most of its band. Wrong rejection: the chance that a damper just like "
+                f"the reference fails at this record's scatter. Wrong acceptance: that one passes which is {beyond} in one "
+                "quantity at one level."
+            ),
         ),
     ]
+
+
+def _chance(chance: float | None) -> str | None:
+    return None if chance is None else percent(chance)
+
+
+def _levels(results: Sequence[Acceptance]) -> list[Block]:
+    """The means of every level, and the scatter of single cycles."""
+    names = results[0].quantities
+    levels = [(one, each) for one in results for each in one.levels]
+    if not levels:
+        return [Text("No record has a whole cycle.")]
+    rows: list[list[Cell]] = []
+    for one, each in levels[:MAX_POINTS]:
+        word: Kind = "failed" if each in one.levels_outside else "not judged" if each.reason else "passed"
+        means = [_mean(each.deviation.get(q), each.scatter.get(q)) for q in names]
+        judged = f"{each.judged} of {each.cycles}"
+        rows.append([one.record, each.number, judged, 1e3 * each.stroke_m, each.frequency_hz, Verdict(word), *means])
+    more = f" The first {MAX_POINTS} of {len(levels)}." if len(levels) > MAX_POINTS else ""
+    return [
+        Table(
+            ("record", "level", "judged", "stroke", "frequency", "mean", *names),
+            rows,
+            ("", "", "cycles", "mm", "Hz", "", *("%" for _ in names)),
+            digits=3,
+            caption=f"Mean of measured over expected less 1, ± the standard deviation of a single cycle.{more}",
+        )
+    ]
+
+
+def _mean(deviation: float | None, scatter: float | None) -> str | None:
+    if deviation is None:
+        return None
+    text = f"{100 * deviation:+.1f}" + ("" if scatter is None else f" ± {100 * scatter:.1f}")
+    return text.replace(" ", "\N{NO-BREAK SPACE}").replace("-", "\N{MINUS SIGN}")
 
 
 def _forces(results: Sequence[Acceptance]) -> list[Block]:
@@ -130,11 +187,13 @@ def _used(results: Sequence[Acceptance]) -> list[Block]:
         return [Text("No point was judged.")]
     worst = sorted(judged, key=lambda one: -abs(one.worst.used or 0.0) if one.worst else 0.0)[:MAX_ROWS]
     shown = [one for one in judged if one in worst]
+    used, outside = used_of_band(shown)
     few = f" Of {len(judged)} records the {MAX_ROWS} worst are shown." if len(shown) < len(judged) else ""
     return [
         FigureBlock(
-            band_used(used_of_band(shown)),
-            f"Every judged cycle of every record: 0 is the reference, the edges of the band are at −1 and 1.{few}",
+            band_used(used, outside=outside),
+            "Every judged cycle of every record: 0 is the reference, the edges of the band are at −1 and 1. What noise "
+            f"explains is allowed beyond them.{few}",
         )
     ]
 

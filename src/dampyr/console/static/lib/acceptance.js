@@ -118,9 +118,11 @@ function shown(judgement, question, charts) {
   return [
     h("p", { class: "verdict", role: "status" }, inShort(judgement.records)),
     summary(judgement.records),
+    h("p", { class: "soft" }, "Cycles count from the start of the motion. False fail: the chance, at the record's scatter, that a damper like the reference fails; false pass: that one passes of which one quantity at one level lies a third of the half-width beyond the band."),
     h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/acceptance/page?${question}`, download: "acceptance.html" }, "Save the page")),
     any ? section("Forces at peak velocity", forces.element, h("p", { class: "soft" }, "● inside, ✕ outside, □ not judged; one chart for each input and direction. The band is drawn through the means of points of equal speed.")) : null,
     judged ? section("Deviation within the band", used.element, h("p", { class: "soft" }, "Deviation in half-widths of the band: 0 is the reference, 1 and −1 are the edges; above 0 the damper is stronger, in either direction.")) : null,
+    levels(judgement.records),
     outside(judgement.records),
     open(judgement.records),
   ].filter(Boolean);
@@ -133,11 +135,23 @@ function inShort(records) {
 
 function summary(records) {
   return table({
-    caption: "One point outside fails a record. Where less than half of the cycles could be judged, it has neither passed nor failed.",
-    columns: [{ name: "record" }, { name: "verdict", align: "left" }, { name: "judged", align: "right" }, { name: "outside" }, { name: "worst", align: "left" }, { name: "cycle" }, { name: "off by", unit: "%", digits: 3 }],
+    caption: "One point outside fails a record, and so does the mean of a level. Where less than half of a level's cycles could be judged, it has neither passed nor failed.",
+    columns: [{ name: "record" }, { name: "verdict", align: "left" }, { name: "run", align: "right" }, { name: "whole" }, { name: "judged", align: "right" }, { name: "stroke", unit: "mm" }, { name: "judged to", unit: "mm" }, { name: "outside" },
+      { name: "worst", align: "left" }, { name: "cycle" }, { name: "off by", unit: "%", digits: 3 }, { name: "false fail", unit: "%", align: "right" }, { name: "false pass", unit: "%", align: "right" }],
     rows: records.map((one) => [one.name, { key: one.verdict, show: h("span", { class: BADGES[one.verdict] }, { passed: "✓ ", failed: "✗ ", "not judged": "? " }[one.verdict], one.verdict) },
-      { key: one.judged, show: `${one.judged} of ${one.count}` }, one.outside_count, one.worst?.quantity ?? null, one.worst?.cycle ?? null, percent(one.worst?.deviation)]),
+      { key: one.run, show: one.run.toFixed(1) }, one.cut, { key: one.judged_cycles, show: `${one.judged_cycles} of ${one.cut}` }, 1e3 * one.stroke_m, one.judged ? 1e3 * one.judged_stroke_m : null, one.outside_count,
+      one.worst?.quantity ?? null, one.worst?.cycle ?? null, percent(one.worst?.deviation), chance(one.wrong_rejection), chance(one.wrong_acceptance)]),
   });
+}
+
+function levels(records) {
+  const rows = records.filter((one) => one.levels.length > 1).flatMap((one) => one.levels.map((each) => [one.name, each.number, { key: each.judged, show: `${each.judged} of ${each.cycles}` }, 1e3 * each.stroke_m, each.frequency_hz,
+    ...QUANTITIES.map((quantity) => percent(each.deviation[quantity])), each.outside ? h("span", { class: "badge bad" }, "✗ outside") : ""]));
+  return rows.length ? section("Means of each level", table({
+    caption: "Mean of measured over expected less 1",
+    columns: [{ name: "record" }, { name: "level" }, { name: "judged", align: "right" }, { name: "stroke", unit: "mm" }, { name: "frequency", unit: "Hz" }, ...QUANTITIES.map((name) => ({ name, unit: "%", digits: 3 })), { name: "", words: "verdict", plain: true }],
+    rows,
+  })) : null;
 }
 
 function outside(records) {
@@ -153,9 +167,11 @@ function outside(records) {
 }
 
 function open(records) {
-  const rows = records.flatMap((one) => Object.entries(Object.keys(one.reasons).length || !one.reason ? one.reasons : { [one.reason]: 0 }).map(([why, count]) => [one.name, count, why]));
+  const rows = records.flatMap((one) => Object.entries(one.reasons).map(([why, count]) => [one.name, count, why]));
   return rows.length ? section("Not judged", table({ caption: "Nothing is extrapolated from a reference", columns: [{ name: "record" }, { name: "points" }, { name: "why", align: "left" }], rows })) : null;
 }
+
+const chance = (value) => (value === null ? null : { key: value, show: value < 1e-4 ? "below 0.01" : number(100 * value, 2) });
 
 const percent = (value) => (value === null || value === undefined ? null : 100 * value);
 

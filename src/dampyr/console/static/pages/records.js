@@ -176,11 +176,11 @@ export async function show(root, query) {
         series: loaded.flatMap((all, k) => ways.map(([way, shape, words]) => ({ name: shape === "ring" ? "" : names[k], of: names[k], points: true, shape, colour: COLOURS[k], always: true,
           x: all.map((one) => 1e3 * Math.abs(one[`speed_${way}`])), y: all.map((one) => Math.abs(one[`force_${way}`])), tips: all.map((_, i) => `cycle ${i + 1}, ${words}`) }))),
       }]);
-      const rows = loaded.flatMap((all, k) => all.map((one, i) => [names[k], i + 1, one.start_s, 1 / one.period_s, 1e3 * one.stroke_m, one.least_force, one.largest_force, one.energy,
+      const rows = loaded.flatMap((all, k) => all.map((one) => [names[k], one.number, one.level || "run-in or run-out", one.start_s, 1 / one.period_s, 1e3 * one.stroke_m, one.least_force, one.largest_force, one.energy,
         1e3 * one.speed_out, one.force_out, 1e3 * one.speed_in, one.force_in]));
       return [section("Peak-velocity pick-up", pickup, h("p", { class: "soft" }, "● extension, ○ compression, both without their signs.")), section("Every whole cycle", table({
-        caption: "Forces at peak velocity, minus the record's mean force", rows,
-        columns: [{ name: "record" }, { name: "cycle" }, { name: "start", unit: "s" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "least force", unit: "N" },
+        caption: "Mean forces above 95 % of the peak velocity, minus the record's mean force", rows,
+        columns: [{ name: "record" }, { name: "cycle" }, { name: "level", align: "right" }, { name: "start", unit: "s" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "least force", unit: "N" },
           { name: "largest force", unit: "N" }, { name: "energy", unit: "J" }, { name: "peak velocity, out", unit: "mm/s" }, { name: "force there", unit: "N" },
           { name: "peak velocity, in", unit: "mm/s" }, { name: "force there", unit: "N" }],
       }))];
