@@ -92,7 +92,7 @@ def command(
     zero = None if offset is None else units.parse(offset, "N")
     options = AcceptOptions(_tolerance(tolerance, slacks), judge or QUANTITIES, zero, allow_extrapolation, relevel)
     against = _reference(reference, reading)
-    records = gather(paths, role, reading, reference_inputs=inputs_of(against))
+    records = gather(paths, role, reading, reference_inputs=inputs_of(against), warn=False)
     result = accept_records(records, against, options, reference)
     if report:
         from dampyr.report import write_acceptance_page
@@ -132,7 +132,7 @@ def _reference(text: str, reading: Reading) -> Damper | list[Record]:
 
     path = Path(text)
     if path.exists() and path.suffix.lower() != ".toml":
-        return gather((path,), None, reading)
+        return gather((path,), None, reading, warn=False)
     names = studies.available_dampers()
     if path.suffix.lower() != ".toml" and text not in names:
         raise InputError(
@@ -146,7 +146,7 @@ def _print(result: Accepted) -> None:
 
     results = result.results
     title = f"{len(results)} {'record' if len(results) == 1 else 'records'}: {in_short(results)}"
-    notes = [f"by {result.reference}, {results[0].tolerance}"]
+    notes = [*(f"{one}." for one in result.findings), f"by {result.reference}, {results[0].tolerance}"]
     print_table(title, COLUMNS, [_row(one) for one in results], UNITS, notes=[*notes, *_reasons(results)])
     if result.relevelled:
         again = result.relevelled

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -115,7 +115,8 @@ def command(
     if as_json:
         print_json(result.as_dict())
     else:
-        _print(f"{result.title}: peaks", result.cases, result.end, result.note)
+        notes = [*map(str, result.findings), f"the response {result.end}", *([result.note] if result.note else [])]
+        _print(f"{result.title}: peaks", result.cases, notes)
         if result.intervals:
             _print_intervals(result, damper)
 
@@ -144,7 +145,7 @@ def _refuse_damper(context: click.Context) -> None:
             raise InputError(f"{name} is of a damper, and --without-damper leaves it out; give one of the two")
 
 
-def _print(title: str, cases: Mapping[str, Response], end: str, note: str) -> None:
+def _print(title: str, cases: Mapping[str, Response], notes: Sequence[str]) -> None:
     names = list(cases["no damper"].floors)
     many = len(names) > WIDE
     floors = [f"largest of {len(names)} floors"] if many else [f"floor {name}" for name in names]
@@ -160,7 +161,7 @@ def _print(title: str, cases: Mapping[str, Response], end: str, note: str) -> No
         rows,
         ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", unit, ""],
         digits=5,
-        notes=[f"the response {end}", *([note] if note else [])],
+        notes=notes,
     )
 
 

@@ -117,8 +117,9 @@ class EnsembleResult(Representation):
 
     @property
     def notes(self) -> list[str]:
-        """What is wrong with the accuracy or the cases, in sentences; none where nothing is."""
-        return doubts(self.dataset.attrs)
+        """The worst finding of each damper, and what is wrong with the accuracy or the cases, in sentences; none where nothing
+        is."""
+        return [*self.dataset.attrs.get("findings", ()), *doubts(self.dataset.attrs)]
 
     def to_dataframe(self) -> Any:
         """Medians and 84 % fractiles of the peaks as a ``pandas.DataFrame``, SI units: one row a case and scale."""
@@ -172,9 +173,10 @@ class EnsembleResult(Representation):
             }
             for each in self.curves
         ]  # fmt: skip
-        return dict(
-            plain({**self.dataset.attrs, "notes": self.notes, "peaks": summary(self.dataset), "fragility": curves})
-        )
+        attributes = {
+            name: value for name, value in self.dataset.attrs.items() if name != "findings"
+        }  # among the notes
+        return dict(plain({**attributes, "notes": self.notes, "peaks": summary(self.dataset), "fragility": curves}))
 
 
 def synthetic_motions(

@@ -117,6 +117,7 @@ function shown(judgement, question, charts) {
   const any = judgement.records.some((one) => one.points.some((p) => WAYS.includes(p.quantity) && p.cycle.length));
   return [
     h("p", { class: "verdict", role: "status" }, inShort(judgement.records)),
+    ...judgement.notes.map((one) => h("p", { class: "verdict fair" }, `${one}.`)),
     summary(judgement.records),
     h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/acceptance/page?${question}`, download: "acceptance.html" }, "Save the page")),
     any ? section("Forces at peak velocity", forces.element, h("p", { class: "soft" }, "● inside, ✕ outside, □ not judged; one chart for each input and direction. The band is drawn through the means of points of equal speed.")) : null,
