@@ -83,7 +83,7 @@ def command(
     whole cycle of every record in PATHS is judged: the force at peak velocity in extension and in compression, and the energy.
     Exits with 0 when every record passed, with 1 when a point lies outside, with 3 when none does but a record could not be
     judged. --relevel judges again with one factor on the force, that of each record's first cycles, taken out: it tells
-    a session that came out weaker from a damper of another shape. The exit code is that of the records as they are.
+    a record of another level from a damper of another shape. The exit code is that of the records as they are.
     """
     from dampyr import units
     from dampyr.identification import AcceptOptions, accept_records
