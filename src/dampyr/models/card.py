@@ -11,7 +11,7 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.config import parse_toml
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.findings import Finding
+from dampyr.findings import Finding, worst_first
 from dampyr.models import prediction_error
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
@@ -118,7 +118,7 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
 
 def _findings(tables: Any) -> tuple[Finding, ...]:
     try:
-        return tuple(
+        return worst_first(
             Finding(one["severity"], str(one["words"]), tuple(map(str, one.get("about", ())))) for one in tables
         )
     except (TypeError, KeyError, AttributeError):
