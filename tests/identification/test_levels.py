@@ -11,7 +11,7 @@ from scipy.special import stdtrit
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import Fit, fit
+from dampyr.identification import Fit, ValidateOptions, fit, prediction_band, score, validate
 from dampyr.identification.levels import PRIOR_SESSION, _spread
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record, read_campaign
@@ -80,6 +80,50 @@ def test_a_session_a_voltage_is_said_to_be_unknown() -> None:
     assert "8 %" in note
     assert "repeat one test" in note
     assert all(level == pytest.approx(1.0, abs=1e-6) for level in levels.level.values())
+
+
+@pytest.mark.parametrize("prior", [0.02, 0.15])
+def test_a_card_with_another_prior_is_that_of_a_fit_with_it(prior: float) -> None:
+    records = campaign({"Monday": 1.0, "Tuesday": 0.9, "Friday": 1.08}, repeated=False)
+    gains = 1.0 + np.random.default_rng(2).normal(0.0, 0.03, len(records))
+    records = [
+        one.replace(note="a gain", force=90.0 + gain * (one.force - 90.0))
+        for one, gain in zip(records, gains, strict=True)
+    ]
+    made, refitted = fit("dahl", records).damper, fit("dahl", records, session_prior=prior).damper
+    assert made is not None
+    assert refitted is not None
+    stated, right = made.with_session_prior(prior).prediction_error, refitted.prediction_error
+    assert stated is not None
+    assert right is not None
+    assert stated.session_source == right.session_source
+    assert (stated.session_sd, stated.record_sd) == (right.session_sd, right.record_sd)
+    np.testing.assert_allclose(stated.session_levels, right.session_levels, atol=1e-12)
+    np.testing.assert_allclose(stated.session_errors, right.session_errors, rtol=1e-9)
+    probe = records[0].replace(note="of another day", measurement_session="Sunday", name="probe")
+    scored = score(made, probe, band=0.9, session_prior=prior).band
+    assert scored is not None
+    assert scored.peak == prediction_band(refitted, probe).peak
+    assert scored.words.endswith(f"with a stated prior of {100 * prior:.3g} % between sessions")
+    [line] = [
+        row
+        for name, row in validate(made, [probe], ValidateOptions(session_prior=prior))._summary()[1]
+        if name == "bands"
+    ]
+    assert line.endswith(f"with a stated prior of {100 * prior:.3g} % between sessions")
+
+
+def test_no_prior_is_stated_where_it_was_estimated_or_cannot_be_known() -> None:
+    estimated = fit("dahl", campaign({"Monday": 1.0, "Tuesday": 0.9, "Friday": 1.08})).damper
+    nothing = fit("dahl", campaign({"Monday": 1.0}), session_prior=0.0).damper
+    assert estimated is not None
+    assert nothing is not None
+    with pytest.raises(InputError, match="was estimated from sessions that repeat a test"):
+        estimated.with_session_prior(0.05)
+    with pytest.raises(InputError, match="a session_prior of 0, which cannot be undone"):
+        nothing.with_session_prior(0.05)
+    with pytest.raises(InputError, match="session_prior = 8 is not allowed"):
+        ValidateOptions(session_prior=8.0)
 
 
 def test_records_without_a_session_say_so() -> None:

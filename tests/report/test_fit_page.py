@@ -75,7 +75,7 @@ CASES: dict[str, Callable[[], Fit]] = {
     "one voltage": lambda: fit("dahl", records((2.0,), 3)),
     "current": lambda: fit("dahl", [as_current(r) for r in records()]),
     "no damper": lambda: replace(
-        fit("dahl", records()), damper=None, converged=False, reason="the numbers make no damper"
+        fit("dahl", records()), bare=None, converged=False, reason="the numbers make no damper"
     ),
     "unknown errors": lambda: unknown(fit("dahl", records())),
     "one parameter": lambda: fit("dahl", records((1.0,), 1), fixed={"dahl.kw": 200.0, "dahl.rho": 3000.0}),
@@ -213,5 +213,6 @@ def test_a_misfit_is_told_before_anything_else(tmp_path: Path) -> None:
     skewed = [replace(r, force=r.force + 3000.0 * np.abs(r.velocity)) for r in records()]
     reader = Reader(write_fit_page(fit("dahl", skewed), tmp_path / "page.html").read_text("utf-8"))
     text = " ".join(reader.inside("p"))
-    assert text.index("the intervals describe the fit") < text.index("The search converged")
+    assert text.index("Before you use the numbers:") < text.index("the intervals describe the fit")
+    assert text.count("the intervals describe the fit") == 1
     assert "does not change its sign with the direction" in text

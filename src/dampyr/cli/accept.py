@@ -75,7 +75,7 @@ def command(
     extension and in compression, and the energy; and the mean of each over a level. Exits with 0 when every record
     passed, with 1 when a point or a mean lies outside, with 3 when none does but a record could not be judged.
     --relevel judges again with one factor on the force, that of each record's first cycles, taken out: it tells a
-    session that came out weaker from a damper of another shape. The exit code is that of the records as they are.
+    record of another level from a damper of another shape. The exit code is that of the records as they are.
     """
     from dampyr import units
     from dampyr.identification import AcceptOptions, accept_records
@@ -84,7 +84,7 @@ def command(
     zero = None if offset is None else units.parse(offset, "N")
     options = AcceptOptions(_tolerance(tolerance, slacks), judge or QUANTITIES, zero, allow_extrapolation, relevel)
     against = _reference(reference, reading)
-    records = gather(paths, role, reading, reference_inputs=inputs_of(against))
+    records = gather(paths, role, reading, reference_inputs=inputs_of(against), warn=False)
     result = accept_records(records, against, options, reference)
     if report:
         from dampyr.report import write_acceptance_page
@@ -124,7 +124,7 @@ def _reference(text: str, reading: Reading) -> Damper | list[Record]:
 
     path = Path(text)
     if path.exists() and path.suffix.lower() != ".toml":
-        return gather((path,), None, reading)
+        return gather((path,), None, reading, warn=False)
     names = studies.available_dampers()
     if path.suffix.lower() != ".toml" and text not in names:
         raise InputError(
@@ -140,6 +140,7 @@ def _print(result: Accepted) -> None:
     title = f"{len(results)} {'record' if len(results) == 1 else 'records'}: {in_short(results)}"
     off = BEYOND * results[0].tolerance.relative
     notes = [
+        *(f"{one}." for one in result.findings),
         f"by {result.reference}, {results[0].tolerance}",
         "run, cut, judged: cycles from the start of the motion, whole ones, those judged; largest: the largest stroke judged",
         "false fail: the chance, at the record's scatter, that a damper like the reference fails; false pass: that one passes "

@@ -62,7 +62,9 @@ def command(
     options = {key: value for key, value in given.items() if value is not None}
     written = export(damper, kind, out, name, allow_extrapolation, **options)
     if as_json:
-        print_json({"written": written})
+        print_json({"written": written, "notes": list(map(str, damper.inherited()))})
         return
     for path in written:
         click.echo(str(path))
+    for one in damper.inherited():
+        click.echo(f"{card}: {one}")

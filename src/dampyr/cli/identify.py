@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
+from dampyr.findings import Finding, worst_first
 
 BUDGET = 480.0  # counted s: that of dampyr.identification.leaderboard, which is imported only when it runs
 
@@ -165,7 +167,7 @@ def command(
         nested=nested,
         session_prior=ratio(session_prior, "session-prior"),
     )
-    records = gather(paths, "fit", reading)
+    records = gather(paths, "fit", reading, warn=False)
     with stages() as progress:
         if each:
             fits = identify_each(records, options, progress)
@@ -227,7 +229,7 @@ def _print(result: Identified, records: list[Record]) -> None:
     # what the levels of the fit say of sessions, and how to settle it, is among its notes
     said = result.fit.levels is not None and bool(result.fit.levels.settles)
     inseparable = [one.brief for one in result.identifiability.findings if not (said and one.kind == SESSION_FINDING)]
-    _print_fit(result.fit, inseparable)
+    _print_fit(result.fit, result.findings, inseparable)
     for check in result.validations:
         _print_prediction(check, records)
     if result.predicted:
@@ -249,21 +251,25 @@ def _print(result: Identified, records: list[Record]) -> None:
 def _print_specimens(specimens: Specimens) -> None:
     model, names = next(iter(specimens.fits.values())).problem.composition, list(specimens.fits)
     title = f"{model}, {len(names)} specimens ({', '.join(names)}): mean and spread between them"
-    print_table(title, *specimens.by_number(), notes=[f"{note}." for note in specimens.notes])
+    notes = [*map(str, specimens.findings), *specimens.notes]
+    print_table(title, *specimens.by_number(), notes=[f"{note}." for note in notes])
 
 
-def _print_fit(fit: Fit, inseparable: Sequence[str]) -> None:
-    """Values, errors and goodness of fit; ``inseparable`` says what the records cannot separate, a line each."""
-    notes = [f"The search {fit.reason}.", *(f"{note}." for note in fit.notes)]
+def _print_fit(fit: Fit, findings: Sequence[Finding], inseparable: Sequence[str]) -> None:
+    """The verdict, what is to be said of the fit and its records, values, errors and goodness of fit; ``inseparable`` says what
+    the records cannot separate, a line each."""
+    from dampyr.representation import counted, percent
+
+    said = fit.verdict.findings
+    notes = [fit.verdict.words, *(f"{one}." for one in findings if one not in said)]
     notes += [f"Not separated: {line}." for line in inseparable]
     values = "value ± half of the 95 % interval"
-    print_table(f"{fit.problem.composition}, {len(fit.records)} records: {values}", *fit.by_input(), notes=notes)
+    many = counted(len(fit.records), "record")
+    print_table(f"{fit.problem.composition}, {many}: {values}", *fit.by_input(), notes=notes)
     if fit.levels is not None:
-        print_table(
-            "The same between measurement sessions: value ± half of the 95 % interval",
-            *fit.by_input(between="sessions"),
-            notes=[fit.levels.words],
-        )
+        how = "estimated" if fit.levels.repeated else "stated, not measured"
+        level = f"a level that differs by {percent(fit.levels.session_sd)} between them ({how})"
+        print_table(f"The same between measurement sessions, with {level}: {values}", *fit.by_input(between="sessions"))
     print_table(
         "Standard errors (naive ones in parentheses, as if samples were independent)", *fit.by_input(errors=True)
     )
@@ -307,6 +313,8 @@ def _print_each(fits: list[Fit]) -> None:
     from dampyr.units import for_people
 
     names = list(fits[0].parameters)
+    each = (replace(one, about=(fit.records[0].name,)) for fit in fits for one in fit.findings)
+    findings = worst_first(each)
     shown = [for_people(fits[0].units[name]) for name in names]
     rows = []
     for fit in fits:
@@ -319,4 +327,5 @@ def _print_each(fits: list[Fit]) -> None:
         ["record", "input", *names, "L1", "converged"],
         rows,
         ["", fits[0].records[0].input or "", *(unit for unit, _ in shown), "%", ""],
+        notes=[f"{one}." for one in findings if one.severity != "note"],
     )

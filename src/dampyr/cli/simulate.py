@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -117,8 +117,10 @@ def command(
     else:
         errors = [f"error: {result.error}"] if result.error else []
         failed = [f"{name} is not converged: {reason}" for name, reason in result.unconverged.items()]
-        notes = [*([result.note] if result.note else []), *errors, *failed]
-        _print(f"{result.title}: peaks", result.cases, result.end, notes)
+        more = [*([result.note] if result.note else []), *errors, *failed]
+        _print(
+            f"{result.title}: peaks", result.cases, [*map(str, result.findings), f"the response {result.end}", *more]
+        )
         if result.intervals:
             _print_intervals(result, damper)
 
@@ -147,7 +149,7 @@ def _refuse_damper(context: click.Context) -> None:
             raise InputError(f"{name} is of a damper, and --without-damper leaves it out; give one of the two")
 
 
-def _print(title: str, cases: Mapping[str, Response], end: str, notes: list[str]) -> None:
+def _print(title: str, cases: Mapping[str, Response], notes: Sequence[str]) -> None:
     names = list(cases["no damper"].floors)
     many = len(names) > WIDE
     floors = [f"largest of {len(names)} floors"] if many else [f"floor {name}" for name in names]
@@ -163,7 +165,7 @@ def _print(title: str, cases: Mapping[str, Response], end: str, notes: list[str]
         rows,
         ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", unit, ""],
         digits=5,
-        notes=[f"the response {end}", *notes],
+        notes=notes,
     )
 
 

@@ -37,6 +37,11 @@ NAMES = ["record", "input", "fitted on", "L1", "NRMSE", "R²", "pointwise", "pea
     help="How much of each record its predictive band is to hold; none for no bands.",
 )
 @click.option(
+    "--session-prior",
+    metavar="SHARE",
+    help="How much the force differs from one measurement session to another, in the place of what the card states.",
+)
+@click.option(
     "--forces", type=click.Path(path_type=Path), metavar="DIR", help="Write measured and predicted forces as CSV."
 )
 @report_options()
@@ -49,6 +54,7 @@ def command(
     role: str | None,
     settling: float,
     band: str,
+    session_prior: str | None,
     forces: Path | None,
     report: Path | None,
     reading: Reading,
@@ -65,9 +71,11 @@ def command(
     from dampyr.identification import ValidateOptions, validate
     from dampyr.studies import load_damper
 
-    options = ValidateOptions(settling, allow_extrapolation, None if band == "none" else ratio(band, "band"))
+    share = None if band == "none" else ratio(band, "band")
+    prior = None if session_prior is None else ratio(session_prior, "session-prior")
+    options = ValidateOptions(settling, allow_extrapolation, share, prior)
     damper = load_damper(card)
-    records = gather(paths, role, reading, reference_inputs=damper.range)
+    records = gather(paths, role, reading, reference_inputs=damper.range, warn=False)
     result = validate(damper, records, options, card=str(card))
     written = result.write_forces(forces) if forces else []
     if report:
@@ -97,7 +105,8 @@ def _print(result: Validated) -> None:
         errors = [100 * s.l1, 100 * s.nrmse, s.r2, 100 * s.pointwise, 100 * s.peak_force, energy]
         rows.append([r.name, r.input_value, "yes" if r.name in result.fitted_on else "no", *errors, window])
     mean = sum(s.l1 for s in result.scores.values()) / len(result.scores)
-    notes = [f"mean L1 {100 * mean:.2f} % over {_count(len(rows), 'record')}"]
+    notes = [f"{one}." for one in result.findings]
+    notes += [f"mean L1 {100 * mean:.2f} % over {_count(len(rows), 'record')}"]
     if any(row[8] is None for row in rows):
         notes.append("energy –: no whole cycle in the window, so it is not scored")
     unit = result.damper.input
@@ -113,6 +122,8 @@ def _print(result: Validated) -> None:
 
 def _print_bands(result: Validated) -> None:
     """The level of each record, its L1 with that, and how much its band holds of the force, the peak and the energy."""
+    from dampyr.identification.validate import bands_in_words
+
     rows = []
     for r in result.records:
         s, band = result.scores[r.name], result.bands.get(r.name)
@@ -133,8 +144,10 @@ def _print_bands(result: Validated) -> None:
         sessions = sorted({one.session for one in result.bands.values() if one.session is not None})
         of_fitted = f"; those of {', '.join(sessions)} have the level of that session" if sessions else ""
         notes.append(f"records count as of a new measurement session{of_fitted}; width: of the mean force")
-        if result.damper.prediction_error is not None:
-            notes.append(result.damper.prediction_error.session_source)
+        error = result.damper.prediction_error
+        if error is not None:
+            other = "" if error.session_estimated else "; --session-prior SHARE gives them at another"
+            notes += [error.session_source, f"{bands_in_words(result.bands)}{other}"]
     elif result.no_band:
         notes.append(result.no_band)
     print_table("Level of each record, and predictive bands", names, rows, units, digits=3, notes=notes)

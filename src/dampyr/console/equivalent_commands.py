@@ -58,7 +58,13 @@ def identify_command(request: IdentifyRequest) -> str:
 
 def validate_command(request: ValidateRequest) -> str:
     """As ``dampyr validate``."""
-    options = _options(request, settling="--settling", allow_extrapolation="--allow-extrapolation", band="--band")
+    options = _options(
+        request,
+        settling="--settling",
+        allow_extrapolation="--allow-extrapolation",
+        band="--band",
+        session_prior="--session-prior",
+    )
     return _command("validate", request.card, *_paths(request.records), *options)
 
 

@@ -63,7 +63,14 @@ class ValidateRequest(BaseModel):
     band: float | None = Field(
         default=LEVEL, gt=0, lt=1, description="What each predictive band is to hold; null: none."
     )
+    session_prior: float | None = Field(
+        default=None,
+        ge=0,
+        lt=1,
+        allow_inf_nan=False,
+        description="Of the level between sessions; null: as the card states.",
+    )
 
     def options(self) -> ValidateOptions:
         """The options of `dampyr.identification.validate`."""
-        return ValidateOptions(self.settling, self.allow_extrapolation, self.band)
+        return ValidateOptions(self.settling, self.allow_extrapolation, self.band, self.session_prior)

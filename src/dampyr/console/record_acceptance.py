@@ -17,6 +17,7 @@ from dampyr.console import record_sources
 from dampyr.console.dampers import CARDS, DamperLink, damper_of, list_dampers
 from dampyr.console.equivalent_commands import accept_command
 from dampyr.console.limits import READING
+from dampyr.console.page_words import in_page_words
 from dampyr.console.state import Here
 from dampyr.identification import Acceptance, Accepted, AcceptOptions, Point, Tolerance, accept_records
 from dampyr.identification.acceptance import QUANTITIES, Quantity, band
@@ -145,6 +146,9 @@ class Judgement(BaseModel):
 
     records: list[Judged]
     bands: list[Band]
+    notes: list[str] = Field(
+        description="What a person should look at in the records and in the reference, worst first."
+    )
     data: dict[str, Any]
 
 
@@ -175,6 +179,7 @@ def judgement_of(data: Path, query: AcceptanceRequest) -> dict[str, Any]:
     return {
         "records": [_summarise(key, one).model_dump() for key, one in zip(keys, accepted.results, strict=True)],
         "bands": [each.model_dump() for each in _bands(accepted.results)],
+        "notes": [in_page_words(str(one)) for one in accepted.findings],
         "data": plain(accepted.as_dict()),
     }
 

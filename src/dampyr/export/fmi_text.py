@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
+from dampyr.export.kinds.c import before_use
 from dampyr.models import Damper
 from dampyr.models.damper import INPUTS
 
@@ -68,7 +69,7 @@ def model_description(damper: Damper, name: str, fmi: int, drive: str, token: st
         f"    <Unit name={quoteattr(unit)}>" + (f"<BaseUnit {UNITS[unit]}/>" if unit in UNITS else "") + "</Unit>"
         for unit in used
     )
-    about = quoteattr(f"Damper: {damper.composition}")
+    about = quoteattr(f"Damper: {damper.composition}. {before_use(damper)}".removesuffix(". "))
     head = f'modelName={quoteattr(name)} description={about} generationTool="dampyr {version}"'
     start = damper.range[0]
     if fmi == 2:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
+from dampyr.findings import Finding, worst_first
 from dampyr.identification.acceptance import (
     QUANTITIES,
     Acceptance,
@@ -21,7 +22,7 @@ from dampyr.identification.acceptance import (
     used_of_band,
 )
 from dampyr.models import Damper
-from dampyr.records import Record, nominal_inputs
+from dampyr.records import Record, findings_of_records, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.to_json import plain
 
@@ -53,7 +54,8 @@ class AcceptOptions:
 class Accepted(Representation):
     """Result of `accept_records`: the judgement of each record; ``reference`` is what the reference is called.
 
-    ``records`` were judged, ``reference_records`` are those of a reference that is no card.
+    ``records`` were judged, ``reference_records`` are those of a reference that is no card; ``findings`` are the worst of the
+    reference's card and what is wrong or in doubt in all these records.
     """
 
     reference: str
@@ -61,6 +63,7 @@ class Accepted(Representation):
     records: tuple[Record, ...] = ()
     reference_records: tuple[Record, ...] = ()
     relevelled: tuple[Acceptance, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
     @property
     def plot(self) -> AcceptancePlots:
@@ -94,6 +97,7 @@ class Accepted(Representation):
 
     def _summary(self) -> Summary:
         rows = [("verdict", self.verdict), ("records", in_short(self.results))]
+        rows += [("look at", str(one)) for one in self.findings[:1]]
         if self.results:
             rows.append(("band", f"{self.results[0].tolerance}, judged by {', '.join(self.results[0].quantities)}"))
         return f"Accepted by {self.reference!r}", rows
@@ -117,7 +121,9 @@ class Accepted(Representation):
         """All results for JSON, SI units."""
         records = [one.as_dict() for one in self.results]
         more = {"relevelled": [one.as_dict() for one in self.relevelled]} if self.relevelled else {}
-        return dict(plain({"reference": self.reference, "verdict": self.verdict, "records": records} | more))
+        notes = list(map(str, self.findings))
+        answer = {"reference": self.reference, "verdict": self.verdict, "notes": notes, "records": records}
+        return dict(plain(answer | more))
 
 
 def accept_records(
@@ -149,7 +155,10 @@ def accept_records(
             accept(record, against, options.tolerance, options.quantities, options.offset, options.allow_extrapolation)
         )
     again = tuple(relevelled(one, options.relevel) for one in results) if options.relevel else ()
-    return Accepted(name, tuple(results), tuple(records), () if isinstance(against, Damper) else tuple(against), again)
+    others = () if isinstance(against, Damper) else tuple(against)
+    said = findings_of_records((*records, *others))
+    findings = worst_first(against.inherited(said) if isinstance(against, Damper) else (), said)
+    return Accepted(name, tuple(results), tuple(records), others, again, findings)
 
 
 def inputs_of(reference: Damper | Sequence[Record]) -> Sequence[float]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dampyr.findings import Finding
 from dampyr.identification.fit_data import Piece
 from dampyr.identification.problem import Problem
 from dampyr.identification.residuals import Group, RecordResidual, Residuals
@@ -84,7 +85,7 @@ def _trend(
 
 
 def findings(residuals: Residuals) -> tuple[str, ...]:
-    """What was found, one sentence each, without its full stop."""
+    """What was made, one sentence each, without its full stop."""
     return (
         _size(residuals),
         *_directions(residuals),
@@ -96,14 +97,22 @@ def findings(residuals: Residuals) -> tuple[str, ...]:
 
 def warnings_of(residuals: Residuals) -> tuple[str, ...]:
     """What a reader must know before trusting the numbers: misfit, and residuals that differ between the directions."""
-    messages = []
+    return tuple(one.words for one in residual_findings(residuals))
+
+
+def residual_findings(residuals: Residuals) -> list[Finding]:
+    """The same as findings; a misfit beyond noise is a note, as the verdict tells how large it is."""
+    made = [Finding("doubt", words) for words in (*_shifted(residuals), *_uneven(residuals))]
     if residuals.misfits:
-        messages.append(
-            f"the model misses more than noise in {len(residuals.misfits)} of {len(residuals.records)} records: the "
-            "intervals describe "
-            "the fit (how far it would move with other records of the same kind) and need not hold the truth"
+        made.append(
+            Finding(
+                "note",
+                f"the model misses more than noise in {len(residuals.misfits)} of {len(residuals.records)} records: the "
+                "intervals describe the fit (how far it would move with other records of the same kind) and need not hold "
+                "the truth",
+            )
         )
-    return (*messages, *_shifted(residuals), *_uneven(residuals))
+    return made
 
 
 def _size(residuals: Residuals) -> str:
@@ -235,19 +244,22 @@ def _share(group: Group) -> float:
 
 def notes(
     problem: Problem, outcome: Outcome, uncertainty: Uncertainty, labels: list[str], within: Mapping[str, int]
-) -> list[str]:
+) -> list[Finding]:
     """The notes of a fit: on the parameters (``within``: those of one or two records alone), on the motion, and on
-    single records."""
-    return [
+    single records. What the numbers are not determined by is a doubt."""
+    doubts = [
         *_of_parameters(problem, outcome, uncertainty, labels),
+        *_of_motion(problem, outcome),
+        *_of_records(problem),
+    ]
+    notes = [
         *_of_few_records(problem, uncertainty, labels, within),
         *_of_twins(problem),
         *_of_buildings(problem),
-        *_of_motion(problem, outcome),
-        *_of_records(problem),
         *_of_noisy_inputs(problem),
         *_of_smoothing(problem),
     ]
+    return [*(Finding("doubt", words) for words in doubts), *(Finding("note", words) for words in notes)]
 
 
 def _of_parameters(problem: Problem, outcome: Outcome, uncertainty: Uncertainty, labels: list[str]) -> list[str]:
@@ -333,11 +345,7 @@ def _of_motion(problem: Problem, outcome: Outcome) -> list[str]:
 
 
 def _of_records(problem: Problem) -> list[str]:
-    notes = [
-        f"{one.name}: its loops create energy; is the force's sign inverted?"
-        for one in problem.pieces
-        if energy(one) < 0
-    ]
+    notes = []
     for one in problem.pieces:
         levels = np.unique(one.x).size
         if levels < MIN_STEPS:

@@ -15,7 +15,7 @@ from dampyr.argument_kinds import MODEL, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.fit_data import piece, weighted, with_common_levels
 from dampyr.identification.initial_guess import begin, best_of
-from dampyr.identification.levels import PRIOR_SESSION, check_prior
+from dampyr.identification.levels import PRIOR_SESSION
 from dampyr.identification.parametrisation import columns, held_twins
 from dampyr.identification.problem import Problem, checked_nuisances
 from dampyr.identification.result import Fit, Nuisance, build_fit
@@ -24,6 +24,7 @@ from dampyr.identification.scoring_window import SETTLING, check_settling
 from dampyr.identification.variable_projection import MAX_ITERATIONS, search
 from dampyr.identification.work import Work
 from dampyr.models import Composition, Damper, compose
+from dampyr.models.prediction_error import check_prior
 from dampyr.records import Record, check_bandwidth
 
 __all__ = ["Fit", "Nuisance", "fit", "prepared"]

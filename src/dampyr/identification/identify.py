@@ -5,7 +5,6 @@ The command line and the console both call `identify`; a choice that they offer 
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
@@ -15,12 +14,13 @@ from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
 from dampyr.argument_kinds import RECORDS, Argument, check_kinds
-from dampyr.errors import DampyrWarning, InputError
+from dampyr.errors import InputError
+from dampyr.findings import Finding, worst_first
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.fit_data import WEIGHTINGS
 from dampyr.identification.identifiability import Identifiability, identifiability
 from dampyr.identification.leaderboard import BUDGET, Cut, Leaderboard, leaderboard
-from dampyr.identification.levels import PRIOR_SESSION, check_prior
+from dampyr.identification.levels import PRIOR_SESSION
 from dampyr.identification.motion_coverage import beyond_the_fitted
 from dampyr.identification.robust import LOSSES, check_loss
 from dampyr.identification.score import Score, score
@@ -30,7 +30,8 @@ from dampyr.identification.specimens import Specimens, fit_specimens
 from dampyr.identification.splits import PARTS, split_tasks
 from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import Damper, available_parts, compose, part
-from dampyr.records import Record, check_bandwidth, nominal_inputs
+from dampyr.models.prediction_error import check_prior
+from dampyr.records import Record, check_bandwidth, findings_of_records, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, counted, percent
 from dampyr.to_json import plain
 
@@ -160,6 +161,11 @@ class Identified(Representation):
     def _table(self) -> Table:
         return self.fit._table()
 
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """Those of the fit, and those of the records that were predicted; each once, the worst first."""
+        return worst_first(self.fit.findings, findings_of_records(self.validation_records))
+
     @property
     def damper(self) -> Damper | None:
         """The damper whose card is saved; its provenance says why its model was chosen. None where the fit made none."""
@@ -181,7 +187,7 @@ class Identified(Representation):
 
     def as_dict(self) -> dict[str, Any]:
         """All results for JSON, SI units."""
-        data = self.fit.as_dict()
+        data = self.fit.as_dict() | {"notes": list(map(str, self.findings))}
         data["identifiability"] = self.identifiability.as_dict()["findings"]
         if self.validations:
             data["predictions"] = list(self.validations)
@@ -228,7 +234,6 @@ def identify(
     options = options or IdentifyOptions()
     tell = progress or (lambda stage, done: None)
     nominal = nominal_inputs(records)
-    warn_of_marks(nominal)
     fitted = [record for record in nominal if record.role != "validation"]
     others = [record for record in nominal if record.role == "validation"]
     check_records(fitted, others, options)
@@ -248,7 +253,6 @@ def identify_each(records: Sequence[Record], options: IdentifyOptions, progress:
         raise InputError("fits of single records need a model: without it every model is tried; name one, such as dahl")
     tell = progress or (lambda stage, done: None)
     nominal = nominal_inputs(records)
-    warn_of_marks(nominal)
     _check_bandwidth(nominal, options)
     fits = []
     for k, record in enumerate(nominal):
@@ -269,23 +273,9 @@ def identify_by_specimen(
     if options.model is None:
         raise InputError("fits by specimen need a model: without it every model is tried; name one, such as dahl")
     nominal = nominal_inputs(records)
-    warn_of_marks(nominal)
     fitted = [record for record in nominal if record.role != "validation"]
     _check_bandwidth(fitted, options)
     return fit_specimens(options.model, fitted, progress=progress, **_held(options, options.model))
-
-
-def marks_in_words(records: Sequence[Record]) -> list[str]:
-    """The faults that the recorder saw, with the name of the record of each."""
-    return [f"{record.name}: {mark}" for record in records for mark in record.marks]
-
-
-def warn_of_marks(records: Sequence[Record]) -> None:
-    """Warn, in one line, of records with faults that the recorder saw."""
-    marks = marks_in_words(records)
-    if marks:
-        more = f"; and {len(marks) - 3} more" if len(marks) > 3 else ""
-        warnings.warn(f"the recorder saw faults: {'; '.join(marks[:3])}{more}", DampyrWarning, stacklevel=3)
 
 
 def check_records(fitted: Sequence[Record], others: Sequence[Record], options: IdentifyOptions) -> None:

@@ -529,7 +529,7 @@ def _entry(model: str, validations: list[Validation], fit_result: Fit, seconds: 
 
     return Entry(
         model=model,
-        error=validation_error(validations) if fit_result.damper is not None else float("inf"),
+        error=validation_error(validations) if fit_result.bare is not None else float("inf"),
         standard_error=standard_error(validations),
         l1=validations[0].error,
         nrmse=mean("nrmse"),
@@ -599,7 +599,7 @@ def choice_in_words(board: Leaderboard) -> list[str]:
         )
     levels = winner.fit.levels if winner.fit is not None else None
     if levels is not None and not levels.repeated:
-        words.append(f"{levels.words}: no error here knows how another session would differ; {levels.settles}")
+        words.append("no error here knows how another measurement session would differ; the notes of the fit say why")
     if np.isfinite(board.nested):
         words.append(
             f"the whole search, repeated without a fifth of the records each time, predicts it to {percent(board.nested)}"
@@ -685,7 +685,7 @@ def _nested_error(
         board = repeat(task.fitted, seed=seed, seconds=left) if left is None or left > 0 else None
         if board is None or board.cut:
             return float("nan")
-        damper = board.winner.fit.damper if board.winner.fit else None
+        damper = board.winner.fit.bare if board.winner.fit else None
         if damper is None:
             return float("nan")
         with warnings.catch_warnings():

@@ -23,7 +23,7 @@ from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.scoring_window import SETTLING, Window, scoring_window, whole_cycles
 from dampyr.models import Damper
-from dampyr.models.prediction_error import force_draws
+from dampyr.models.prediction_error import force_draws, prior_words
 from dampyr.records import Record, with_velocity
 from dampyr.records.moving_average import averaged
 from dampyr.records.nominal_input import without_noise_beyond
@@ -61,7 +61,7 @@ class Band(Representation):
     about the middle of its range (0.12 is ± 12 %). ``peak`` is half the range of the force in N without white noise of the
     sensor, ``energy`` that of a
     cycle in J, None where the window has no whole cycle. ``session`` is the fitted session that the record belongs to,
-    None where it counts as a new one.
+    None where it counts as a new one; ``prior`` says what level between sessions is in it, and whether that is stated.
     """
 
     level: float
@@ -75,11 +75,13 @@ class Band(Representation):
     energy: Interval | None
     session: str | None
     window: Window
+    prior: str = ""
 
     @property
     def words(self) -> str:
         """What it holds and how wide it is."""
-        return f"holds {percent(self.holds)} of the samples, width ± {percent(self.width)} of the mean force"
+        words = f"holds {percent(self.holds)} of the samples, width ± {percent(self.width)} of the mean force"
+        return f"{words}, {self.prior}" if self.prior else words
 
     def _summary(self) -> Summary:
         where = "a new session" if self.session is None else f"the session {self.session}"
@@ -87,7 +89,7 @@ class Band(Representation):
             ("holds", f"{percent(self.holds)} of the samples"),
             ("width", f"± {percent(self.width)} of the mean force"),
             ("peak", _in_words(self.peak, "N")),
-            ("record", f"of {where}"),
+            ("record", f"of {where}" + (f", {self.prior}" if self.prior else "")),
         ]
         if self.energy is not None:
             rows.insert(3, ("energy", f"{_in_words(self.energy, 'J')} per cycle"))
@@ -112,6 +114,7 @@ class Band(Representation):
             "peak": self.peak.as_dict(),
             "energy": None if self.energy is None else self.energy.as_dict(),
             "session": self.session,
+            "prior": self.prior,
         }
 
 
@@ -225,4 +228,5 @@ def prediction_band(
         energy=energy,
         session=session,
         window=where,
+        prior="" if damper.prediction_error is None else prior_words(damper.prediction_error),
     )

@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
+from dampyr.findings import Finding, Findings, worst_first
 from dampyr.identification.data_sheet import SHEETS, contradictions
-from dampyr.identification.diagnostics import no_interval, notes, trouble_of
+from dampyr.identification.diagnostics import no_interval, notes, residual_findings, trouble_of
 from dampyr.identification.fit_data import Piece
+from dampyr.identification.fit_verdict import FitVerdict, fit_verdict
 from dampyr.identification.law_coefficients import law_matrix
 from dampyr.identification.law_panels import law_panels
 from dampyr.identification.levels import PRIOR_SESSION, Levels, levels_and_error
@@ -29,7 +31,7 @@ from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.identification.variable_projection import Outcome
 from dampyr.models import Damper
 from dampyr.models.sampling_error import sampling_error, sampling_words
-from dampyr.records import Record, cycles, motion_start
+from dampyr.records import Record, cycles, findings_of_records, motion_start
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, listing, percent, rounded
 from dampyr.source_digest import full_version
 from dampyr.units import for_people
@@ -113,11 +115,13 @@ class FitPlots:
 class Fit(Representation):
     """The result of `fit`.
 
-    ``damper`` carries the laws, their covariance and the calibrated ranges, or is None where ``reason`` says why the numbers
-    make no damper. ``parameters``, ``stderr`` and ``naive_stderr`` are in SI units, by labels such as ``dahl.kx @ 1.98 V``;
-    an infinite error means that the records do not determine the number, NaN that it is at its limit.
+    ``damper`` carries the laws, their covariance, the calibrated ranges and the findings, or is None where ``reason`` says why
+    the numbers make no damper; ``bare`` is the same without its findings. ``parameters``, ``stderr`` and ``naive_stderr`` are
+    in SI units, by labels such as ``dahl.kx @ 1.98 V``; an infinite error means that the records do not determine the number,
+    NaN that it is at its limit.
     ``correlation`` (m, m) follows the same order. ``converged`` and ``reason`` say how the search ended;
-    ``notes`` what a reader should know besides. ``clusters`` are what the errors were clustered by ("record", "cycle", or
+    ``findings`` what a reader should know besides, the worst first, and ``notes`` the same as texts; ``remarks`` are those of
+    them that neither the scores nor the records tell. ``clusters`` are what the errors were clustered by ("record", "cycle", or
     "record and cycle"), ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that
     determine it. ``within_records`` holds the labels that only one or two records determine, and how many: their errors are by
     cycle, hold within these records only and give no interval.
@@ -126,7 +130,7 @@ class Fit(Representation):
     (`dampyr.identification.levels`), None where the numbers make no damper.
     """
 
-    damper: Damper | None
+    bare: Damper | None
     parameters: dict[str, float]
     stderr: dict[str, float]
     naive_stderr: dict[str, float]
@@ -134,7 +138,7 @@ class Fit(Representation):
     correlation: Array
     converged: bool
     reason: str
-    notes: tuple[str, ...]
+    remarks: tuple[Finding, ...]
     clusters: str
     freedom: dict[str, float]
     within_records: dict[str, int]
@@ -146,6 +150,32 @@ class Fit(Representation):
     starts: tuple[int, int] = (1, 1)
     settling: float = SETTLING
     levels: Levels | None = None
+
+    @cached_property
+    def damper(self) -> Damper | None:
+        """The damper with what remains true of it, which its card and what is made of it repeat."""
+        return None if self.bare is None else replace(self.bare, findings=Findings(lambda: self._of_damper))
+
+    @cached_property
+    def _of_damper(self) -> tuple[Finding, ...]:
+        """The findings without that on the level of sessions, which stands in the damper's prediction error."""
+        of_records, of_residuals = findings_of_records(self.records), residual_findings(self.residuals)
+        return worst_first(self.verdict.findings, of_records, of_residuals, self.remarks)
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """All that a reader should know of the fit and of its records, each once, the worst first."""
+        return worst_first(self._of_damper, [Finding("note", words) for words in _level_notes(self.levels)])
+
+    @property
+    def verdict(self) -> FitVerdict:
+        """Whether the search converged and the model describes the records, in one sentence."""
+        return fit_verdict(self.scores, self.converged, self.reason)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The findings as texts."""
+        return tuple(map(str, self.findings))
 
     @property
     def plot(self) -> FitPlots:
@@ -304,6 +334,7 @@ class Fit(Representation):
             "records": [record.name for record in self.records],
             "converged": self.converged,
             "reason": self.reason,
+            "verdict": {"kind": self.verdict.kind, "words": self.verdict.words},
             "notes": self.notes,
             "clusters": self.clusters,
             "parameters": self.parameters,
@@ -393,7 +424,7 @@ def build_fit(
     trouble = trouble or trouble_of(problem, outcome)
     states = list(problem.composition.states)
     return Fit(
-        damper=damper,
+        bare=damper,
         parameters=dict(zip(labels, map(float, outcome.point.theta), strict=True)),
         stderr=stderr,
         naive_stderr=_errors(labels, uncertainties.naive, outcome.at_limit),
@@ -401,13 +432,13 @@ def build_fit(
         correlation=_correlation(uncertainties.covariance),
         converged=outcome.converged and not trouble,
         reason=trouble or outcome.reason,
-        notes=(
+        remarks=(
             *notes(problem, outcome, uncertainties, labels, within),
-            *search_notes,
-            *_level_notes(levels),
-            *_short_notes(records, settling),
-            *_data_sheet_notes(damper, records),
-            *_sampling_notes(damper, problem),
+            *(Finding("note", words) for words in (*search_notes, *_short_notes(records, settling))),
+            *(
+                Finding("doubt", words)
+                for words in (*_data_sheet_notes(damper, records), *_sampling_notes(damper, problem))
+            ),
         ),
         clusters=_clusters([label in within for label in labels if np.isfinite(stderr[label])]),
         freedom=dict(zip(labels, map(float, uncertainties.freedom), strict=True)),

@@ -103,12 +103,14 @@ def score(
     allow_extrapolation: bool = False,
     centre: Centre = "quantiles",
     band: float | None = None,
+    session_prior: float | None = None,
 ) -> Score:
     """Run ``damper`` freely along ``record`` and compare.
 
     The window goes from ``settling`` s after the motion starts to the end, or is ``window`` = (from, to) in s. ``centre`` is
     what the L1 ratio measures the force from: the middle of its ``"quantiles"``, or the ``"midrange"`` as (3.1) of Raminelli
-    (2020). ``band`` = 0.9 adds the `prediction_band` that is to hold 90 % of the force, and what it holds. Raises
+    (2020). ``band`` = 0.9 adds the `prediction_band` that is to hold 90 % of the force, and what it holds;
+    ``session_prior`` = 0.05 makes it with 5 % between measurement sessions in the place of what the card states. Raises
     :class:`~dampyr.errors.InputError` where the record's input is not the damper's, too little is left of the motion, or the
     card has nothing to make a band of.
 
@@ -129,7 +131,8 @@ def score(
     plain = compare(record, prediction(damper, record, allow_extrapolation), settling, window, centre)
     if band is None:
         return plain
-    made = prediction_band(damper, record, band, settling, window, allow_extrapolation=allow_extrapolation)
+    stated = damper if session_prior is None else damper.with_session_prior(session_prior)
+    made = prediction_band(stated, record, band, settling, window, allow_extrapolation=allow_extrapolation)
     return replace(plain, band=made)
 
 

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.findings import Finding, Findings, worst_first
 from dampyr.identification.fit import check_model_and_records, fit
 from dampyr.identification.law_coefficients import admissible_damper, law_coefficients, law_matrix
 from dampyr.identification.problem import independent_blocks
@@ -169,6 +170,14 @@ class Specimens(Representation):
             shapes=_pooled_shapes([shape for one in errors for shape in one.shapes]),
         )
 
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What is wrong or in doubt in the fits and in their records, each once, the worst first."""
+        each = ((name, one) for name, fit_result in self.fits.items() for one in fit_result.findings)
+        return worst_first(
+            one if one.about else replace(one, about=(name,)) for name, one in each if one.severity != "note"
+        )
+
     def damper(self) -> Damper:
         """The damper of the mean, with the covariance of a new specimen: its ``draws`` are specimens of this type.
 
@@ -184,6 +193,7 @@ class Specimens(Representation):
             ranges=_widest([one.ranges for one in dampers]),
             within_records=(),
             prediction_error=self._prediction_error(),
+            findings=Findings(lambda: self.findings),
             provenance={
                 "method": "mean of specimens, random effects (dampyr.identification.fit_specimens)",
                 "specimens": ", ".join(self.fits),
@@ -395,7 +405,7 @@ class Specimens(Representation):
                     "parameters": dict(self.spreads),
                     "left_out": self.left_out,
                     "not_estimated": self.not_estimated,
-                    "notes": self.notes,
+                    "notes": [*map(str, self.findings), *self.notes],
                 }
             )
         )

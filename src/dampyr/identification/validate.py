@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
+from dampyr.findings import Finding, worst_first
 from dampyr.identification.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
 from dampyr.identification.score import Array, Score, compare, group_by_input, prediction
 from dampyr.identification.scoring_window import SETTLING, check_settling
 from dampyr.identification.validation import mean_relevelled, score_columns, score_table
 from dampyr.models import Damper
-from dampyr.records import Record, nominal_inputs, write_comparison
+from dampyr.models.prediction_error import check_prior
+from dampyr.records import Record, findings_of_records, nominal_inputs, write_comparison
 from dampyr.records.comparison import check_free, file_name
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
 from dampyr.to_json import plain
@@ -28,14 +30,18 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class ValidateOptions:
     """Options of `validate`: ``settling`` s after the motion starts are not scored; ``band`` is the share of each
-    record's force that its predictive band is to hold, None for no bands."""
+    record's force that its predictive band is to hold, None for no bands; ``session_prior`` is the standard deviation of the
+    level between measurement sessions that the bands take, 0.08 being 8 %, None for that of the card."""
 
     settling: float = SETTLING
     allow_extrapolation: bool = False
     band: float | None = LEVEL
+    session_prior: float | None = None
 
     def __post_init__(self) -> None:
         check_settling(self.settling)
+        if self.session_prior is not None:
+            check_prior(self.session_prior)
         if self.band is not None:
             check_level(self.band)
 
@@ -115,6 +121,7 @@ class Validated(Representation):
         worst = max(l1, key=lambda name: l1[name])
         seen = len(self.fitted_on & set(l1))
         return f"Validated {self.card!r}", [
+            *(("look at", str(one)) for one in self.findings[:1]),
             ("model", str(self.damper.composition)),
             ("records", f"{counted(len(self.records), 'record')}, of which the damper was fitted on {seen}"),
             ("L1", f"{percent(sum(l1.values()) / len(l1))} on average, {percent(l1[worst])} in {worst}"),
@@ -139,6 +146,12 @@ class Validated(Representation):
         return {name.strip() for name in self.damper.provenance.get("records", "").split(",")}
 
     @property
+    def findings(self) -> tuple[Finding, ...]:
+        """The worst of the card, and what is wrong or in doubt in the records; each once, the worst first."""
+        said = findings_of_records(self.records)
+        return worst_first(self.damper.inherited(said), said)
+
+    @property
     def by_input(self) -> list[dict[str, Any]]:
         """Number of records, mean and worst L1 of each input, in rising order."""
         groups: dict[float | None, list[float]] = {}
@@ -160,7 +173,9 @@ class Validated(Representation):
         scores = {name: one.as_dict() | {"fitted_on": name in self.fitted_on} for name, one in self.scores.items()}
         bands = {name: one.as_dict() for name, one in self.bands.items()}
         more = {"no_band": self.no_band} if self.no_band else {}
-        return dict(plain({"card": self.card, "scores": scores, "by_input": self.by_input, "bands": bands} | more))
+        notes = list(map(str, self.findings))
+        answer = {"card": self.card, "notes": notes, "scores": scores, "by_input": self.by_input, "bands": bands}
+        return dict(plain(answer | more))
 
     def write_forces(self, folder: str | Path) -> list[Path]:
         """Write NAME.csv with the measured and the predicted force of each record; other people's files are not replaced."""
@@ -195,6 +210,8 @@ def validate(
     options = options or ValidateOptions()
     if not records:
         raise InputError("there are no records to validate by; give one or more")
+    if options.session_prior is not None:
+        damper = damper.with_session_prior(options.session_prior)
     nominal = tuple(nominal_inputs(records, damper.range))
     name, count = Counter(record.name for record in nominal).most_common(1)[0]
     if count > 1:
@@ -228,7 +245,8 @@ def bands_in_words(bands: Mapping[str, Band]) -> str:
     each = list(bands.values())
     holds = sum(one.holds for one in each) / len(each)
     peaks = sum(one.peak.holds for one in each)
-    return (
+    words = (
         f"the {percent(each[0].level)} bands hold {percent(holds)} of the samples and the peaks of {peaks} of "
         f"{counted(len(each), 'record')}"
     )
+    return f"{words}, {each[0].prior}" if each[0].prior else words

@@ -11,6 +11,7 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.config import parse_toml
 from dampyr.errors import FileError, InputError, MissingData
+from dampyr.findings import Finding, worst_first
 from dampyr.models import prediction_error
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
@@ -39,11 +40,13 @@ def _tables(damper: Any) -> dict[str, Any]:
     if damper.bandwidth is not None:
         head["velocity_bandwidth_Hz"] = damper.bandwidth
     units = {name: q.unit or "1" for name, q in damper.composition.quantities.items()}
-    tables: dict[str, Any] = {
-        "schema": SCHEMA,
-        "damper": head,
-        "laws": {name: {"unit": units[name], **law.card()} for name, law in damper.all_laws.items()},
-    }
+    tables: dict[str, Any] = {"schema": SCHEMA, "damper": head}
+    if damper.findings:  # before the long tables, where who opens the file sees them
+        tables["findings"] = [
+            {"severity": one.severity, "words": one.words} | ({"about": list(one.about)} if one.about else {})
+            for one in damper.findings
+        ]
+    tables["laws"] = {name: {"unit": units[name], **law.card()} for name, law in damper.all_laws.items()}
     if damper.ranges:
         tables["ranges"] = {name: list(map(float, span)) for name, span in damper.ranges.items()}
     if damper.covariance is not None:
@@ -110,4 +113,17 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
         "bandwidth": head.get("velocity_bandwidth_Hz"),
         "provenance": tables.get("provenance", {}),
         "within_records": tuple(within),
+        "findings": _findings(tables.get("findings", [])),
     }
+
+
+def _findings(tables: Any) -> tuple[Finding, ...]:
+    try:
+        return worst_first(
+            Finding(one["severity"], str(one["words"]), tuple(map(str, one.get("about", ())))) for one in tables
+        )
+    except (TypeError, KeyError, AttributeError):
+        raise InputError(
+            "findings must be tables with severity and words, and about where they are of some records; correct them, or "
+            "leave them out"
+        ) from None

@@ -13,11 +13,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
+from dampyr.findings import Finding
 from dampyr.models import card
 from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.laws import Constant, Law, WithTemperature, onto_limits
 from dampyr.models.part import part_name
-from dampyr.models.prediction_error import PredictionError, at_level, draws_of, moved, session_words, square_root
+from dampyr.models.prediction_error import (
+    PredictionError,
+    at_level,
+    draws_of,
+    moved,
+    session_words,
+    square_root,
+    with_session_prior,
+)
 from dampyr.representation import Representation, Summary, Table, column_name, data_frame, extent, listing
 from dampyr.units import for_people, in_si
 
@@ -127,6 +136,9 @@ class Damper(Representation):
     ``prediction_error``
         how far a measured force may be from the predicted one (`dampyr.models.prediction_error`): the levels of sessions and
         records and the residual; None where that was not estimated.
+    ``findings``
+        what a person should look at, the worst first: the verdict on the fit, faults of its records; what is made of the damper
+        repeats the worst.
 
     A law that misses a limit of its parameter by rounding alone, 1e-7 of its largest term, is put on that limit. Raises
     :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
@@ -141,6 +153,7 @@ class Damper(Representation):
     provenance: Mapping[str, str] = field(default_factory=dict)
     within_records: tuple[str, ...] = ()
     prediction_error: PredictionError | None = None
+    findings: Sequence[Finding] = ()
 
     def __post_init__(self) -> None:
         names, constants = _names_and_constants(self.parts)
@@ -177,6 +190,16 @@ class Damper(Representation):
         self._check_prediction_error()
 
     composition: Composition = field(init=False, repr=False)
+
+    def inherited(self, said: Sequence[Finding] = ()) -> tuple[Finding, ...]:
+        """The worst of the findings, as whatever is made of the damper repeats it; none where all are notes, or where it is
+        ``said`` of the same records already."""
+        return tuple(
+            Finding(one.severity, f"the damper's fit: {one}")
+            for one in self.findings[:1]
+            if one.severity != "note"
+            and not any(one.kind == each.kind and {*one.about} & {*each.about} for each in said)
+        )
 
     def _check_names(self) -> None:
         if self.input not in INPUTS:
@@ -247,7 +270,8 @@ class Damper(Representation):
 
     def _summary(self) -> Summary:
         quantities, low_high = self.composition.quantities, extent(self.range, self.input)
-        rows = [
+        rows = [("look at", str(one)) for one in self.findings[:1] if one.severity != "note"]
+        rows += [
             (INPUTS[self.input], f"calibrated at {low_high}")
             if self.needs_input
             else ("input", "none: holds at every input")
@@ -396,6 +420,13 @@ class Damper(Representation):
     def at_level(self, level: float) -> Damper:
         """The damper with ``level`` times the dynamic force, such as 0.9 where a session came out 10 % weaker."""
         return at_level(self, level)
+
+    def with_session_prior(self, session_prior: float) -> Damper:
+        """The damper with another stated level between measurement sessions, 0.08 being 8 %: its bands and draws are then those
+        of a fit with this ``session_prior``. Raises InputError where the level was estimated and not stated."""
+        if self.prediction_error is None:
+            raise InputError("this damper has no prediction error, so no prior of sessions is in it; identify it again")
+        return replace(self, prediction_error=with_session_prior(self.prediction_error, session_prior))
 
     def on_brace(self, stiffness: float) -> Damper:
         r"""The damper in series with a brace of ``stiffness`` k [N/m]: the damper feels the motion less F/k.

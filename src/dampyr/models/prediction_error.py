@@ -34,7 +34,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.models.laws import Polynomial, WithTemperature
+from dampyr.representation import percent
 
 Array = NDArray[np.float64]
 HARMONICS = 5  # of the phase: a loop's corners need three or more; higher ones count as noise
@@ -194,6 +195,62 @@ def session_words(error: PredictionError) -> str:
     """How much sessions differ, in words."""
     kind = "estimated" if error.session_estimated else "stated, not measured"
     return f"levels of sessions differ by {100 * error.session_sd:.2g} % ({kind}), of records by {100 * error.record_sd:.2g} %"
+
+
+def prior_words(error: PredictionError) -> str:
+    """On what level between sessions a band rests, beside what it holds; empty where the spread of specimens has it in it."""
+    if error.session_estimated:
+        return f"with an estimated level of {percent(error.session_sd)} between sessions"
+    if not error.sessions and error.session_sd == 0.0:
+        return ""
+    return f"with a stated prior of {percent(error.session_sd)} between sessions"
+
+
+def assumed_words(why: str, prior: float) -> str:
+    """Why the level between sessions is not known, and what is assumed in its place."""
+    return f"{why}; {percent(prior)} (standard deviation) is assumed between sessions"
+
+
+def check_prior(session_prior: float) -> None:
+    """:class:`~dampyr.errors.InputError` unless it is a standard deviation of a logarithm, from 0 to 1."""
+    if not (math.isfinite(session_prior) and 0.0 <= session_prior <= 1.0):
+        raise InputError(
+            f"session_prior = {session_prior:g} is not allowed; it is a standard deviation from 0 to 1, such as 0.08 for 8 %"
+        )
+
+
+def with_session_prior(error: PredictionError, prior: float) -> PredictionError:
+    r"""The prediction error with another stated standard deviation :math:`\sigma_S'` of the level between sessions.
+
+    The level of a fitted session is its records' mean level times the share :math:`w = \sigma_S^2 / (\sigma_S^2 + q)`, with the
+    variance q of that mean, and has the standard error :math:`e = \sigma_S \sqrt{1 - w}`; so :math:`w = 1 - e^2/\sigma_S^2` and
+    :math:`q = e^2/w`, from which both follow anew. It is what a fit with this prior gives. Raises
+    :class:`~dampyr.errors.InputError` where the level is estimated, or is that of specimens, and for a card whose prior is 0,
+    which does not tell q.
+    """
+    check_prior(prior)
+    if error.session_estimated:
+        raise InputError(
+            "the level between sessions was estimated from sessions that repeat a test, so no prior is assumed; leave "
+            "session_prior out, or identify again with it"
+        )
+    if not error.sessions:
+        raise InputError(
+            "the spread of this damper is one of specimens; state session_prior where these are identified"
+        )
+    if error.session_sd == 0.0 and prior > 0.0:
+        raise InputError("the card was identified with a session_prior of 0, which cannot be undone; identify again")
+    errors, levels = np.array(error.session_errors), np.array(error.session_levels)
+    share = 1.0 - np.square(errors / error.session_sd) if error.session_sd else np.zeros(len(levels))
+    q = np.square(errors) / np.where(share > 0.0, share, 1.0)
+    new = prior**2 / np.maximum(prior**2 + q, 1e-300)
+    return replace(
+        error,
+        session_sd=prior,
+        session_source=assumed_words(error.session_source.rpartition("; ")[0], prior),
+        session_levels=tuple(map(float, levels * np.divide(new, share, out=np.zeros_like(new), where=share > 0.0))),
+        session_errors=tuple(map(float, prior * np.sqrt(1.0 - new))),
+    )
 
 
 def force_power(unit: str) -> int:

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from dampyr.findings import Finding, Severity, worst_first
 from dampyr.records.cycle_table import cycle_table
 from dampyr.records.cycles import cut_cycles
 from dampyr.records.integrated_displacement import is_integrated
-from dampyr.records.label_checks import disagreements
-from dampyr.records.lowpass import displacement_noise
+from dampyr.records.label_checks import creates_energy, disagreements
+from dampyr.records.lowpass import DisplacementNoise, displacement_noise
 from dampyr.records.measure import measure
 from dampyr.records.overview import Overview, overview
-from dampyr.records.quality import quality
+from dampyr.records.quality import Quality, quality
 from dampyr.records.record import GROUPS, Record
 from dampyr.records.smoothing_recognition import Recognised, recognise_smoothing
 
 SAME_WINDOW = 0.02  # of the window: as well as the zeros of a short record tell it
+FEW = 3  # notes of one kind that a record has one by one
+_findings_by_record: WeakKeyDictionary[Record, tuple[Finding, ...]] = (
+    WeakKeyDictionary()
+)  # records never change, and every result that is made of them repeats what is found
 
 
 def describe(record: Record) -> dict[str, Any]:
@@ -34,11 +41,6 @@ def describe(record: Record) -> dict[str, Any]:
     """
     seen = overview(record)
     measured = measure(record) if seen.repeats else None
-    notes, levels = disagreements(record), describe_levels(record)
-    if measured is None:
-        notes = [_in_levels(record) if cut_cycles(record).graded else _irregular(seen), *notes]
-    if is_integrated(record):
-        notes = [f"displacement {record.provenance['displacement']}", *notes]
     sampled, noise, smoothing = quality(record), displacement_noise(record), recognise_smoothing(record)
     return {
         "name": record.name,
@@ -50,7 +52,7 @@ def describe(record: Record) -> dict[str, Any]:
         "duration_s": record.duration,
         "label": record.label,
         "measured": measured,
-        "levels": levels,
+        "levels": describe_levels(record),
         "overview": seen,
         "quality": sampled,
         "smoothing": smoothing,
@@ -61,13 +63,7 @@ def describe(record: Record) -> dict[str, Any]:
             name: {"standard": one.standard, "largest": one.largest, "parts": dict(one.parts)}
             for name, one in record.uncertainty.items()
         },
-        "notes": [
-            *record.marks,
-            *(note.removeprefix(f"{record.name}: ") for note in notes),
-            *sampled.notes,
-            *_smoothing_notes(record, smoothing),
-            *noise.notes,
-        ],
+        "notes": [one.words for one in _findings(record, seen, sampled, noise, smoothing)],
         "history": record.history,
         "provenance": record.provenance,
     }
@@ -101,14 +97,67 @@ def _in_levels(record: Record) -> str:
     return f"strokes that rise or fall from cycle to cycle: {len(made.cycles)} whole cycles of {made.run:g}, {span}"
 
 
+def findings_of(record: Record) -> tuple[Finding, ...]:
+    """All that a person should look at in a record, each once, the worst first: what `describe` lists in its ``notes``.
+
+    Wrong: loops that create energy. Doubts: marks of the recorder, labels that disagree, saturation, false samples, gaps and
+    whatever else `quality` notes, a moving average that nobody declared, noise that hides the direction of motion. Everything
+    that is made from records (fits, validations, judgements) takes these words.
+    """
+    if record not in _findings_by_record:
+        given = overview(record), quality(record), displacement_noise(record), recognise_smoothing(record)
+        _findings_by_record[record] = _findings(record, *given)
+    return _findings_by_record[record]
+
+
+def findings_of_records(records: Sequence[Record]) -> tuple[Finding, ...]:
+    """What is wrong and what is in doubt in some records, each once, with the names of the records; notes stay with these."""
+    return worst_first(one for record in records for one in findings_of(record) if one.severity != "note")
+
+
+def _findings(
+    record: Record, seen: Overview, sampled: Quality, noise: DisplacementNoise, smoothing: tuple[Recognised, ...]
+) -> tuple[Finding, ...]:
+    against = disagreements(record)
+    energy = against[-1:] if creates_energy(record) else []
+    undeclared, declared = _undeclared(smoothing), _declared(record)
+    graded = cut_cycles(record).graded
+    irregular = [] if seen.repeats else [_in_levels(record) if graded else _irregular(seen)]
+    integrated = [f"displacement {record.provenance['displacement']}"] if is_integrated(record) else []
+    listed: list[tuple[Severity, Sequence[str]]] = [
+        ("wrong", energy),
+        ("doubt", record.marks),
+        ("doubt", against[: len(against) - len(energy)]),
+        ("doubt", _condensed(sampled.notes)),
+        ("doubt", undeclared),
+        ("doubt", noise.notes),
+        ("note", [*integrated, *irregular, *declared]),
+    ]
+    about, prefix = (record.name,), f"{record.name}: "
+    unique = dict.fromkeys(Finding(kind, words.removeprefix(prefix), about) for kind, some in listed for words in some)
+    return tuple(unique)
+
+
+def _condensed(notes: Sequence[str]) -> list[str]:
+    """The notes, those that are many of one kind, such as gaps, as the first of them and how many more there are."""
+    kinds: dict[str, list[str]] = {}
+    for note in notes:
+        kinds.setdefault(Finding("doubt", note).kind, []).append(note)
+    return [
+        words
+        for some in kinds.values()
+        for words in (some if len(some) <= FEW else [f"{some[0]}, and {len(some) - 1} more like it"])
+    ]
+
+
 def _irregular(seen: Overview) -> str:
     if seen.dominant_hz is None:
         return "no whole cycle: nothing moves"
     return f"no repeating cycle: strongest at {seen.dominant_hz:.2g} Hz, {1e3 * seen.rms_speed:.3g} mm/s rms"
 
 
-def _smoothing_notes(record: Record, recognised: tuple[Recognised, ...]) -> list[str]:
-    """What is smoothed, as it shows and as it is declared, with the repair."""
+def _undeclared(recognised: tuple[Recognised, ...]) -> list[str]:
+    """What is smoothed, as it shows, with the repair."""
     notes = []
     for here in _alike(recognised):
         one = max(here, key=lambda each: each.sigmas if each.sigmas == each.sigmas else 0.0)
@@ -122,11 +171,17 @@ def _smoothing_notes(record: Record, recognised: tuple[Recognised, ...]) -> list
             f"{names} smoothed? a moving average over {one.window:.4g} s ({one.samples} samples{part}) shows in the spectrum, "
             f"{'; '.join(signs)}: declare it, --smoothed '{one.samples} samples'"
         )
-    if record.smoothed is not None:
-        left = record.smoothed.channels
-        notes.append(f"{' and '.join(left)} smoothed over {record.smoothed.window:.4g} s, as declared, and not undone")
-        if "displacement" in left:
-            notes.append("the model runs on a smoothed displacement, which is less sharp than what the damper felt")
+    return notes
+
+
+def _declared(record: Record) -> list[str]:
+    """What is smoothed, as it is declared."""
+    if record.smoothed is None:
+        return []
+    left = record.smoothed.channels
+    notes = [f"{' and '.join(left)} smoothed over {record.smoothed.window:.4g} s, as declared, and not undone"]
+    if "displacement" in left:
+        notes.append("the model runs on a smoothed displacement, which is less sharp than what the damper felt")
     return notes
 
 

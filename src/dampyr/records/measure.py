@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -24,6 +25,9 @@ from dampyr.records.velocity import default_bandwidth, differentiate
 from dampyr.representation import Representation, Summary
 
 ORDERS = 7  # harmonics of the motion: those of a distorted sine fall off, and higher ones lie in the noise
+_fundamentals: WeakKeyDictionary[Record, tuple[float, float]] = (
+    WeakKeyDictionary()
+)  # records never change, and a description asks six times
 
 
 @dataclass(frozen=True, repr=False)
@@ -120,8 +124,10 @@ def measure(record: Record) -> Measured:
 
 def fundamental(record: Record) -> tuple[float, float]:
     """The frequency in Hz and the distortion of :class:`Measured`, without the rest; an InputError without a whole cycle."""
-    frequency, _, distortion = _harmonics(record, require_cycles(record, "a measurement"))
-    return frequency, distortion
+    if record not in _fundamentals:
+        frequency, _, distortion = _harmonics(record, require_cycles(record, "a measurement"))
+        _fundamentals[record] = frequency, distortion
+    return _fundamentals[record]
 
 
 def total_harmonic_distortion(record: Record) -> float:

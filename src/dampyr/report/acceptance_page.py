@@ -12,7 +12,7 @@ from dampyr.errors import InputError
 from dampyr.figures.acceptance import band_used, peak_velocity_band
 from dampyr.identification import Acceptance, Accepted
 from dampyr.identification.acceptance import BEYOND, UNITS, forces_and_band, in_short, percent, used_of_band
-from dampyr.report.blocks import Block, Cell, FigureBlock, Kind, Section, Table, Text, Verdict, sentence
+from dampyr.report.blocks import Block, Cell, FigureBlock, Kind, Section, Table, Text, Verdict, sentence, to_look_at
 from dampyr.report.html_page import page, write_page
 from dampyr.report.origin import files_of, people_and_parts
 
@@ -30,7 +30,7 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
     if not results:
         raise InputError("there is no judgement to show; judge one record or more")
     sections = [
-        Section("In short", _short(results)),
+        Section("In short", [*_short(results), *to_look_at(result.findings)]),
         Section("The levels", _levels(results)),
         Section("The forces at peak velocity", _forces(results)),
         Section("How much of the band is used", _used(results)),

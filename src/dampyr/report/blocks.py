@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 from dampyr.errors import InputError
+from dampyr.findings import Finding
 from dampyr.representation import Representation, Summary, counted
 
 if TYPE_CHECKING:
@@ -120,6 +121,12 @@ def _first_words(block: Block) -> str:
     if isinstance(block, Verdict):
         return block.kind
     return block.text if isinstance(block, Text) else block.caption
+
+
+def to_look_at(findings: Iterable[Finding]) -> list[Block]:
+    """The findings in words, a paragraph each; nothing where there are none."""
+    texts = [sentence(str(one)) for one in findings]
+    return [Text("\n\n".join(("Before you use the numbers:", *texts)))] if texts else []
 
 
 def sentence(text: str) -> str:

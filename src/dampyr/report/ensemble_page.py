@@ -143,7 +143,7 @@ def trust(dataset: Any) -> list[str]:
         if attributes["unbounded"]
         else "No case grew without bound."
     )
-    warned = [f"Warning: {sentence}." for sentence in doubts(attributes | {"unbounded": 0})]
+    warned = [f"Warning: {one}." for one in (*attributes.get("findings", ()), *doubts(attributes | {"unbounded": 0}))]
     beyond = [as_sentence(attributes["outside"])] if attributes.get("outside") else []
     end = f"Each case {end_in_words(attributes.get('after_s', 0.0))}."
     left_out = truncation_in_words(attributes)

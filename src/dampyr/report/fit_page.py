@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dampyr.identification import Fit, Identified, Validation, findings, identifiability, warnings_of
-from dampyr.identification.fit_verdict import fit_verdict
+from dampyr.findings import Finding
+from dampyr.identification import Fit, Identified, Validation, findings, identifiability
 from dampyr.report.best_and_worst import best_and_worst_sections, extremes
 from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, sentence
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks
@@ -39,10 +39,10 @@ def write_fit_page(
     if isinstance(fit, Identified):
         checks = [*fit.validations, *checks]
         sections = [*([leaderboard_section(fit.board)] if fit.board else []), *sections]
-        beyond, inseparable = list(fit.beyond.values()), fit.identifiability
+        beyond, inseparable, listed = list(fit.beyond.values()), fit.identifiability, fit.findings
         damper, fit = fit.damper, fit.fit
     else:
-        damper, beyond, inseparable = fit.damper, [], identifiability(fit)
+        damper, beyond, inseparable, listed = fit.damper, [], identifiability(fit), fit.findings
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
     if damper is not None:
@@ -52,7 +52,7 @@ def write_fit_page(
     html = page(
         f"Identified: {fit.problem.composition}",
         [
-            _summary(fit, checks, beyond),
+            _summary(fit, checks, listed, beyond),
             *sections,
             Section("Parameters", fit_blocks(fit)),
             Section("Correlation of the parameters", correlation_blocks(fit)),
@@ -74,7 +74,7 @@ def write_fit_page(
     return write_page(path, html)
 
 
-def _summary(fit: Fit, checks: Sequence[Validation], beyond: Sequence[str]) -> Section:
+def _summary(fit: Fit, checks: Sequence[Validation], listed: Sequence[Finding], beyond: Sequence[str]) -> Section:
     """What a reader who reads nothing else should know."""
     inputs, precision = _inputs(fit), _precision(fit)
     l1 = {name: one.l1 for name, one in fit.scores.items()}
@@ -96,7 +96,7 @@ def _summary(fit: Fit, checks: Sequence[Validation], beyond: Sequence[str]) -> S
         rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])
     rows.append(["errors", f"by {fit.clusters}; {precision}"])
     blocks: list[Block] = [Table(("quantity", "result"), rows)]
-    warning_texts = [*warnings_of(fit.residuals), *fit.notes, *beyond]
+    warning_texts = [*(str(one) for one in listed if one not in fit.verdict.findings), *beyond]
     if warning_texts:
         blocks.append(Text("\n\n".join(("Before you use the numbers:", *map(sentence, warning_texts)))))
     else:
@@ -105,7 +105,7 @@ def _summary(fit: Fit, checks: Sequence[Validation], beyond: Sequence[str]) -> S
 
 
 def _verdict(fit: Fit) -> Cell:
-    verdict = fit_verdict(fit)
+    verdict = fit.verdict
     if verdict.kind == "fair":
         return verdict.words
     return Verdict("agrees" if verdict.kind == "good" else "differs", verdict.words)

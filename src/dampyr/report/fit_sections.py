@@ -15,7 +15,8 @@ from dampyr.figures.style import CURRENT, VOLTAGE
 from dampyr.identification import Fit, Score
 from dampyr.identification.law_panels import law_panels
 from dampyr.identification.score import group_by_input
-from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text, sentence
+from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text
+from dampyr.representation import percent
 
 PANELS = 6  # of laws in one figure: three rows of two, half of a printed page
 PAIRS = 8  # of parameters listed in words; the matrix shows all
@@ -35,11 +36,9 @@ def parameter_tables(fit: Fit) -> list[Table]:
     tables = []
     wanted = [(False, "records", "Value ± half of its 95 % interval."), (True, "records", _caption(fit))]
     if fit.levels is not None:
-        how = "is estimated" if fit.levels.repeated else "is assumed, not measured"
-        wanted.insert(
-            1,
-            (False, "sessions", f"The same between measurement sessions, whose level {how}: {fit.levels.words}."),
-        )
+        how = "estimated" if fit.levels.repeated else "stated, not measured"
+        level = f"whose level differs by {percent(fit.levels.session_sd)} ({how})"
+        wanted.insert(1, (False, "sessions", f"The same between measurement sessions, {level}."))
     for errors, between, caption in wanted:
         heads, rows = fit.by_input(errors, between)
         align = ("left", "left", *("right",) * (len(heads) - 2))
@@ -151,12 +150,11 @@ def score_blocks(fit: Fit) -> list[Block]:
 
 
 def fit_blocks(fit: Fit) -> list[Block]:
-    """Parameters, laws, and what a reader should know."""
+    """Parameters and laws."""
     blocks: list[Block] = [*parameter_tables(fit)]
     if fit.damper is not None and fit.damper.range[0] < fit.damper.range[1]:
         bars = "fitted values" if fit.clusters == "cycle" else "fitted values with 95 % intervals"
         some = " (none where an error holds within these records only)" if fit.clusters == "record and cycle" else ""
         caption = f"Parameters over the input: {bars}{some}, the laws through them, the calibrated range."
         blocks += [FigureBlock(figure, caption) for figure in law_figures(fit, fit.damper)]
-    blocks.append(Text("\n\n".join(map(sentence, (f"the search {fit.reason}", *fit.notes)))))
     return blocks

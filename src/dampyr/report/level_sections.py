@@ -8,6 +8,7 @@ from dampyr.figures.band import band as band_figure
 from dampyr.identification import Fit, Validated
 from dampyr.identification.validate import bands_in_words
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
+from dampyr.representation import percent
 
 
 def levels_section(fit: Fit) -> Section | None:
@@ -20,12 +21,11 @@ def levels_section(fit: Fit) -> Section | None:
         own = np.array([levels.level[name] for name, of in levels.session.items() if of == session])
         spread = 100 * float(np.std(np.log(own), ddof=1)) if own.size > 1 else None
         rows.append([session, own.size, 100 * (float(np.exp(np.mean(np.log(own)))) - 1.0), spread])
-    words = [
+    how = "estimated" if levels.repeated else "stated, not measured"
+    words = (
         "The level of a record is a factor on the fitted force, without its offset. Within a session records differ by "
-        f"{100 * levels.record_sd:.2g} % (standard deviation).",
-        sentence(levels.words),
-        sentence(f"to settle it, {levels.settles}") if levels.settles else "",
-    ]
+        f"{percent(levels.record_sd)}, sessions by {percent(levels.session_sd)} ({how}); standard deviations."
+    )
     table = Table(
         ("session", "records", "mean level", "spread"),
         rows,
@@ -33,7 +33,7 @@ def levels_section(fit: Fit) -> Section | None:
         caption="The mean level of the records of each session against the fit, and their standard deviation.",
         digits=3,
     )
-    return Section("Levels of records and sessions", [Text(" ".join(word for word in words if word)), table])
+    return Section("Levels of records and sessions", [Text(words), table])
 
 
 def bands_section(result: Validated) -> Section:

@@ -6,7 +6,7 @@ from dampyr.figures.autocorrelation import memory
 from dampyr.figures.residual_sizes import residual_sizes
 from dampyr.figures.residual_velocity import residual_velocity
 from dampyr.figures.style import CURRENT, VOLTAGE, case_colours
-from dampyr.identification import Residuals, findings, warnings_of
+from dampyr.identification import Residuals, findings
 from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
 
@@ -42,7 +42,6 @@ def residual_section(residuals: Residuals) -> Section:
 
 
 def _words(residuals: Residuals) -> list[Block]:
-    warning_texts = warnings_of(residuals)
     blocks: list[Block] = [
         Text(
             "The residual is the measured minus the modelled force, over every sample that was fitted. A complete model leaves "
@@ -50,8 +49,6 @@ def _words(residuals: Residuals) -> list[Block]:
             + " ".join(sentence(text) for text in findings(residuals))
         )
     ]
-    if warning_texts:
-        blocks.append(Text("\n\n".join(f"Warning: {text}." for text in warning_texts)))
     criterion = (
         f"A record counts as misfit where its residual's correlation time exceeds {MISFIT_INTERVALS:g} sampling intervals, or "
         f"its rms exceeds {MISFIT_NOISE:g} times the noise, that is the rms of the differences of successive residuals over √2."

@@ -14,7 +14,7 @@ from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import CURRENT, VOLTAGE, Axis, case_colours
 from dampyr.ground_motions import end_in_words
-from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, sentence
+from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, sentence, to_look_at
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import Response, Simulated
 from dampyr.structures.simulate import BARE, truncation_note
@@ -30,16 +30,18 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: str | P
 
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
     """
+    findings = cases.findings if isinstance(cases, Simulated) else ()
     intervals = [_intervals(cases)] if isinstance(cases, Simulated) and cases.intervals else []
     cases = cases.cases if isinstance(cases, Simulated) else cases
     notes = [note] if (note := truncation_note(cases)) else []
     notes += [f"{name} is not converged: {r.reason}" for name, r in cases.items() if not r.converged]
     first = next(iter(cases.values()))
     colours = case_colours(cases, BARE if BARE in cases else None)
+    said = [*to_look_at(findings), *[Text(sentence(text)) for text in notes]]
     html = page(
         f"Response: {first.title}",
         [
-            Section("Peaks", [_peaks(cases), *intervals, *[Text(sentence(text)) for text in notes], _energies(cases)]),
+            Section("Peaks", [*said, _peaks(cases), *intervals, _energies(cases)]),
             Section(
                 "The ground motion",
                 [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],

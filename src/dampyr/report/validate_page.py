@@ -18,7 +18,7 @@ from dampyr.identification.score import group_by_input
 from dampyr.models import Damper
 from dampyr.records import Record, with_velocity
 from dampyr.report.best_and_worst import extremes, record_section
-from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, to_look_at
 from dampyr.report.fit_sections import score_table
 from dampyr.report.html_page import page, write_page
 from dampyr.report.level_sections import bands_section
@@ -48,7 +48,7 @@ def write_validate_page(result: Validated, path: str | Path) -> Path:
     html = page(
         f"Validated: {Path(card).name}",
         [
-            Section("In short", _short(records, record_scores, seen)),
+            Section("In short", [*_short(records, record_scores, seen), *to_look_at(result.findings)]),
             Section("Scores", _scores(records, record_scores, seen)),
             bands_section(result),
             Section("Outside the calibrated range", _outside(damper, records)),

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.findings import Finding, worst_first
 from dampyr.ground_motions import GroundMotion, followed_by_rest
 from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.batch.gpu import missing
@@ -78,6 +79,12 @@ class Cases:
     def sites(self) -> int:
         """The most dampers of a placement."""
         return max(len(_dampers_of(placement)) for placement in self.placements)
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """The worst finding of each damper, each once."""
+        dampers = (damper for placement in self.placements for _, damper in _dampers_of(placement))
+        return worst_first(one for damper in dampers for one in damper.inherited())
 
     def width(self, quantity: str) -> int:
         """How many values of a quantity a case has."""

@@ -117,9 +117,10 @@ class EnsembleResult(Representation):
 
     @property
     def notes(self) -> list[str]:
-        """What is wrong with the accuracy or the cases, in sentences; none where nothing is."""
+        """The worst finding of each damper, and what is wrong with the accuracy or the cases, in sentences; none where nothing
+        is."""
         outside = self.dataset.attrs.get("outside")
-        return [*doubts(self.dataset.attrs), *([outside] if outside else [])]
+        return [*self.dataset.attrs.get("findings", ()), *doubts(self.dataset.attrs), *([outside] if outside else [])]
 
     def to_dataframe(self) -> Any:
         """Medians and 84 % fractiles of the peaks as a ``pandas.DataFrame``, SI units: one row a case and scale."""
@@ -174,9 +175,10 @@ class EnsembleResult(Representation):
             }
             for each in self.curves
         ]  # fmt: skip
-        return dict(
-            plain({**self.dataset.attrs, "notes": self.notes, "peaks": summary(self.dataset), "fragility": curves})
-        )
+        attributes = {
+            name: value for name, value in self.dataset.attrs.items() if name != "findings"
+        }  # among the notes
+        return dict(plain({**attributes, "notes": self.notes, "peaks": summary(self.dataset), "fragility": curves}))
 
 
 def synthetic_motions(

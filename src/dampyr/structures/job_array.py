@@ -152,6 +152,8 @@ def _write_whole(out: Path, paths: Sequence[Path], shapes: Mapping[str, tuple[in
                 if name in first.attrs:
                     file.attrs[name] = first.attrs[name]
             file["labels"] = first["labels"].asstr()[()]
+            if "findings" in first:
+                file["findings"] = first["findings"].asstr()[:]
         diagnostics = _joined(
             paths, {quantity: allocate_dataset(file, quantity, shape) for quantity, shape in shapes.items()}
         )

@@ -11,6 +11,7 @@ import numpy as np
 from dampyr import units
 from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
 from dampyr.errors import InputError
+from dampyr.findings import Finding
 from dampyr.ground_motions import GroundMotion, end_in_words
 from dampyr.models import Damper
 from dampyr.representation import Representation, Summary, Table, data_frame
@@ -121,6 +122,8 @@ class Simulated(Representation):
     intervals: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """90 % intervals (2, floors) or (2, sites) of the peaks of each case with a damper, by the names of `as_dict`, SI units."""
     draws: int = 0
+    findings: tuple[Finding, ...] = ()
+    """The worst of the damper."""
 
     @property
     def plot(self) -> SimulatedPlots:
@@ -151,7 +154,7 @@ class Simulated(Representation):
         return peaks_by_floor(*self.peaks_by_floor(), axes=_peak_axes())
 
     def _summary(self) -> Summary:
-        rows = [("end", self.end)] + [
+        rows = [*(("look at", str(one)) for one in self.findings), ("end", self.end)] + [
             (name, f"peak drift {1e3 * max(r.peak_drift):.4g} mm, acceleration {max(r.peak_acceleration):.4g} m/s²")
             for name, r in self.cases.items()
         ]
@@ -198,6 +201,8 @@ class Simulated(Representation):
         cases = {name: _response_as_dict(response) for name, response in self.cases.items()}
         for name, each in self.intervals.items():
             cases[name] |= {"intervals_90": dict(each), "draws": self.draws}
+        for name in cases.keys() - {BARE} if self.findings else ():
+            cases[name]["notes"] = list(map(str, self.findings))
         return dict(plain(cases))
 
 
@@ -246,7 +251,7 @@ def simulate(
         tell(f"{options.draws} drawn dampers", len(inputs) / (len(inputs) + 1))
         names = [name for name in cases if name != BARE]
         intervals = dict(zip(names, peak_intervals(building, motion, damper, options, inputs), strict=True))
-    return Simulated(building.name, motion.name, fitted.input, cases, intervals, options.draws)
+    return Simulated(building.name, motion.name, fitted.input, cases, intervals, options.draws, damper.inherited())
 
 
 def peak_intervals(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -229,7 +229,7 @@ class Store:
     def dataset(self) -> Any:
         """All values with labels, and the measured errors."""
         what = self.what
-        made = attributes(self.diagnostics, what.accuracy, what.precision, what.size, what.after)
+        made = attributes(self.diagnostics, what.accuracy, what.precision, what.size, what.after, what.findings)
         return self.labels.dataset(dict(self.values), made)
 
 
@@ -261,10 +261,16 @@ def describe(file: Any, what: Cases, labels: Labels) -> None:
     file.attrs["precision"] = what.precision
     if what.after:
         file.attrs["after"] = what.after
+    if what.findings:
+        file["findings"] = [str(one) for one in what.findings]  # no attribute: those end at 64 KiB
 
 
-def attributes(diagnostics: Array, accuracy: str, precision: int, size: int, after: float = 0.0) -> dict[str, Any]:
-    """Errors and counts, from the rows of `DIAGNOSTICS` of all shards; ``after_s`` where the motions have a rest."""
+def attributes(
+    diagnostics: Array, accuracy: str, precision: int, size: int, after: float = 0.0, findings: Iterable[object] = ()
+) -> dict[str, Any]:
+    """Errors and counts, from the rows of `DIAGNOSTICS` of all shards; ``after_s`` where the motions have a rest, ``findings``
+    where the dampers have some."""
+    sentences = list(map(str, findings))
     sums = dict(zip(DIAGNOSTICS, diagnostics.sum(axis=0)))
     largest = dict(zip(DIAGNOSTICS, diagnostics.max(axis=0, initial=0.0)))
     return {
@@ -283,6 +289,7 @@ def attributes(diagnostics: Array, accuracy: str, precision: int, size: int, aft
             for name, attribute in TRUNCATION.items()
             if name in largest and np.max(diagnostics[:, DIAGNOSTICS.index(name)], initial=-1.0) >= 0.0
         },
+        **({"findings": sentences} if sentences else {}),
     }
 
 
@@ -314,10 +321,11 @@ def read_ensemble(path: str | Path) -> Any:
         return labels.dataset(values, attributes(file["told"][:], *made_with(file, labels)))
 
 
-def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float]:
-    """Accuracy, precision, number of cases and s of rest of an ensemble, or of the whole that a part belongs to."""
-    attrs = file.attrs
-    return str(attrs["accuracy"]), int(attrs["precision"]), int(np.prod(labels.shape)), float(attrs.get("after", 0.0))
+def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float, list[str]]:
+    """Accuracy, precision, number of cases, s of rest and findings of an ensemble, or of the whole that a part belongs to."""
+    attrs, size = file.attrs, int(np.prod(labels.shape))
+    findings = list(file["findings"].asstr()[:]) if "findings" in file else []
+    return str(attrs["accuracy"]), int(attrs["precision"]), size, float(attrs.get("after", 0.0)), findings
 
 
 def progress_of(path: str | Path) -> tuple[int, int]:

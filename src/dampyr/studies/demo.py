@@ -31,6 +31,7 @@ from dampyr.report import (
     loops,
     page,
     scores,
+    sentence,
     write_page,
 )
 from dampyr.report.fit_sections import fit_blocks, score_table
@@ -220,6 +221,8 @@ def _tests(demo: Demo) -> Section:
 
 
 def _identified(demo: Demo) -> Section:
+    verdict = demo.fit.verdict
+    rest = [one for one in demo.fit.findings if one not in verdict.findings]
     return Section(
         "The identified damper",
         [
@@ -229,6 +232,7 @@ def _identified(demo: Demo) -> Section:
                 f"The card is in {demo.card.name}."
             ),
             *fit_blocks(demo.fit),
+            Text("\n\n".join((verdict.words, *(sentence(str(one)) for one in rest)))),
         ],
     )
 

@@ -16,11 +16,10 @@ from dampyr.console import curves, record_sources
 from dampyr.console.equivalent_commands import identify_command
 from dampyr.console.identify_schemas import IdentifyRequest
 from dampyr.console.jobs import CARD, CURVES, DATA, PAGE
+from dampyr.console.page_words import in_page_words
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
-from dampyr.identification import Fit, Identified, findings, identify, prediction, score, warnings_of
-from dampyr.identification.fit_verdict import fit_verdict
-from dampyr.identification.identify import marks_in_words
+from dampyr.identification import Fit, Identified, findings, identify, prediction, score
 from dampyr.identification.leaderboard import choice_in_words
 from dampyr.records import Record
 from dampyr.report import made_by, write_fit_page
@@ -56,11 +55,9 @@ def _summarise(result: Identified) -> dict[str, Any]:
         "card": fit.damper is not None,
         "converged": fit.converged,
         "reason": fit.reason,
-        "verdict": {"kind": fit_verdict(fit).kind, "words": fit_verdict(fit).words},
+        "verdict": {"kind": fit.verdict.kind, "words": fit.verdict.words},
         "warnings_of_fit": [
-            *marks_in_words((*fit.records, *result.validation_records)),
-            *warnings_of(fit.residuals),
-            *fit.notes,
+            *(in_page_words(str(one)) for one in result.findings if one not in fit.verdict.findings),
             *result.beyond.values(),
         ],
         "findings": list(findings(fit.residuals)),

@@ -40,7 +40,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "floors": list(result.cases[BARE].floors),
         "unit": result.unit,
         "end": result.end,
-        "note": result.note,
+        "note": ". ".join((*map(str, result.findings), *filter(None, [result.note]))),
         "cases": [_summarise(name, each) for name, each in result.cases.items()],
     }
 

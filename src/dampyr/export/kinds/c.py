@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import wrap
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ HISTORY = 4096  # samples that a delay looks back over: 4 s at 1 kHz, in 64 kB o
 HISTORIES = (2, 1_000_000)
 EXPORTED = ("phi", "solve", "advance", "force")
 ARRAYS = ("s", "p")
+WIDTH = 116  # characters of a line of a comment
 VECTORS = 400  # samples of the path that the exported test replays
 TOLERANCE = {DOUBLE: 1e-9, SINGLE: 1e-4}  # of the largest force: what the exported test allows
 
@@ -71,6 +73,14 @@ def check_name(name: str) -> None:
         raise InputError(f"{name!r} cannot name a C function; use letters, digits and underscores, a letter first")
 
 
+def before_use(damper: Damper) -> str:
+    """The worst finding of a damper as text that can stand in a comment of any language; empty where it has none."""
+    text = " ".join(" ".join(f"Before you use it: {one}." for one in damper.inherited()).split())
+    for mark, instead in (("*/", "* /"), ("\\", "/"), ('"', "'")):
+        text = text.replace(mark, instead)
+    return text
+
+
 def check_exportable(damper: Damper) -> None:
     """Raise :class:`InputError` for a damper that needs more than its path and its input at the coil."""
     for p in damper.composition.parts:
@@ -119,11 +129,12 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
         else ""
     )
     guard = f"{name.upper()}_H"
+    warned = "".join(f"\n * {line}" for line in wrap(before_use(damper), WIDTH))
     return f"""\
 /* A damper written by dampyr {full_version()}: {damper.composition}.
  *
  * Units: s, m, m/s, {damper.input} ({word} at the coil), N. A positive force opposes a positive velocity.
- * The damper {damper.range_words}. {"Single" if precision == SINGLE else "Double"} precision. {link}
+ * The damper {damper.range_words}. {"Single" if precision == SINGLE else "Double"} precision. {link}{warned}
  *
  *     {name}_state d;
  *     {real} f0 = {name}_start(&d, t0, x0, v0, u0);

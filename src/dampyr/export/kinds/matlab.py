@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import wrap
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
-from dampyr.export.kinds.c import ARRAYS, EXPORTED, check_exportable, check_name
+from dampyr.export.kinds.c import ARRAYS, EXPORTED, WIDTH, before_use, check_exportable, check_name
 from dampyr.export.matlab_text import SUPPORT, function, number
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
@@ -41,6 +42,7 @@ def _main(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     outside = f"u < {number(low - slack)} | u > {number(high + slack)} | isnan(u)"
     bad = "~isfinite(u)" if allow_extrapolation else outside
     start = ", ".join(number(value) for value in composition.path0) or "0.0"
+    warned = "".join(f"\n%   {line}" for line in wrap(before_use(damper), WIDTH))
     late = composition.delay is not None
     delayed = f"\n        [f(k), state] = {prefix}late(state, f(k), p({(composition.delay or 0) + 1}));" if late else ""
     empty = "\n        state.late_t = []; state.late_f = [];" if late else ""
@@ -52,7 +54,7 @@ function [f, state] = {name}(t, x, v, u, state)
 %   velocity. The path begins at rest.
 %   [f, state] = {name}(t, x, v, u, state) goes on from the state that an earlier call returned, with later samples.
 %
-%   The model: {composition}. The damper {damper.range_words}. Written by dampyr {full_version()}.
+%   The model: {composition}. The damper {damper.range_words}. Written by dampyr {full_version()}.{warned}
     if nargin < 5, state = []; end
     if isscalar(u), u = repmat(u, size(x)); end
     if ~isequal(numel(t), numel(x), numel(v), numel(u))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 
 import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
-from dampyr.export.kinds.c import check_name
+from dampyr.export.kinds.c import WIDTH, before_use, check_name
 from dampyr.models import Damper, Interpolation
 from dampyr.models.damper import INPUTS
 from dampyr.source_digest import full_version
@@ -86,6 +87,7 @@ def _head(damper: Damper, name: str) -> list[str]:
         f"{name}: a damper written by dampyr {full_version()}, {damper.composition}{left_out}.",
         "Units: m, N, s. One material for each input at the coil, which stays constant.",
         "OpenSees integrates BoucWen by backward Euler: its error is proportional to the step. Halve it until the peaks stay.",
+        *wrap(before_use(damper), WIDTH),
     ]
 
 
