@@ -36,6 +36,7 @@ def test_what_no_kernel_is_made_of_does_not_compile_them_again(tmp_path: Path, m
         (tmp_path / name).mkdir()
         (tmp_path / name / "module.py").write_text("a = 1\n")
     monkeypatch.setattr(source_digest, "PACKAGE", tmp_path)
+    monkeypatch.setattr(kernels, "KERNEL_SOURCES", ("models", "models/module.py"))
 
     def digests() -> tuple[str, str]:
         source_digest.source_digest.cache_clear()

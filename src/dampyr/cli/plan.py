@@ -10,7 +10,7 @@ import click
 from dampyr.cli._control import structure_of
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs
 from dampyr.errors import InputError
@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     "--out", type=click.Path(path_type=Path), metavar="PATH", help="A campaign file; with --perform a folder."
 )
 @click.option("--perform", is_flag=True, help="Run the tests round by round, and stop when it is known well enough.")
+@click.option("--mixed-origins", is_flag=True, help="Fit simulated or virtual records together with others.")
 @click.option("--per-round", type=int, default=4, metavar="N", help="Tests before the next look at them.  [default: 4]")
 @click.option("--in-process", is_flag=True, help="Simulate the rig without its wires (without the extra rig).")
 @click.option(
@@ -100,6 +101,7 @@ def command(
     kinds: tuple[str, ...],
     out: Path | None,
     perform: bool,
+    mixed_origins: bool,
     per_round: int,
     in_process: bool,
     figure: Path | None,
@@ -135,6 +137,7 @@ def command(
         voltages=voltages or None,
         kinds=kinds or campaigns.PlanOptions.kinds,
         seconds=seconds,
+        mixed_origins=mixed_origins,
     )
     if records:
         evidence = gather(records, "fit", Reading({}))
@@ -211,6 +214,7 @@ def _perform(
         planned.fit.damper.save(out / "damper.toml")
     if figure is not None:
         _draw(planned.widths_figure(), figure)
+    state_origin(planned.origin)
     if as_json:
         print_json(planned.as_dict())
     else:

@@ -20,6 +20,7 @@ from dampyr.identification.acceptance import (
     used_of_band,
 )
 from dampyr.models import Damper
+from dampyr.origin import Origin, combined
 from dampyr.records import Record, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.to_json import plain
@@ -60,6 +61,11 @@ class Accepted(Representation):
     records: tuple[Record, ...] = ()
     reference_records: tuple[Record, ...] = ()
     relevelled: tuple[Acceptance, ...] = ()
+
+    @property
+    def origin(self) -> Origin:
+        """That of the records and of the reference together."""
+        return combined(one.origin for one in self.results)
 
     @property
     def plot(self) -> AcceptancePlots:
@@ -109,7 +115,11 @@ class Accepted(Representation):
         """All results for JSON, SI units."""
         records = [one.as_dict() for one in self.results]
         more = {"relevelled": [one.as_dict() for one in self.relevelled]} if self.relevelled else {}
-        return dict(plain({"reference": self.reference, "verdict": self.verdict, "records": records} | more))
+        return dict(
+            plain(
+                {"reference": self.reference, "origin": self.origin, "verdict": self.verdict, "records": records} | more
+            )
+        )
 
 
 def accept_records(

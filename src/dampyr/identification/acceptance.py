@@ -28,6 +28,7 @@ import numpy as np
 
 from dampyr.errors import InputError
 from dampyr.identification.reference_cycles import SAME, Expected, Reference, expected, groups
+from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records import Cycle, Record, cycle_table, cycles
 from dampyr.representation import Representation, Summary, Table, data_frame
 
@@ -111,19 +112,24 @@ class AcceptancePlots:
 
     results: tuple[Acceptance, ...]
 
+    @property
+    def origin(self) -> Origin:
+        """That of all results."""
+        return combined(one.origin for one in self.results)
+
     def forces(self) -> Any:
         """The forces at the peak velocities of every cycle, and the band."""
         from dampyr.figures import style
         from dampyr.figures.acceptance import peak_velocity_band
 
-        return style.in_pyplot(peak_velocity_band, *forces_and_band(self.results))
+        return style.in_pyplot(peak_velocity_band, *forces_and_band(self.results), origin=self.origin)
 
     def used(self) -> Any:
         """How far each judged cycle lies from the reference, in halves of the band: its edges are at -1 and 1."""
         from dampyr.figures import style
         from dampyr.figures.acceptance import band_used
 
-        return style.in_pyplot(band_used, used_of_band(self.results))
+        return style.in_pyplot(band_used, used_of_band(self.results), origin=self.origin)
 
 
 @dataclass(frozen=True, repr=False)
@@ -131,7 +137,8 @@ class Acceptance(Representation):
     """The judgement of one record. ``reason`` says why it is not judged as a whole, "" where it is.
 
     ``offset`` is what was taken from the measured forces, N; None: the mean over whole cycles of each record. ``level`` is the
-    factor that the measured forces were divided by, 1 unless `relevelled` took one from the first cycles.
+    factor that the measured forces were divided by, 1 unless `relevelled` took one from the first cycles. ``origin`` is that
+    of record and reference together.
     """
 
     record: str
@@ -143,6 +150,7 @@ class Acceptance(Representation):
     points: tuple[Point, ...]
     reason: str = ""
     level: float = 1.0
+    origin: Origin = NOT_STATED
 
     @property
     def plot(self) -> AcceptancePlots:
@@ -275,7 +283,10 @@ def accept(
     expectations = expected(reference, record, table, offset, allow_extrapolation)
     points = tuple(_point(k, q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
     reason = _reason(points, requested) if points else "no whole cycle"
-    return Acceptance(record.name, record.input, record.input_value, band, requested, offset, points, reason)
+    against = reference if isinstance(reference, Sequence) else [reference]
+    origin = combined(each.origin for each in (record, *against))
+    about = record.name, record.input, record.input_value
+    return Acceptance(*about, band, requested, offset, points, reason, origin=origin)
 
 
 def relevelled(one: Acceptance, cycles: int) -> Acceptance:

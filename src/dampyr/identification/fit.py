@@ -19,6 +19,7 @@ from dampyr.identification.robust import check_loss, iteratively_reweighted
 from dampyr.identification.scoring_window import SETTLING, check_settling
 from dampyr.identification.variable_projection import MAX_ITERATIONS, search
 from dampyr.models import Composition, Damper, compose
+from dampyr.origin import check_one_kind
 from dampyr.records import Record, check_bandwidth
 
 __all__ = ["Fit", "Nuisance", "fit", "prepared"]
@@ -41,6 +42,7 @@ def fit(
     settling: float = SETTLING,
     seconds: float | None = None,
     session_prior: float = PRIOR_SESSION,
+    mixed_origins: bool = False,
 ) -> Fit:
     """Identify a damper from records by least squares over their whole motion.
 
@@ -93,6 +95,8 @@ def fit(
         the standard deviation of the logarithm of the level from one measurement session to another, 0.08 being 8 %:
         assumed for predictions where no input was measured in two sessions, else the prior of what is estimated
         (`dampyr.identification.levels`). It changes no fitted number and no interval.
+    mixed_origins
+        fit simulated or virtual records (`dampyr.origin`) together with others, which is refused otherwise.
 
     Returns
     -------
@@ -102,8 +106,8 @@ def fit(
     Raises
     ------
     InputError
-        a record without input, without motion, with a constant force, or of mixed inputs; an unknown name or law; a
-        bandwidth that a record's samples do not carry.
+        a record without input, without motion, with a constant force, or of mixed inputs; simulated records among others; an
+        unknown name or law; a bandwidth that a record's samples do not carry.
 
     Examples
     --------
@@ -128,6 +132,8 @@ def fit(
     deadline = math.inf if seconds is None else time.perf_counter() + seconds
     if steps < 1:
         raise InputError(f"steps = {steps} is not allowed; give 1 or more")
+    if not mixed_origins:
+        check_one_kind(listed)
     problem = prepared(model, listed, laws, fixed, bandwidth, nuisances, tied, weighting)
     with _threads().limit(limits=1, user_api="blas"):  # small factorisations: threads would only wait
         point, agreed = (begin(problem), 1) if starts == 1 else best_of(problem, starts, seed)

@@ -53,6 +53,7 @@ from dampyr.identification.splits import split_tasks
 from dampyr.identification.validation import Fold, Validation, validation_jobs
 from dampyr.identification.variable_projection import OUT_OF_TIME
 from dampyr.models import available_parts, compose, part
+from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
 from dampyr.records import Record, check_bandwidth, cut
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
 
@@ -134,13 +135,14 @@ class Leaderboard(Representation):
     seconds: float
     optimism: float = float("nan")
     nested: float = float("nan")
+    origin: Origin = NOT_STATED
 
     def plot(self) -> Any:
         """The validation error of every screened model, bare and with add-ons; the matplotlib axes ``(1,)``."""
         from dampyr.figures import style
         from dampyr.figures.leaderboard import leaderboard_figure
 
-        return style.in_pyplot(leaderboard_figure, *self.screened_errors())
+        return style.in_pyplot(leaderboard_figure, *self.screened_errors(), origin=self.origin)
 
     def to_dataframe(self) -> Any:
         """The finalists as a ``pandas.DataFrame``, the best first; errors are ratios, ``seconds`` s."""
@@ -243,6 +245,7 @@ class Leaderboard(Representation):
     def as_dict(self) -> dict[str, Any]:
         """The ranking and the screening for `dampyr.to_json`, without the fits and validations of the entries."""
         return {
+            "origin": self.origin,
             "entries": [{key: getattr(entry, key) for key in ENTRY_KEYS} for entry in self.entries],
             "screened": self.screened,
             "chosen": self.winner.model,
@@ -303,6 +306,8 @@ def leaderboard(
     """
     parallel.refuse_forks(executor)
     listed = [r for r in records if r.role != "validation"]
+    if not options.get("mixed_origins"):
+        check_one_kind(listed)
     unknown = [r.name for r in listed if r.input is None]
     if unknown:
         raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
@@ -347,7 +352,13 @@ def leaderboard(
     ranked = sorted(entries, key=lambda one: (one.error, one.model))
     notes = [*pieces, *left_out, *_stopped(screened, unfinished, ranked, begun, limit)]
     board = Leaderboard(
-        tuple(ranked), tuple(screened), bandwidth, tuple(notes), time.perf_counter() - begun, optimism(ranked)
+        tuple(ranked),
+        tuple(screened),
+        bandwidth,
+        tuple(notes),
+        time.perf_counter() - begun,
+        optimism(ranked),
+        origin=combined(r.origin for r in whole),
     )
     if not nested:
         return board

@@ -18,6 +18,7 @@ from dampyr.errors import InputError
 from dampyr.identification.scoring_window import SETTLING, Window, scoring_window, whole_cycles
 from dampyr.models import Damper
 from dampyr.models.prediction_error import force_draws
+from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records import Record, with_velocity
 from dampyr.records.moving_average import averaged
 from dampyr.records.smoothing import force_average
@@ -67,6 +68,8 @@ class Band(Representation):
     energy: Interval | None
     session: str | None
     window: Window
+    origin: Origin = NOT_STATED
+    record_origin: Origin = NOT_STATED
 
     @property
     def words(self) -> str:
@@ -91,9 +94,8 @@ class Band(Representation):
         from dampyr.figures.band import band
 
         inside = self.window.slice
-        return style.in_pyplot(
-            band, self.time[inside], self.measured[inside], self.low[inside], self.high[inside], level=self.level
-        )
+        drawn = self.time[inside], self.measured[inside], self.low[inside], self.high[inside]
+        return style.in_pyplot(band, *drawn, level=self.level, record_origin=self.record_origin, origin=self.origin)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, for JSON; the limits sample by sample are left out."""
@@ -193,6 +195,8 @@ def prediction_band(
         energy = _interval(np.array(work[:-1]), float(work[-1]), tails)
     return Band(
         level=level,
+        origin=combined([damper.origin, record.origin]),
+        record_origin=record.origin,
         time=record.time,
         measured=measured,
         low=low,

@@ -14,6 +14,7 @@ from dampyr.errors import FileError, InputError, MissingData
 from dampyr.models import prediction_error
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
+from dampyr.origin import NOT_STATED, as_origin, notice
 
 SCHEMA = 1  # the one that this version writes and reads
 Damper = TypeVar("Damper")
@@ -24,6 +25,8 @@ def write(damper: Any, path: Path) -> Path:
     import tomli_w
 
     head = "# A damper identified or described with dampyr. SI units. Schema: docs/reference/card.md\n"
+    if text := notice(damper.origin):
+        head = f"# {text}.\n{head}"
     error = damper.prediction_error
     if error is not None and not error.session_estimated:
         head += f"# The level between measurement sessions is not known: {error.session_source}.\n"
@@ -34,7 +37,7 @@ def write(damper: Any, path: Path) -> Path:
 
 
 def _tables(damper: Any) -> dict[str, Any]:
-    head: dict[str, Any] = {"parts": list(damper.parts), "input": damper.input}
+    head: dict[str, Any] = {"parts": list(damper.parts), "input": damper.input, "origin": damper.origin}
     if damper.bandwidth is not None:
         head["velocity_bandwidth_Hz"] = damper.bandwidth
     units = {name: q.unit or "1" for name, q in damper.composition.quantities.items()}
@@ -109,4 +112,5 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
         "bandwidth": head.get("velocity_bandwidth_Hz"),
         "provenance": tables.get("provenance", {}),
         "within_records": tuple(within),
+        "origin": as_origin(head.get("origin", NOT_STATED)),
     }

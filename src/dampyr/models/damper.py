@@ -18,6 +18,7 @@ from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.laws import Constant, Law, WithTemperature
 from dampyr.models.part import part_name
 from dampyr.models.prediction_error import PredictionError, at_level, draws_of, session_words
+from dampyr.origin import NOT_STATED, Origin, as_origin
 from dampyr.representation import Representation, Summary, Table, column_name, data_frame, extent, listing
 from dampyr.units import for_people
 
@@ -55,7 +56,7 @@ class DamperPlots:
         from dampyr.figures import style
         from dampyr.figures.loops import loops
 
-        return style.in_pyplot(loops, *self.steady_cycle(inputs, amplitude, frequency))
+        return style.in_pyplot(loops, *self.steady_cycle(inputs, amplitude, frequency), origin=self.damper.origin)
 
     def laws(self) -> Any:
         """Each parameter over the input, with the calibrated range."""
@@ -72,7 +73,8 @@ class DamperPlots:
             curve, point = ((inputs, values), None) if low < high else (None, (inputs[:1], values[:1]))
             panels.append(Panel(style.Axis(name, unit or "1", factor), curve=curve, points=point))
         axis = style.VOLTAGE if self.damper.input == "V" else style.CURRENT
-        return style.in_pyplot(parameters_against_input, panels, (low, high) if low < high else None, axis)
+        span = (low, high) if low < high else None
+        return style.in_pyplot(parameters_against_input, panels, span, axis, origin=self.damper.origin)
 
     def steady_cycle(
         self, inputs: Sequence[float] | None = None, amplitude: float | None = None, frequency: float | None = None
@@ -123,6 +125,9 @@ class Damper(Representation):
     ``prediction_error``
         how far a measured force may be from the predicted one (`dampyr.models.prediction_error`): the levels of sessions and
         records and the residual; None where that was not estimated.
+    ``origin``
+        of what it was identified from (`dampyr.origin`): "measured" only where every record was; "not stated" where nothing
+        says it.
 
     Raises :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
     """
@@ -136,8 +141,10 @@ class Damper(Representation):
     provenance: Mapping[str, str] = field(default_factory=dict)
     within_records: tuple[str, ...] = ()
     prediction_error: PredictionError | None = None
+    origin: Origin = NOT_STATED
 
     def __post_init__(self) -> None:
+        as_origin(self.origin)
         names, constants = _names_and_constants(self.parts)
         twice = sorted(set(constants) & set(self.laws))
         if twice:

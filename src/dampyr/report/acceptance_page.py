@@ -13,8 +13,8 @@ from dampyr.figures.acceptance import band_used, peak_velocity_band
 from dampyr.identification import Acceptance, Accepted
 from dampyr.identification.acceptance import UNITS, forces_and_band, in_short, used_of_band
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
+from dampyr.report.how_made import files_of, people_and_parts
 from dampyr.report.html_page import page, write_page
-from dampyr.report.origin import files_of, people_and_parts
 
 Array = NDArray[np.float64]
 MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads
@@ -47,6 +47,7 @@ def write_acceptance_page(result: Accepted, path: Path) -> Path:
         facts=people_and_parts(result.records),
         files=files_of((*result.records, *result.reference_records)),
         call=f"dampyr.report.write_acceptance_page(result, {path.name!r})",
+        origin=result.origin,
     )
     write_page(path, html)
     return path

@@ -14,6 +14,7 @@ from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import CURRENT, VOLTAGE, Axis, case_colours
 from dampyr.ground_motions import end_in_words
+from dampyr.origin import combined
 from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, sentence
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import Response, Simulated
@@ -50,6 +51,7 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: Path) -
         subtitle="; ".join(cases),
         provenance={name: f"{r.scheme}, step {1e3 * r.step:.4g} ms" for name, r in cases.items()},
         call=f"dampyr.report.write_response_page(result, {Path(path).name!r})",
+        origin=combined(response.origin for response in cases.values() if response.sites),
     )
     write_page(path, html)
     return path

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion, followed_by_rest
+from dampyr.origin import combined
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import describe_law
 from dampyr.structures.kernel_run import runner
@@ -136,6 +137,7 @@ def _response(building: Building, motion: GroundMotion, sites: tuple[Site, ...],
         reason=run.reason,
         title=f"{building.name}, {motion.name}",
         after=float(after),
+        origin=combined(site.damper.origin for site in sites),
         outside=tuple(note for d, site in enumerate(sites) for note in _outside(site, rows[d], out, motion.dt)),
     )
 

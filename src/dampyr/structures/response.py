@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import end_in_words
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing
 
 if TYPE_CHECKING:
@@ -148,7 +149,7 @@ class ResponsePlots:
         else:
             names = [f"floor {name}" for name in r.floors]
         cases = dict(zip(names, getattr(r, quantity), strict=True))
-        return style.in_pyplot(building_response, r.time, cases, axis=axes[quantity])
+        return style.in_pyplot(building_response, r.time, cases, axis=axes[quantity], origin=r.origin)
 
     def peaks(self) -> Any:
         """Peak displacement, drift and acceleration by floor."""
@@ -158,7 +159,8 @@ class ResponsePlots:
         r, axes = self.response, _plot_axes()
         panels = [axes["displacement"], axes["drift"], axes["acceleration"]]
         values = (r.peak_displacement, r.peak_drift, r.peak_acceleration)
-        return style.in_pyplot(peaks_by_floor, list(r.floors), {r.title or "response": values}, axes=panels)
+        cases = {r.title or "response": values}
+        return style.in_pyplot(peaks_by_floor, list(r.floors), cases, axes=panels, origin=r.origin)
 
     def energy(self) -> Any:
         """Energies over time: kinetic, strain, viscous and dampers, stacked, and what the ground put in."""
@@ -169,7 +171,7 @@ class ResponsePlots:
         shares = {"viscous": e.viscous, "strain": e.strain, "kinetic": e.kinetic}
         if len(e.dampers):
             shares = {"dampers": e.damper} | shares
-        return style.in_pyplot(energy_over_time, self.response.time, shares, e.input)
+        return style.in_pyplot(energy_over_time, self.response.time, shares, e.input, origin=self.response.origin)
 
 
 def _plot_axes() -> dict[str, Axis]:
@@ -231,6 +233,7 @@ class Response(Representation):
     input_units: tuple[str, ...] = ()  # (N,) "V" or "A"
     mean_input: Array = field(default_factory=lambda: np.zeros(0))  # (N,) V or A at the coil, the mean over time
     after: float = 0.0  # s of rest after the record, at the end of the arrays
+    origin: Origin = NOT_STATED  # of the dampers' cards together: a response is computed, whatever they rest on
     outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
 
     @property
@@ -316,6 +319,7 @@ class Response(Representation):
             "peak_acceleration_m_s2": self.peak_acceleration.tolist(),
             "peak_base_shear_N": self.peak_base_shear,
             "peak_force_N": self.peak_force.tolist(),
+            "damper_origin": self.origin,
             "sites": list(self.sites),
             "laws": list(self.laws),
             "mean_input": self.mean_input.tolist(),
@@ -332,6 +336,7 @@ class Response(Representation):
             "step_s": self.step,
             "converged": int(self.converged),
             "title": self.title,
+            "damper_origin": self.origin,
             "after_s": self.after,
         }
         if self.error_estimate is not None:

@@ -18,6 +18,7 @@ from dampyr.campaigns.plan import Plan, plan
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper, published
+from dampyr.origin import VIRTUAL
 from dampyr.rig import RigSettings, load_settings
 from dampyr.structures import Building, respond
 
@@ -78,4 +79,5 @@ def delayed_result(
         computed.title, 1.0, 1.0, value, np.asarray(np.arange(run.now + 1) * h, float),
         np.ascontiguousarray(run.z[:, : building.n].T), run.target, run.achieved, run.force, modelled_force(about, run), 0.0,
         delay - run.lag.lag, run.lag.gain, run.energy_error, computed,
+        origin=VIRTUAL,
     )  # fmt: skip

@@ -13,6 +13,7 @@ from dampyr.errors import InputError
 from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, function
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
+from dampyr.origin import notice
 
 Array = NDArray[np.float64]
 
@@ -119,8 +120,9 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
         else ""
     )
     guard = f"{name.upper()}_H"
+    said = f"\n *\n * {text}." if (text := notice(damper.origin)) else ""
     return f"""\
-/* A damper written by dampyr: {damper.composition}.
+/* A damper written by dampyr: {damper.composition}.{said}
  *
  * Units: s, m, m/s, {damper.input} ({word} at the coil), N. A positive force opposes a positive velocity.
  * Calibrated from {low:g} to {high:g} {damper.input}. {"Single" if precision == SINGLE else "Double"} precision. {link}
@@ -172,6 +174,7 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Pre
     return (
         "\n\n".join(
             [
+                *([f"/* {text}. */"] if (text := notice(damper.origin)) else []),
                 f'#include "{name}.h"\n#include <math.h>',
                 *laws,
                 _values(damper, prefix, precision),

@@ -10,6 +10,7 @@ from dampyr.export.kinds.c import ARRAYS, EXPORTED, check_exportable, check_name
 from dampyr.export.matlab_text import SUPPORT, function, number
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
+from dampyr.origin import notice
 
 
 def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = False) -> list[Path]:
@@ -43,6 +44,7 @@ def _main(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     late = composition.delay is not None
     delayed = f"\n        [f(k), state] = {prefix}late(state, f(k), p({(composition.delay or 0) + 1}));" if late else ""
     empty = "\n        state.late_t = []; state.late_f = [];" if late else ""
+    said = f"\n%   {text}." if (text := notice(damper.origin)) else ""
     return f"""\
 function [f, state] = {name}(t, x, v, u, state)
 %{name.upper()}  Force of a damper along a path.
@@ -51,7 +53,7 @@ function [f, state] = {name}(t, x, v, u, state)
 %   velocity. The path begins at rest.
 %   [f, state] = {name}(t, x, v, u, state) goes on from the state that an earlier call returned, with later samples.
 %
-%   The model: {composition}. Calibrated from {low:g} to {high:g} {unit}. Written by dampyr.
+%   The model: {composition}. Calibrated from {low:g} to {high:g} {unit}. Written by dampyr.{said}
     if nargin < 5, state = []; end
     if isscalar(u), u = repmat(u, size(x)); end
     if ~isequal(numel(t), numel(x), numel(v), numel(u))

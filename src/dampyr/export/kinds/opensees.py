@@ -12,6 +12,7 @@ from dampyr.errors import InputError
 from dampyr.export.kinds.c import check_name
 from dampyr.models import Damper, Interpolation
 from dampyr.models.damper import INPUTS
+from dampyr.origin import notice
 
 HYSTERETIC = ("dahl", "bouc_wen")
 ALLOWED = (*HYSTERETIC, "spring", "offset")
@@ -83,6 +84,7 @@ def _head(damper: Damper, name: str) -> list[str]:
     left_out = "; its static offset is left out" if "offset.f0" in damper.all_laws else ""
     return [
         f"{name}: a damper written by dampyr, {damper.composition}{left_out}.",
+        *([f"{text}."] if (text := notice(damper.origin)) else []),
         "Units: m, N, s. One material for each input at the coil, which stays constant.",
         "OpenSees integrates BoucWen by backward Euler: its error is proportional to the step. Halve it until the peaks stay.",
     ]

@@ -32,12 +32,15 @@ from dampyr.models.numerics import fast_math
 from dampyr.source_digest import source_digest
 
 BOUND = tuple(SIGNATURES)
-KERNEL_SOURCES = ("models", "structures", "rig/simulation", "rig/firmware", "campaigns/hybrid", "export")
+KERNEL_SOURCES = (
+    "models", "structures", "rig/simulation", "rig/firmware", "campaigns/hybrid", "export",
+    "ground_motions/oscillator.py", "identification/bounded_least_squares.py", "identification/normal_equations.py",
+)  # fmt: skip
 MORE = ("decide",)
 QUICK = ("quick_exp", "quick_tanh")
 MAX_CACHE_AGE = 30 * 86400.0  # s: a month in which a version of the sources was not run
 FAST = {"contract", "nsz", "arcp"}
-_CACHED = tuple(f"dampyr.{folder.replace('/', '.')}." for folder in KERNEL_SOURCES)
+_CACHED = tuple(f"dampyr.{source.removesuffix('.py').replace('/', '.')}." for source in KERNEL_SOURCES)
 _MATH = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "tan", "atan", "copysign")
 
 
@@ -87,8 +90,8 @@ def jit(
     compiled = njit(error_model="numpy", fastmath=fast, nogil=True, _nrt=False, **inner)(function)
     if keep:
         module = function.__module__
-        if module.startswith("dampyr.") and not module.startswith(_CACHED):
-            raise ValueError(f"{module} has a kernel that is cached on disk; its folder must stand in KERNEL_SOURCES")
+        if module.startswith("dampyr.") and not f"{module}.".startswith(_CACHED):
+            raise ValueError(f"{module} has a kernel that is cached on disk; its file must stand in KERNEL_SOURCES")
         compiled._cache = _cache_class()(function)
     return compiled
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import FileError
+from dampyr.origin import NOT_STATED, Origin, as_origin
 from dampyr.rig.firmware.protocol import Status
 from dampyr.rig.settings import RigSettings
 
@@ -133,6 +134,11 @@ class TableDrive(Protocol):
 
     def close(self) -> None:
         """Close the wire."""
+
+
+def stated_origin(board: Any) -> Origin:
+    """What the driver of an acquisition says of its samples by ``origin()``, which it may lack: "measured" of a real one."""
+    return as_origin(board.origin()) if hasattr(board, "origin") else NOT_STATED
 
 
 def check_offers(instrument: Any, contracts: tuple[type, ...], role: str, where: str) -> None:
