@@ -176,6 +176,8 @@ def _objects(made: Made) -> dict[str, Any]:
 
 
 def test_each_object_says_it_and_each_of_its_plots(made: Made) -> None:
+    from matplotlib import pyplot
+
     drawn = 0
     for name, one in _objects(made).items():
         assert isinstance(one, Representation)
@@ -189,6 +191,7 @@ def test_each_object_says_it_and_each_of_its_plots(made: Made) -> None:
                 continue
             axes = method(made.records[0].name) if name == "validated" and each != "scores" else method()
             assert WORD in [text.get_text() for text in axes[0].figure.texts], (name, each)
+            pyplot.close("all")
             drawn += 1
     assert drawn >= 18
 

@@ -199,6 +199,7 @@ def _perform(
     """Run the rounds, and say how it went."""
     from dampyr import campaigns
     from dampyr.cli._running import stopped_by_signals
+    from dampyr.origin import stamp
     from dampyr.rig.connect import open_rig
 
     assert out is not None
@@ -213,7 +214,7 @@ def _perform(
     if planned.fit.damper is not None:
         planned.fit.damper.save(out / "damper.toml")
     if figure is not None:
-        _draw(planned.widths_figure(), figure)
+        _draw(stamp(planned.widths_figure(), planned.origin), figure)
     state_origin(planned.origin)
     if as_json:
         print_json(planned.as_dict())

@@ -23,7 +23,10 @@ INDEX, HERE = 1, 0  # how to home
 
 
 class AcquisitionBoard(Protocol):
-    """An acquisition: the rig's analogue inputs and the encoder's position on one sample clock."""
+    """An acquisition: the rig's analogue inputs and the encoder's position on one sample clock.
+
+    That of a real instrument has ``origin()``, too, which gives "measured" (`stated_origin`).
+    """
 
     def start(self, rate: float, ahead: Array) -> None:
         """Start sampling at ``rate`` [Hz], the position counted from 0. The command, if it is an output of this board, begins
