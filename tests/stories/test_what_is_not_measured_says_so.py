@@ -98,12 +98,13 @@ COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
     "simulate": lambda m: ["simulate", m.card, *SHAKE],
     "ensemble": lambda m: ["ensemble", m.card, *ENSEMBLE],
     "run": lambda m: ["run", m.folder.parent / "campaign.toml", "--in-process", "--out", m.folder],
+    "plan": lambda m: ["plan", "--card", m.card, "--tests", "1", "--seconds", "4", "--kind", "sine", "--at", "1.98"],
     "export": lambda m: ["export", m.card, "--to", "c", "--out", m.folder.parent / "c"],
 }
 ELSEWHERE = {
-    "demo": "its page and its terminal are looked at in studies/test_demo",
-    "hybrid": "below", "plan": "campaigns/planning", "serve": "tests/export/test_opensees",
-    "reproduce": "published records; the hybrid benchmark's page is virtual",
+    "demo": "stories/test_the_chain",
+    "hybrid": "below", "serve": "forces over a wire; its JSON has damper_origin",
+    "reproduce": "published numbers and records",
     "calibrate": "a calibration, no record", "console": "below", "datasets": "no record", "doctor": "no record",
     "licences": "no record", "motion": "a ground motion",
 }  # fmt: skip

@@ -117,6 +117,7 @@ def command(
     """
     from dampyr import campaigns
     from dampyr.models import published
+    from dampyr.origin import stamp
     from dampyr.units import parse
 
     if records and card:
@@ -153,7 +154,8 @@ def command(
     if out is not None:
         proposal.save(out)
     if figure is not None:
-        _draw(proposal.envelope_figure(), figure)
+        _draw(stamp(proposal.envelope_figure(), proposal.origin), figure)
+    state_origin(proposal.origin)
     if as_json:
         print_json(proposal.as_dict())
     else:

@@ -32,6 +32,7 @@ from dampyr.campaigns.planning.goal import GOALS, Peak, parameter_goal, peak_goa
 from dampyr.errors import InputError
 from dampyr.identification import Fit, fit
 from dampyr.models import Constant, Damper
+from dampyr.origin import Origin
 from dampyr.records import Record, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, counted, listing
 from dampyr.rig import RigSettings, load_settings
@@ -151,6 +152,11 @@ class Proposal(Representation):
     notes: tuple[str, ...] = ()
 
     @property
+    def origin(self) -> Origin:
+        """That of the damper that it rests on."""
+        return self.damper.origin
+
+    @property
     def duration(self) -> float:
         """s of all tests, without the rests between them."""
         return sum(test.candidate.duration for test in self.tests)
@@ -226,6 +232,7 @@ class Proposal(Representation):
     def as_dict(self) -> dict[str, Any]:
         """Tests and intervals by name, for `dampyr.to_json`, SI units."""
         return {
+            "damper_origin": self.origin,
             "goal": self.goal,
             "model": self.model,
             "rig": self.rig.name,
