@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.stories.test_bad_input import dampyr
-
 from dampyr.origin import NOTICES
+from tests.stories.test_bad_input import dampyr
 
 pytestmark = pytest.mark.prove
 

@@ -233,9 +233,9 @@ def test_the_console_says_it_in_its_lists_and_results(made: Made, tmp_path: Path
     keys = [f"data/records/one/{record.name}.h5" for record in made.records]
     tell = lambda stage, done: None  # noqa: E731
     identified = identify.run({"records": keys, "model": "dahl"}, job, tell)
-    asked = {"damper": {"name": "cards/mine.toml", "inputs": [1.98], "allow_extrapolation": True}}
+    request = {"damper": {"name": "cards/mine.toml", "inputs": [1.98], "allow_extrapolation": True}}
     with pytest.warns(DampyrWarning, match="calibrated up to"):
-        responded = respond.run(asked, job, tell)
+        responded = respond.run(request, job, tell)
     assert (identified["notice"], responded["notice"]) == (NOTICE, NOTICE)
     assert identified["data"]["origin"] == "simulated"
 
@@ -265,9 +265,9 @@ def test_simulated_and_other_records_are_fitted_together_only_by_name(made: Made
     for refused in (dp.identification.leaderboard, lambda r: dp.identification.cross_validate("dahl", r)):
         with pytest.raises(InputError, match="mixed_origins=True"):
             refused(both)
-    asked = fit("dahl", both, mixed_origins=True)
-    assert asked.damper is not None
-    assert (asked.origin, asked.damper.provenance["origins"]) == ("simulated", "2 simulated, 2 measured")
+    mixed = fit("dahl", both, mixed_origins=True)
+    assert mixed.damper is not None
+    assert (mixed.origin, mixed.damper.provenance["origins"]) == ("simulated", "2 simulated, 2 measured")
     for record in both:
         write(record, tmp_path / f"{record.name}.h5")
     words = ["identify", str(tmp_path), "--model", "dahl"]
