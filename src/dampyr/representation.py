@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dampyr.errors import InputError
+from dampyr.origin import NOT_STATED, notice, stamp
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,11 +55,20 @@ class Representation:
         """A figure, made when it is shown, so that objects that are never shown never load matplotlib."""
         return None
 
+    def _with_notice(self) -> Summary:
+        """The summary, before it what an ``origin`` of the object that is not measured says."""
+        title, rows = self._summary()
+        text = notice(getattr(self, "origin", NOT_STATED))
+        return title, [("origin", text), *rows] if text else rows
+
     def __repr__(self) -> str:
-        return as_text(*self._summary())
+        return as_text(*self._with_notice())
 
     def _repr_html_(self) -> str:
-        return as_html(*self._summary(), table=self._table(), figure=self._small_figure())
+        figure = self._small_figure()
+        if figure is not None:
+            stamp(figure, getattr(self, "origin", NOT_STATED))
+        return as_html(*self._with_notice(), table=self._table(), figure=figure)
 
 
 def as_text(title: str, rows: Rows) -> str:

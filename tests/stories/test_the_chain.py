@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from dampyr.origin import NOTICES
 from tests.stories.test_bad_input import dampyr
 
 pytestmark = pytest.mark.prove
@@ -48,6 +49,8 @@ def test_the_demonstration_needs_nothing_but_the_installation_and_is_the_same_tw
     peaks = [case[0] for case in done["peak_displacement_m"].values()]
     assert peaks[0] > peaks[1] > peaks[2]
     page = (tmp_path / "demo" / "report.html").read_text()
+    assert done["origin"] == "simulated"
+    assert NOTICES["simulated"] in page[: page.index("<h1>")]
     assert "http://" not in page.replace("http://www.w3.org", "")
     again = run_json("validate", done["card"], tmp_path / "demo" / "records", "--role", "validation")
     assert {k: v["l1"] for k, v in again["scores"].items()} == pytest.approx(done["l1_held_out"])

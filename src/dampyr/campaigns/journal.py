@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from dampyr.errors import FileError, InputError
+from dampyr.origin import NOT_STATED, Origin, as_origin
 from dampyr.representation import Representation, Summary, Table, data_frame
 
 NAME = "journal.sqlite"
@@ -103,6 +104,7 @@ class Journal(Representation):
         states = Counter(entry.state for entry in self.tests())
         return f"Journal of {self.said('name')!r}", [
             ("folder", self.path.parent.name),
+            ("origin", self.said("origin") or NOT_STATED),
             ("tests", ", ".join(f"{count} {state}" for state, count in states.items()) or "none"),
             ("events", str(len(self.events()))),
         ]
@@ -241,6 +243,12 @@ class Journal(Representation):
                 raise
         except sqlite3.Error as problem:
             raise FileError(self.path, self._reason(problem)) from problem
+
+
+def journal_origin(folder: str | Path) -> Origin:
+    """Origin of the records of a campaign's folder, as its journal states it."""
+    with closing(Journal(folder)) as journal:
+        return as_origin(journal.said("origin") or NOT_STATED)
 
 
 def read_journal(folder: str | Path) -> tuple[list[Entry], list[Event]]:

@@ -33,6 +33,7 @@ from dampyr.campaigns.recorded_tests import (
 )
 from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped
 from dampyr.errors import DampyrWarning, FileError, InputError
+from dampyr.origin import as_origin, combined
 from dampyr.records.formats import h5
 from dampyr.rig.damper_temperature import SavedTemperature
 from dampyr.rig.interlock import Samples
@@ -98,6 +99,8 @@ def perform(
         moved = [set_aside(path) for name in again for path in broken_tries(folder, name)]
         with closing(Journal(folder)) as journal:
             _enter(campaign_plan, rig, journal, folder)
+            before = journal.said("origin")
+            journal.say({"origin": combined([rig.origin, *([as_origin(before)] if before else [])])})
             _reconcile(journal, folder)
             for path in moved:
                 journal.note("set aside", f"{path.name}: it cannot be read")
@@ -288,7 +291,9 @@ class _Run:
         left = self.left()
         self.groups = groups_of(self.rig.settings, self.plan.campaign, datetime.now().astimezone())
         check_disk(self.folder, self.rig, left, self.plan.campaign, self.groups)
-        self.journal.note("armed", f"{len(left)} of {len(self.plan.tests)} tests to run; {self.rig.identity}")
+        self.journal.note(
+            "armed", f"{len(left)} of {len(self.plan.tests)} tests to run; {self.rig.identity}; {self.rig.origin}"
+        )
         try:
             while left:  # a test that was skipped has cut the coil: the rig is armed again for the next one
                 with suppress(Skipped):

@@ -333,6 +333,7 @@ def header(
         label=label(planned.step),
         provenance=provenance(rig, calibration, planned, campaign) | dict(about or {}),
         derived=("velocity",),
+        origin=rig.origin,
         **groups,
     )
 

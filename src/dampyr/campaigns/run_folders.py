@@ -12,6 +12,7 @@ from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.journal import NAME, Journal
 from dampyr.campaigns.plan import Plan
 from dampyr.errors import DampyrError, FileError, InputError
+from dampyr.origin import NOT_STATED, Origin, as_origin
 
 RunState = Literal["complete", "interrupted", "running", "unreadable"]
 FolderState = Literal["new", "interrupted", "complete", "foreign", "running"]
@@ -29,6 +30,7 @@ class RunFolder:
     tests: int
     time: str
     reason: str = ""
+    origin: Origin = NOT_STATED
 
 
 def run_folder(folder: str | Path) -> RunFolder:
@@ -38,6 +40,7 @@ def run_folder(folder: str | Path) -> RunFolder:
         with closing(Journal(folder)) as journal:
             entries, events = journal.tests(), journal.events()
             campaign, operator = journal.said("name"), journal.said("operator")
+            origin = as_origin(journal.said("origin") or NOT_STATED)
     except DampyrError as problem:
         return RunFolder(folder.name, "", "", "unreadable", 0, 0, "", str(problem))
     complete = sum(entry.state == "complete" for entry in entries)
@@ -55,6 +58,7 @@ def run_folder(folder: str | Path) -> RunFolder:
         len(entries),
         last,
         ended[-1] if ended and state == "interrupted" else "",
+        origin,
     )
 
 

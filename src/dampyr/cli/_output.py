@@ -12,13 +12,27 @@ from typing import Any
 
 import click
 
+from dampyr.origin import Origin, notice
 from dampyr.to_json import plain
 
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for machines, in SI units.")
 """The option that every command takes; it comes as ``as_json``."""
 
 DASH = "–"
+NOTICE = "dampyr.origin"  # what the running command has to say of what it prints
 WIDTH_OF_A_FILE = 240  # characters: more than the widest table takes
+
+
+def state_origin(origin: Origin) -> None:
+    """Have every table that the running command prints begin with what an origin that is not measured says."""
+    if text := notice(origin):
+        click.get_current_context().meta[NOTICE] = text
+
+
+def print_notice() -> None:
+    """Say on stderr what `state_origin` was told, where a command prints no table."""
+    if text := click.get_current_context().meta.get(NOTICE):
+        click.echo(text, err=True)
 
 
 def print_json(data: Any) -> None:
@@ -39,7 +53,8 @@ def print_table(
 ) -> None:
     """Print a table on stdout: numbers to the right with ``digits`` significant digits, None as a dash.
 
-    ``units`` stand under the names of the columns; ``notes`` are sentences below the table.
+    ``units`` stand under the names of the columns; ``notes`` are sentences below the table. Above the title stands what
+    `state_origin` was told.
     """
     from rich import box
     from rich.markup import escape
@@ -54,7 +69,10 @@ def print_table(
         table.add_column(escape(name) + unit, justify=side, no_wrap=numeric, overflow="fold")  # type: ignore[arg-type]
     for row in rows:
         table.add_row(*(escape(_text(cell, digits)) for cell in row))
-    _print(f"[bold]{escape(title)}[/bold]", table, *(escape(note) for note in notes))
+    context = click.get_current_context(silent=True)
+    said = None if context is None else context.meta.get(NOTICE)
+    first = [f"[bold red]{escape(said)}[/bold red]"] if said else []
+    _print(*first, f"[bold]{escape(title)}[/bold]", table, *(escape(note) for note in notes))
 
 
 def _print(*parts: Any) -> None:

@@ -10,7 +10,7 @@ import click
 
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import ratio
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._records import Reading, gather, reading_options, role_option
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
@@ -90,6 +90,7 @@ def command(
         from dampyr.report import write_acceptance_page
 
         write_acceptance_page(result, report)
+    state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())
     else:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._progress import stages
 from dampyr.cli._report import figures_option
 
@@ -32,6 +32,7 @@ def command(out: Path, as_json: bool) -> None:
 
     with stages() as progress:
         done = demo(out, progress)
+    state_origin(done.origin)
     if as_json:
         print_json(done.summary() | {"report": out / "report.html"})
         return

@@ -11,7 +11,7 @@ import click
 
 from dampyr.cli._ensemble import EnsembleRequest, case_options, counting, limit, refuse_cases, shard
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
@@ -77,6 +77,7 @@ def command(
         from dampyr.report import write_ensemble_page
 
         write_ensemble_page(result, report)
+    state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())
     else:

@@ -8,7 +8,7 @@ import click
 
 from dampyr.cli._control import damper_of, temperature_option
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, print_json
+from dampyr.cli._output import as_json_option, print_json, print_notice, state_origin
 
 
 @click.command(
@@ -61,9 +61,12 @@ def command(
     given = {"single": single or None, "history": history, "fmi": int(fmi) if fmi else None, "drive": drive}
     options = {key: value for key, value in given.items() if value is not None}
     written = export(damper, kind, out, name, allow_extrapolation, **options)
+    state_origin(damper.origin)
     if as_json:
-        print_json({"written": written, "notes": list(map(str, damper.inherited()))})
+        notes = list(map(str, damper.inherited()))
+        print_json({"damper_origin": damper.origin, "written": written, "notes": notes})
         return
+    print_notice()
     for path in written:
         click.echo(str(path))
     for one in damper.inherited():

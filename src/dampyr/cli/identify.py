@@ -13,7 +13,7 @@ import click
 from dampyr.cli._examples import examples
 from dampyr.cli._leaderboard import cores, print_leaderboard
 from dampyr.cli._motion import ratio
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.cli._report import report_options
@@ -94,6 +94,7 @@ if TYPE_CHECKING:
 @click.option(
     "--by-specimen", is_flag=True, help="Fit every specimen by itself, and give mean and spread over the specimens."
 )
+@click.option("--mixed-origins", is_flag=True, help="Fit simulated or virtual records together with others.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
 @reading_options
@@ -118,6 +119,7 @@ def command(
     session_prior: str,
     each: bool,
     by_specimen: bool,
+    mixed_origins: bool,
     save: Path | None,
     report: Path | None,
     reading: Reading,
@@ -138,6 +140,7 @@ def command(
     from dampyr.identification import IdentifyOptions, identify
     from dampyr.identification.identify import identify_by_specimen, identify_each
     from dampyr.identification.leaderboard import Cut
+    from dampyr.origin import combined
 
     if each and (save or report or splits or model is None):
         raise InputError(
@@ -166,6 +169,7 @@ def command(
         seconds=seconds,
         nested=nested,
         session_prior=ratio(session_prior, "session-prior"),
+        mixed_origins=mixed_origins,
     )
     records = gather(paths, "fit", reading, warn=False)
     with stages() as progress:
@@ -180,6 +184,7 @@ def command(
                 board = cut.board
                 print_json({"leaderboard": board.as_dict()}) if as_json else print_leaderboard(board)
                 raise
+    state_origin(combined(record.origin for record in records))
     if each:
         print_json([one.as_dict() for one in fits]) if as_json else _print_each(fits)
         return

@@ -10,7 +10,7 @@ import click
 from dampyr.cli._control import structure_of
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs
 from dampyr.errors import InputError
@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     "--out", type=click.Path(path_type=Path), metavar="PATH", help="A campaign file; with --perform a folder."
 )
 @click.option("--perform", is_flag=True, help="Run the tests round by round, and stop when it is known well enough.")
+@click.option("--mixed-origins", is_flag=True, help="Fit simulated or virtual records together with others.")
 @click.option("--per-round", type=int, default=4, metavar="N", help="Tests before the next look at them.  [default: 4]")
 @click.option("--in-process", is_flag=True, help="Simulate the rig without its wires (without the extra rig).")
 @click.option(
@@ -100,6 +101,7 @@ def command(
     kinds: tuple[str, ...],
     out: Path | None,
     perform: bool,
+    mixed_origins: bool,
     per_round: int,
     in_process: bool,
     figure: Path | None,
@@ -115,6 +117,7 @@ def command(
     """
     from dampyr import campaigns
     from dampyr.models import published
+    from dampyr.origin import stamp
     from dampyr.units import parse
 
     if records and card:
@@ -135,6 +138,7 @@ def command(
         voltages=voltages or None,
         kinds=kinds or campaigns.PlanOptions.kinds,
         seconds=seconds,
+        mixed_origins=mixed_origins,
     )
     if records:
         evidence = gather(records, "fit", Reading({}))
@@ -150,7 +154,8 @@ def command(
     if out is not None:
         proposal.save(out)
     if figure is not None:
-        _draw(proposal.envelope_figure(), figure)
+        _draw(stamp(proposal.envelope_figure(), proposal.origin), figure)
+    state_origin(proposal.origin)
     if as_json:
         print_json(proposal.as_dict())
     else:
@@ -196,6 +201,7 @@ def _perform(
     """Run the rounds, and say how it went."""
     from dampyr import campaigns
     from dampyr.cli._running import stopped_by_signals
+    from dampyr.origin import stamp
     from dampyr.rig.connect import open_rig
 
     assert out is not None
@@ -210,7 +216,8 @@ def _perform(
     if planned.fit.damper is not None:
         planned.fit.damper.save(out / "damper.toml")
     if figure is not None:
-        _draw(planned.widths_figure(), figure)
+        _draw(stamp(planned.widths_figure(), planned.origin), figure)
+    state_origin(planned.origin)
     if as_json:
         print_json(planned.as_dict())
     else:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._records import Reading, gather, reading_options, role_option
 
 if TYPE_CHECKING:
@@ -82,6 +82,7 @@ def command(
     `dampyr records convert` writes records in another format.
     """
     from dampyr import records
+    from dampyr.origin import NOT_STATED, combined
     from dampyr.records.record import GROUPS
 
     places = paths or (records.locate("labcontrol"),)
@@ -89,6 +90,7 @@ def command(
     record_list = gather(places, role, reading, warn=False, short=short)
     absent = [row for path in places if path.is_dir() for row in _without_file(path)]
     descriptions = [records.describe(record) for record in record_list]
+    state_origin(combined(record.origin for record in record_list))
     if as_json:
         print_json({"records": descriptions, "rows_without_file": absent, "too_short": short})
     elif len(descriptions) == 1 and not absent and not short:
@@ -96,6 +98,8 @@ def command(
     else:
         notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent] + short
         groups = {name: word for name, word in GROUPS.items() if any(each[name] for each in descriptions)}
+        if any(each["origin"] != NOT_STATED for each in descriptions):
+            groups["origin"] = "origin"
         rows = [[*_row(each), *(each[name] for name in groups), "; ".join(each["notes"])] for each in descriptions]
         names, units = [*COLUMNS, *groups.values(), "to look at"], [*UNITS, *("" for _ in groups), ""]
         print_table(f"{len(descriptions)} records", names, rows, units, notes=notes)
@@ -184,6 +188,7 @@ def _print_one(description: dict[str, Any]) -> None:
 
     m, q = description["measured"], description["quality"]
     lines: list[tuple[str, Any]] = [("role", description["role"]), ("input", _input(description))]
+    lines.append(("origin", description["origin"]))
     lines += [(word, description[name]) for name, word in GROUPS.items() if description[name]]
     lines += [("duration", f"{description['duration_s']:.6g} s"), ("samples", f"{q.samples}, every {q.dt:.6g} s")]
     if m:

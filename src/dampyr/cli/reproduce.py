@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._progress import stages
 from dampyr.cli._report import figures_option
 from dampyr.errors import InputError
@@ -69,6 +69,7 @@ def _hybrid(data: Path | None, plants: int, out: Path, as_json: bool) -> None:
 
     with stages() as progress:
         study = vrths_2020.reproduce(data, out, plants, progress)
+    state_origin(study.origin)
     if as_json:
         print_json(study.as_dict())
     else:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, drop_unwritten, print_json, print_table
+from dampyr.cli._output import as_json_option, drop_unwritten, print_json, print_table, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError, RigFault
 
@@ -138,11 +138,15 @@ def _perform(
 
 def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
     from dampyr.campaigns import read_journal
+    from dampyr.campaigns.journal import journal_origin
 
     if (out / "journal.sqlite").is_file():
-        tests, events = read_journal(out)
+        tests, events, origin = *read_journal(out), journal_origin(out)
+        state_origin(origin)
         if as_json:
-            print_json({"folder": str(out), "tests": tests, "events": events, "fitted": _fitted(plan)})
+            print_json(
+                {"folder": str(out), "origin": origin, "tests": tests, "events": events, "fitted": _fitted(plan)}
+            )
         elif tests:
             _summary(plan, out, tests)
 

@@ -9,7 +9,7 @@ import click
 
 from dampyr.cli._control import damper_of, inputs_for, place_of, structure_of, structure_option, temperature_option
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, print_json
+from dampyr.cli._output import as_json_option, print_json, print_notice, state_origin
 from dampyr.errors import InputError
 
 
@@ -85,6 +85,8 @@ def command(
         opensees_server.live_damper(
             building.n, damper, given[0] if given else law, law, building, place, record, allow_extrapolation
         )
+    state_origin(damper.origin)
+    print_notice()
     with opensees_server.listen(host, port) as server:
         click.echo(f"listening on {host} port {server.getsockname()[1]}; Ctrl-C ends it", err=as_json)
         connection, _ = server.accept()
@@ -96,7 +98,7 @@ def command(
                 ),
             )
     if as_json:
-        print_json(asdict(summary))
+        print_json({"damper_origin": damper.origin, **asdict(summary)})
         return
     per_step = f"{summary.trials / summary.steps:.2f} trials a step" if summary.steps else "no step"
     click.echo(

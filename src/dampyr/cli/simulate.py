@@ -19,7 +19,7 @@ from dampyr.cli._control import (
 )
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, after_option, motion_options
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
@@ -112,6 +112,7 @@ def command(
         from dampyr.report import write_response_page
 
         write_response_page(result, report)
+    state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())
     else:

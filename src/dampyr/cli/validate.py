@@ -10,7 +10,7 @@ import click
 
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import ratio
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
 from dampyr.cli._records import Reading, gather, reading_options, role_option
 from dampyr.cli._report import report_options
 
@@ -82,6 +82,7 @@ def command(
         from dampyr.report import write_validate_page
 
         write_validate_page(result, report)
+    state_origin(result.origin)
     if as_json:
         print_json(result.as_dict() | {"forces": written})
         return

@@ -40,6 +40,7 @@ from dampyr.console.manual_motion import check_coil, coil_drive, play, sine_driv
 from dampyr.console.rigs import Opener, opened
 from dampyr.console.run_reference import RunReference
 from dampyr.errors import InputError, RigFault
+from dampyr.origin import notice
 from dampyr.rig import Rig, Table
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.load_cell_calibration import Calibrating
@@ -351,7 +352,17 @@ class Bench:
         bounds = settings.limits
         limits = Limits(bounds.force, settings.travel, bounds.speed, bounds.voltage, bounds.temperature)
         stroke, about = bounds.stroke, settings.specimen.name
-        values = (settings.board.rate, stroke, cell.scale, cell.zero, cell.how, fastest, about, limits)
+        values = (
+            settings.board.rate,
+            stroke,
+            cell.scale,
+            cell.zero,
+            cell.how,
+            fastest,
+            about,
+            limits,
+            notice(rig.origin),
+        )
         return ConnectedRig(settings.name, self._simulated, self._thread.identity, *values)
 
     def _event(self, client: str, what: str) -> None:

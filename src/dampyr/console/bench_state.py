@@ -113,6 +113,8 @@ class ConnectedRig:
     jog_speed: float
     specimen: str
     limits: Limits
+    notice: str
+    """What the page says above all, as its records will, where they are not measured."""
 
 
 @dataclass(frozen=True)

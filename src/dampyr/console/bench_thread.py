@@ -120,7 +120,8 @@ class BenchThread:
             raise
         rig.watchers.append(self._seen)
         self.strips = MinMaxBins(rig.settings.board.rate, self.clock() - self.born)
-        self.rig, self.identity, self.status = rig, rig.identity, rig.uno.heartbeat()
+        self.identity, _ = rig.identity, rig.origin  # asked of the instruments here, once
+        self.rig, self.status = rig, rig.uno.heartbeat()
         self.tripped = ""
         self.enter("idle")
         self.say("connected")

@@ -12,19 +12,22 @@ from dampyr import studies
 from dampyr.console import safe_paths
 from dampyr.errors import DampyrError, InputError
 from dampyr.models import Damper
+from dampyr.origin import Origin, notice
 
 CARDS = "cards"
 MAX_CARD = 2**20  # bytes: a card with the covariance of 60 parameters has a tenth
 
 
 class DamperLink(BaseModel):
-    """A damper that can be chosen: its input's unit, and the range it was calibrated on."""
+    """A damper that can be chosen: its input's unit, the range it was calibrated on, and its origin, which the title says, too,
+    where it is not measured."""
 
     name: str
     title: str
     unit: str
     low: float
     high: float
+    origin: Origin
 
 
 def damper_of(data: Path, name: str) -> Damper:
@@ -59,7 +62,8 @@ def dampers(data: Path) -> list[DamperLink]:
         except DampyrError:
             continue
         title = name.removeprefix(f"{CARDS}/").removesuffix(".toml") if name in cards else f"published: {name}"
-        links.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high))
+        title += f" ({damper.origin})" if notice(damper.origin) else ""
+        links.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high, origin=damper.origin))
     return links
 
 

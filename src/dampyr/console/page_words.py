@@ -22,6 +22,7 @@ WORDS = tuple(
             r"(variables, )--column force=NAME, or --variable and --column force=NUMBER",
             r"\1or the variable, in the form",
         ),
+        (r", or ask for it by name: mixed_origins=True \(--mixed-origins\)", ""),
         (r"pass allow_extrapolation=True", "allow extrapolation"),
         (r"give another --out", "choose another folder"),
         (r"declare it, such as units='[^']*'( or units='[^']*')?", "write it in the header"),

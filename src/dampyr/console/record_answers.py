@@ -13,6 +13,7 @@ from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS
 from dampyr.console.page_words import in_page_words
 from dampyr.console.record_formats import FIGURE, NEED_VELOCITY
 from dampyr.errors import DampyrError, FileError, InputError
+from dampyr.origin import stamp
 from dampyr.records import Record
 from dampyr.to_json import plain
 
@@ -97,7 +98,8 @@ def export_record(data: Path, key: str, path: Path) -> str:
         from dampyr.figures.style import save
 
         shown = _with_velocity(record)
-        save(loops(shown.displacement, shown.velocity, shown.force, title=record.name), path)
+        drawn = loops(shown.displacement, shown.velocity, shown.force, title=record.name)
+        save(stamp(drawn, record.origin), path)
     else:
         records.write(_with_velocity(record) if path.suffix in NEED_VELOCITY else record, path)
     return record.name

@@ -9,13 +9,20 @@ from numpy.typing import ArrayLike
 
 from dampyr.figures import style
 from dampyr.figures.style import FORCE, TIME
+from dampyr.origin import NOT_STATED, Origin, series
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
 def band(
-    time: ArrayLike, measured: ArrayLike, low: ArrayLike, high: ArrayLike, level: float = 0.9, title: str = ""
+    time: ArrayLike,
+    measured: ArrayLike,
+    low: ArrayLike,
+    high: ArrayLike,
+    level: float = 0.9,
+    title: str = "",
+    record_origin: Origin = NOT_STATED,
 ) -> Figure:
     """The measured force (n,) N over time (n,) s, in the band from ``low`` to ``high`` (n,) N that is to hold ``level``
     of it."""
@@ -34,7 +41,7 @@ def band(
             lw=0.0,
             label=f"{100 * level:g} % band",
         )
-        style.line(top, t, force, color=style.INK, lw=0.9, label="measured")
+        style.line(top, t, force, color=style.INK, lw=0.9, label=series(record_origin))
         outside = (force < below) | (force > above)
         if outside.any():
             top.plot(t[outside], force[outside], ".", color=style.VERMILLION, ms=2.0, label="outside")

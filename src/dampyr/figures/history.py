@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from dampyr.figures import style
 from dampyr.figures.style import FORCE, TIME, Axis
+from dampyr.origin import NOT_STATED, Origin, series
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,10 +22,12 @@ def history(
     axis: Axis = FORCE,
     name: str = "model",
     title: str = "",
+    record_origin: Origin = NOT_STATED,
 ) -> Figure:
     """A quantity over time; with a model also the residual, measured - model, on the same scale.
 
-    ``time`` s, ``measured`` and ``model`` in SI ``(n,)``; ``axis`` says what they are.
+    ``time`` s, ``measured`` and ``model`` in SI ``(n,)``; ``axis`` says what they are, ``record_origin`` what is taken for
+    ``measured``.
     """
     if model is None:
         fig, axes = style.figure(2.6, 1, 1, title)
@@ -32,7 +35,7 @@ def history(
         fig, axes = style.figure(3.4, 2, 1, title, sharex=True, height_ratios=(2.4, 1))
     with style.style():
         top = axes[0, 0]
-        style.line(top, time, axis.of(measured), color=style.MEASURED, lw=1.6, label="measured")
+        style.line(top, time, axis.of(measured), color=style.MEASURED, lw=1.6, label=series(record_origin))
         top.set_ylabel(axis.label)
         if model is not None:
             style.line(top, time, axis.of(model), color=style.VERMILLION, lw=1.1, label=name)

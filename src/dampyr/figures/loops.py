@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from dampyr.figures import style
 from dampyr.figures.style import DISPLACEMENT, FORCE, VELOCITY
+from dampyr.origin import NOT_STATED, Origin, series
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,12 +24,13 @@ def loops(
     title: str = "",
     colours: Mapping[str, str] | None = None,
     points: int = style.POINTS,
+    record_origin: Origin = NOT_STATED,
 ) -> Figure:
     """Force-displacement and, with a velocity, force-velocity loops.
 
     ``displacement`` m, ``velocity`` m/s or None, ``measured`` N or None where nothing was measured,
     ``models`` name -> N; all ``(n,)`` on one clock. ``colours`` name -> colour are those of the page, ``points`` the
-    number of points of a line at most.
+    number of points of a line at most, ``record_origin`` that of what is taken for ``measured``.
     """
     panels = [(displacement, DISPLACEMENT)] + ([(velocity, VELOCITY)] if velocity is not None else [])
     fig, axes = style.figure(2.7, 1, len(panels), title, sharey=True)
@@ -36,7 +38,7 @@ def loops(
         for panel, (values, axis) in zip(axes[0], panels, strict=True):
             x = axis.of(values)
             if measured is not None:
-                style.line(panel, x, FORCE.of(measured), color=style.MEASURED, lw=1.2, label="measured")
+                style.line(panel, x, FORCE.of(measured), color=style.MEASURED, lw=1.2, label=series(record_origin))
             for colour, (name, force) in zip(cycle(style.SERIES), (models or {}).items(), strict=False):
                 own = (colours or {}).get(name, colour)
                 panel.plot(*style.thin(x, FORCE.of(force), points), color=own, lw=1.1, label=name)

@@ -22,6 +22,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dampyr.origin import NOT_STATED, Origin, stamp
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -148,10 +150,11 @@ def _empty(size: tuple[float, float]) -> Figure:
     return Figure(figsize=size, layout="constrained")
 
 
-def in_pyplot(draw: Callable[..., Figure], *args: Any, **kwargs: Any) -> NDArray[Any]:
+def in_pyplot(draw: Callable[..., Figure], *args: Any, origin: Origin = NOT_STATED, **kwargs: Any) -> NDArray[Any]:
     """The axes of ``draw(*args, **kwargs)``, drawn into a figure of pyplot, which notebooks show by themselves.
 
     ``draw`` is one of the functions of `dampyr.figures`; the axes come in the order in which it made them, ``(k,)``.
+    ``origin``: of what it shows, which stands across it where that is not measured.
     """
     token = _for_pyplot.set(True)
     try:
@@ -159,6 +162,7 @@ def in_pyplot(draw: Callable[..., Figure], *args: Any, **kwargs: Any) -> NDArray
     finally:
         _for_pyplot.reset(token)
     fig.patch.set_alpha(1.0)
+    stamp(fig, origin)
     return np.array(fig.axes)
 
 

@@ -22,6 +22,7 @@ from dampyr.identification.acceptance import (
     used_of_band,
 )
 from dampyr.models import Damper
+from dampyr.origin import Origin, combined
 from dampyr.records import Record, findings_of_records, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.to_json import plain
@@ -64,6 +65,11 @@ class Accepted(Representation):
     reference_records: tuple[Record, ...] = ()
     relevelled: tuple[Acceptance, ...] = ()
     findings: tuple[Finding, ...] = ()
+
+    @property
+    def origin(self) -> Origin:
+        """That of the records and of the reference together."""
+        return combined(one.origin for one in self.results)
 
     @property
     def plot(self) -> AcceptancePlots:
@@ -122,7 +128,13 @@ class Accepted(Representation):
         records = [one.as_dict() for one in self.results]
         more = {"relevelled": [one.as_dict() for one in self.relevelled]} if self.relevelled else {}
         notes = list(map(str, self.findings))
-        answer = {"reference": self.reference, "verdict": self.verdict, "notes": notes, "records": records}
+        answer = {
+            "reference": self.reference,
+            "origin": self.origin,
+            "verdict": self.verdict,
+            "notes": notes,
+            "records": records,
+        }
         return dict(plain(answer | more))
 
 

@@ -37,6 +37,7 @@ from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.reference_cycles import SAME, Expected, Reference, expected, groups
 from dampyr.models import Damper
+from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records import Cut, Cycle, Level, Record, cut_cycles, cycle_table
 from dampyr.records.cycles import SAME_STROKE
 from dampyr.representation import Representation, Summary, Table, data_frame
@@ -153,12 +154,17 @@ class AcceptancePlots:
 
     results: tuple[Acceptance, ...]
 
+    @property
+    def origin(self) -> Origin:
+        """That of all results."""
+        return combined(one.origin for one in self.results)
+
     def forces(self) -> Any:
         """The forces at the peak velocities of every cycle, and the band."""
         from dampyr.figures import style
         from dampyr.figures.acceptance import peak_velocity_band
 
-        return style.in_pyplot(peak_velocity_band, *forces_and_band(self.results))
+        return style.in_pyplot(peak_velocity_band, *forces_and_band(self.results), origin=self.origin)
 
     def used(self) -> Any:
         """How far each judged cycle lies from the reference, in halves of the band: its edges are at -1 and 1."""
@@ -166,7 +172,7 @@ class AcceptancePlots:
         from dampyr.figures.acceptance import band_used
 
         used, outside = used_of_band(self.results)
-        return style.in_pyplot(band_used, used, outside=outside)
+        return style.in_pyplot(band_used, used, outside=outside, origin=self.origin)
 
 
 @dataclass(frozen=True, repr=False)
@@ -182,6 +188,7 @@ class Acceptance(Representation):
     quantity at one level lies beyond the edge of the band by a third of its half width (off by 20 % where 15 % are
     allowed), at the level where that chance is largest; None where the record has too few cycles and samples to tell
     its scatter.
+    ``origin`` is that of record and reference together.
     """
 
     record: str
@@ -199,6 +206,7 @@ class Acceptance(Representation):
     stroke_m: float = 0.0
     wrong_rejection: float | None = None
     wrong_acceptance: float | None = None
+    origin: Origin = NOT_STATED
 
     @property
     def judged_cycles(self) -> int:
@@ -366,9 +374,12 @@ def accept(
     table = [one for one in cycle_table(record, offset) if one.level] if made.cycles else []
     expectations = expected(reference, record, table, offset, allow_extrapolation)
     points = tuple(_point(q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
+    against = reference if isinstance(reference, Sequence) else [reference]
+    origin = combined(each.origin for each in (record, *against))
     judged = Acceptance(
         record.name, record.input, record.input_value, band, requested, offset, points,
         levels=tuple(_as_run(each) for each in made.levels), run=made.run, cut=len(made.cycles), stroke_m=made.stroke_m,
+        origin=origin,
     )  # fmt: skip
     return _with_verdict(judged, _whole_reason(made))
 

@@ -25,6 +25,7 @@ from dampyr.identification.variable_projection import MAX_ITERATIONS, search
 from dampyr.identification.work import Work
 from dampyr.models import Composition, Damper, compose
 from dampyr.models.prediction_error import check_prior
+from dampyr.origin import check_one_kind
 from dampyr.records import Record, check_bandwidth
 
 __all__ = ["Fit", "Nuisance", "fit", "prepared"]
@@ -48,6 +49,7 @@ def fit(
     seconds: float | None = None,
     budget: float | None = None,
     session_prior: float = PRIOR_SESSION,
+    mixed_origins: bool = False,
 ) -> Fit:
     """Identify a damper from records by least squares over their whole motion.
 
@@ -106,6 +108,8 @@ def fit(
         the standard deviation of the logarithm of the level from one measurement session to another, 0.08 being 8 %:
         assumed for predictions where no input was measured in two sessions, else the prior of what is estimated
         (`dampyr.identification.levels`). It changes no fitted number and no interval.
+    mixed_origins
+        fit simulated or virtual records (`dampyr.origin`) together with others, which is refused otherwise.
 
     Returns
     -------
@@ -115,8 +119,8 @@ def fit(
     Raises
     ------
     InputError
-        a record without input, without motion, with a constant force, or of mixed inputs; an unknown name or law; a
-        bandwidth that a record's samples do not carry.
+        a record without input, without motion, with a constant force, or of mixed inputs; simulated records among others; an
+        unknown name or law; a bandwidth that a record's samples do not carry.
 
     Examples
     --------
@@ -145,6 +149,8 @@ def fit(
     work = Work(math.inf if budget is None else budget, deadline)
     if steps < 1:
         raise InputError(f"steps = {steps} is not allowed; give 1 or more")
+    if not mixed_origins:
+        check_one_kind(listed)
     problem = prepared(model, listed, laws, fixed, bandwidth, nuisances, tied, weighting)
     with one_thread():
         point, agreed = (begin(problem, work), 1) if starts == 1 else best_of(problem, starts, seed, work)

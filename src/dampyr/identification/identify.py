@@ -31,6 +31,7 @@ from dampyr.identification.splits import PARTS, split_tasks
 from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import Damper, available_parts, compose, part
 from dampyr.models.prediction_error import check_prior
+from dampyr.origin import Origin, check_one_kind
 from dampyr.records import Record, check_bandwidth, findings_of_records, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, counted, percent
 from dampyr.to_json import plain
@@ -87,6 +88,7 @@ class IdentifyOptions:
     nested: bool = False
     seconds: float | None = None
     session_prior: float = PRIOR_SESSION
+    mixed_origins: bool = False
 
     def __post_init__(self) -> None:
         check_loss(self.loss)
@@ -120,6 +122,7 @@ class IdentifyOptions:
         """The options of every `fit`."""
         shared = (
             "laws", "fixed", "bandwidth", "loss", "nuisances", "tied", "starts", "weighting", "settling", "session_prior",
+            "mixed_origins",
         )  # fmt: skip
         return {name: getattr(self, name) for name in shared}
 
@@ -138,6 +141,11 @@ class Identified(Representation):
     predicted: Mapping[str, Score | str]
     validation_records: tuple[Record, ...] = ()
     beyond: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def origin(self) -> Origin:
+        """That of the fitted records."""
+        return self.fit.origin
 
     def _small_figure(self) -> Figure:
         return self.fit._small_figure()
@@ -283,6 +291,8 @@ def check_records(fitted: Sequence[Record], others: Sequence[Record], options: I
     if not fitted:
         what = "only validation records are chosen, and these are never fitted; choose" if others else "there are no"
         raise InputError(f"{what} {'some that are for fits' if others else 'records to fit; give one or more'}")
+    if not options.mixed_origins:
+        check_one_kind(fitted)
     if options.predict or options.model is None:
         scorable(fitted, options.settling)
     for split in options.predict:

@@ -59,6 +59,7 @@ from dampyr.identification.splits import split_tasks
 from dampyr.identification.validation import Fold, Validation, validation_jobs
 from dampyr.identification.work import OUT_OF_WORK
 from dampyr.models import available_parts, compose, part
+from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
 from dampyr.records import Record, check_bandwidth, cut
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
 
@@ -152,13 +153,14 @@ class Leaderboard(Representation):
     nested: float = float("nan")
     cut: str = ""
     work: float = float("nan")
+    origin: Origin = NOT_STATED
 
     def plot(self) -> Any:
         """The validation error of every screened model, bare and with add-ons; the matplotlib axes ``(1,)``."""
         from dampyr.figures import style
         from dampyr.figures.leaderboard import leaderboard_figure
 
-        return style.in_pyplot(leaderboard_figure, *self.screened_errors())
+        return style.in_pyplot(leaderboard_figure, *self.screened_errors(), origin=self.origin)
 
     def to_dataframe(self) -> Any:
         """The finalists as a ``pandas.DataFrame``, the best first; errors are ratios, ``seconds`` s."""
@@ -266,6 +268,7 @@ class Leaderboard(Representation):
     def as_dict(self) -> dict[str, Any]:
         """The ranking and the screening for `dampyr.to_json`, without the fits and validations of the entries."""
         return {
+            "origin": self.origin,
             "entries": [{key: getattr(entry, key) for key in ENTRY_KEYS} for entry in self.entries],
             "screened": self.screened,
             "chosen": None if self.cut else self.winner.model,
@@ -341,6 +344,8 @@ def leaderboard(
     parallel.refuse_forks(executor)
     check_kinds("leaderboard", Argument("records", records, (Record,), RECORDS, several=True))
     listed = [r for r in records if r.role != "validation"]
+    if not options.get("mixed_origins"):
+        check_one_kind(listed)
     unknown = [r.name for r in listed if r.input is None]
     if unknown:
         raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
@@ -410,6 +415,7 @@ def leaderboard(
         optimism(ranked),
         cut=_cut_words(screened, missing, seconds) if cut or missing else "",
         work=spent,
+        origin=combined(r.origin for r in whole),
     )
     if not nested or board.cut:
         return board

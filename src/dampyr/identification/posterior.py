@@ -33,6 +33,7 @@ from dampyr.identification.problem import Block, Point, independent_blocks, with
 from dampyr.identification.profile_likelihood import coordinate_scale
 from dampyr.identification.result import Fit
 from dampyr.models import Damper
+from dampyr.origin import Origin
 from dampyr.representation import Representation, Summary, Table, data_frame, listing
 from dampyr.to_json import plain
 from dampyr.units import for_people
@@ -78,6 +79,11 @@ class Posterior(Representation):
     tails: str
     seed: int
     fit: Fit = field(repr=False)
+
+    @property
+    def origin(self) -> Origin:
+        """That of the fit's records."""
+        return self.fit.origin
 
     @property
     def size(self) -> int:
@@ -139,7 +145,7 @@ class Posterior(Representation):
         from dampyr.figures import style
         from dampyr.figures.sample_pairs import sample_pairs
 
-        return style.in_pyplot(sample_pairs, *self._drawn(pairs))
+        return style.in_pyplot(sample_pairs, *self._drawn(pairs), origin=self.origin)
 
     def _small_figure(self) -> Figure:
         from dampyr.figures.sample_pairs import sample_pairs
@@ -187,6 +193,7 @@ class Posterior(Representation):
     def as_dict(self) -> dict[str, Any]:
         """Medians, intervals, correlation and the state of the chains for `dampyr.to_json`, SI units; not the samples."""
         names = (
+            "origin",
             "held",
             "converged",
             "reason",

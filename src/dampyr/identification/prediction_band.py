@@ -24,6 +24,7 @@ from dampyr.errors import InputError
 from dampyr.identification.scoring_window import SETTLING, Window, scoring_window, whole_cycles
 from dampyr.models import Damper
 from dampyr.models.prediction_error import force_draws, prior_words
+from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records import Record, with_velocity
 from dampyr.records.moving_average import averaged
 from dampyr.records.nominal_input import without_noise_beyond
@@ -76,6 +77,8 @@ class Band(Representation):
     session: str | None
     window: Window
     prior: str = ""
+    origin: Origin = NOT_STATED
+    record_origin: Origin = NOT_STATED
 
     @property
     def words(self) -> str:
@@ -101,9 +104,8 @@ class Band(Representation):
         from dampyr.figures.band import band
 
         inside = self.window.slice
-        return style.in_pyplot(
-            band, self.time[inside], self.measured[inside], self.low[inside], self.high[inside], level=self.level
-        )
+        drawn = self.time[inside], self.measured[inside], self.low[inside], self.high[inside]
+        return style.in_pyplot(band, *drawn, level=self.level, record_origin=self.record_origin, origin=self.origin)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, for JSON; the limits sample by sample are left out."""
@@ -218,6 +220,8 @@ def prediction_band(
         energy = _interval(np.array(work[:-1]), float(work[-1]), tails)
     return Band(
         level=level,
+        origin=combined([damper.origin, record.origin]),
+        record_origin=record.origin,
         time=record.time,
         measured=measured,
         low=low,

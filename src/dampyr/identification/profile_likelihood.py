@@ -28,6 +28,7 @@ from dampyr.identification.normal_equations import linearise
 from dampyr.identification.problem import Block, Point, Problem, independent_blocks, with_held
 from dampyr.identification.result import Fit
 from dampyr.identification.variable_projection import WARM_DAMPING, levenberg_marquardt
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.representation import Representation, Summary, listing
 from dampyr.to_json import plain
 from dampyr.units import for_people
@@ -71,13 +72,14 @@ class Profile(Representation):
     within: bool
     reason: str
     notes: tuple[str, ...]
+    origin: Origin = NOT_STATED
 
     def plot(self) -> Any:
         """The rise over the value, the parabola of the standard error, the threshold and the interval, as axes ``(k,)``."""
         from dampyr.figures import style
         from dampyr.figures.profile import profile_curve
 
-        return style.in_pyplot(profile_curve, *self._drawn)
+        return style.in_pyplot(profile_curve, *self._drawn, origin=self.origin)
 
     def _small_figure(self) -> Figure:
         from dampyr.figures.profile import profile_curve
@@ -156,6 +158,7 @@ def profile(fit: Fit, label: str, level: float = 0.95, points: int = 21) -> Prof
             reasons.append(f"open {side}: {path.why_open(limit)}")
     within = label in fit.within_records
     return Profile(
+        origin=fit.origin,
         label=label,
         unit=fit.units[label],
         value=fit.parameters[label],

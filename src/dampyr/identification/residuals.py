@@ -45,6 +45,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.records import Record, cycles
 from dampyr.records.measure import peak_to_peak
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, percent
@@ -188,7 +189,7 @@ class ResidualPlots:
         from dampyr.figures import style
         from dampyr.figures.residual_velocity import residual_velocity
 
-        return style.in_pyplot(residual_velocity, self.residuals.velocity_bands())
+        return style.in_pyplot(residual_velocity, self.residuals.velocity_bands(), origin=self.residuals.origin)
 
     def memory(self) -> Any:
         """The autocorrelation of each record's residual and their mean, with the correlation time."""
@@ -196,7 +197,7 @@ class ResidualPlots:
         from dampyr.figures.autocorrelation import memory
 
         records = [(one.lags, one.autocorrelation) for one in self.residuals.records]
-        return style.in_pyplot(memory, records, self.residuals.correlation_time)
+        return style.in_pyplot(memory, records, self.residuals.correlation_time, origin=self.residuals.origin)
 
     def sizes(self) -> Any:
         """The residual's rms over the force's spread, over input, stroke and frequency; one point a record."""
@@ -204,7 +205,7 @@ class ResidualPlots:
         from dampyr.figures.residual_sizes import residual_sizes
 
         axis = style.VOLTAGE if self.residuals.unit == "V" else style.CURRENT
-        return style.in_pyplot(residual_sizes, self.residuals.sizes_by_input(), axis)
+        return style.in_pyplot(residual_sizes, self.residuals.sizes_by_input(), axis, origin=self.residuals.origin)
 
 
 @dataclass(frozen=True, repr=False)
@@ -215,6 +216,7 @@ class Residuals(Representation):
     records: tuple[RecordResidual, ...]
     whole: Group
     groups: tuple[Group, ...]
+    origin: Origin = NOT_STATED
 
     @property
     def plot(self) -> ResidualPlots:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -31,6 +32,7 @@ from dampyr.identification.uncertainty import Uncertainty, uncertainty
 from dampyr.identification.variable_projection import Outcome
 from dampyr.models import Damper
 from dampyr.models.sampling_error import sampling_error, sampling_words
+from dampyr.origin import Origin, combined
 from dampyr.records import Record, cycles, findings_of_records, motion_start
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, listing, percent, rounded
 from dampyr.source_digest import full_version
@@ -68,7 +70,8 @@ class FitPlots:
         from dampyr.figures import style
         from dampyr.figures.loops import loops
 
-        return style.in_pyplot(loops, *self.measured_and_fitted(record))
+        one = self.fit.records[self._number(record)].origin
+        return style.in_pyplot(loops, *self.measured_and_fitted(record), record_origin=one, origin=self.fit.origin)
 
     def history(self, record: str | None = None) -> Any:
         """Measured and fitted force over time, and the residual below."""
@@ -77,7 +80,8 @@ class FitPlots:
 
         k = self._number(record)
         piece = self.fit.problem.pieces[k]
-        return style.in_pyplot(history, piece.t, piece.force, self.fit.forces[k], name="fit", title=piece.name)
+        drawn, one = (piece.t, piece.force, self.fit.forces[k]), self.fit.records[k].origin
+        return style.in_pyplot(history, *drawn, name="fit", title=piece.name, record_origin=one, origin=self.fit.origin)
 
     def residual(self) -> Any:
         """The residual over the velocity, a panel an input: median and quartiles, before and beyond the stroke's middle."""
@@ -93,7 +97,7 @@ class FitPlots:
             raise InputError(f"this fit made no damper, so there are no laws to draw: {fit.reason}")
         panels = law_panels(fit.problem, fit.outcome.point, fit.intervals(), damper)
         axis = style.VOLTAGE if damper.input == "V" else style.CURRENT
-        return style.in_pyplot(parameters_against_input, panels, damper.range, axis)
+        return style.in_pyplot(parameters_against_input, panels, damper.range, axis, origin=fit.origin)
 
     def measured_and_fitted(self, record: str | None = None) -> tuple[Array, Array, Array, dict[str, Array], str]:
         """Displacement m, velocity m/s, measured force N, that of the fit by its name, and the record: what `loops` draws."""
@@ -178,6 +182,11 @@ class Fit(Representation):
         return tuple(map(str, self.findings))
 
     @property
+    def origin(self) -> Origin:
+        """That of its records together (`dampyr.origin.combined`)."""
+        return combined(record.origin for record in self.records)
+
+    @property
     def plot(self) -> FitPlots:
         """Figures: ``fit.plot.loops()``, ``.history()``, ``.residual()`` and ``.laws()``, each giving matplotlib axes."""
         return FitPlots(self)
@@ -198,7 +207,7 @@ class Fit(Representation):
     def _small_figure(self) -> Figure:
         from dampyr.figures.loops import loops
 
-        return loops(*self.plot.measured_and_fitted())
+        return loops(*self.plot.measured_and_fitted(), record_origin=self.origin)
 
     def _summary(self) -> Summary:
         scores = [one.l1 for one in self.scores.values()]
@@ -331,6 +340,7 @@ class Fit(Representation):
         """Parameters, errors, notes and scores by name, for `dampyr.to_json`: intervals at 95 %, None where there is none."""
         return {
             "model": str(self.problem.composition),
+            "origin": self.origin,
             "records": [record.name for record in self.records],
             "converged": self.converged,
             "reason": self.reason,
@@ -370,7 +380,7 @@ class Fit(Representation):
             for p, force, record in zip(self.problem.pieces, self.forces, self.records, strict=True)
             for c in (p.comparable,)
         ]
-        return analyse(traces, self.problem.pieces[0].unit)
+        return replace(analyse(traces, self.problem.pieces[0].unit), origin=self.origin)
 
     @cached_property
     def scores(self) -> dict[str, Score]:
@@ -544,6 +554,7 @@ def _damper(
             bandwidth=bandwidth,
             within_records=within,
             provenance=_provenance(records),
+            origin=combined(record.origin for record in records),
         )
     except InputError as problem_:
         between = any(c.size and c.kind == "polynomial" for c in problem.columns)
@@ -579,10 +590,11 @@ def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple
 
 
 def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
-    names = [r.name for r in records]
+    names, origins = [r.name for r in records], Counter(r.origin for r in records)
     shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
     return {
         "method": "least squares over whole records (dampyr.identification.fit)",
         "records": shown,
+        **({"origins": ", ".join(f"{count} {each}" for each, count in origins.items())} if len(origins) > 1 else {}),
         "dampyr": full_version(),
     }

@@ -36,6 +36,7 @@ from dampyr.identification.random_effects import MIN_GROUPS, RandomEffects, rand
 from dampyr.identification.result import Fit
 from dampyr.models import Composition, Damper
 from dampyr.models.prediction_error import PredictionError, ShapeError
+from dampyr.origin import Origin, check_one_kind, combined
 from dampyr.records import Record
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing
 from dampyr.to_json import plain
@@ -108,6 +109,11 @@ class Specimens(Representation):
     not_estimated: dict[str, str]
     level: float
     effects: dict[str, RandomEffects] = field(repr=False)
+
+    @property
+    def origin(self) -> Origin:
+        """That of all records together."""
+        return combined(one.origin for one in self.fits.values())
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -199,6 +205,7 @@ class Specimens(Representation):
                 "specimens": ", ".join(self.fits),
                 "covariance": "of a new specimen",
             },
+            origin=self.origin,
         )
 
     def new_specimens(self, n: int, seed: int = 0) -> list[Damper]:
@@ -324,7 +331,7 @@ class Specimens(Representation):
         from dampyr.figures import style
         from dampyr.figures.specimens import specimen_estimates
 
-        return style.in_pyplot(specimen_estimates, self._panels(labels))
+        return style.in_pyplot(specimen_estimates, self._panels(labels), origin=self.origin)
 
     def _small_figure(self) -> Figure:
         from dampyr.figures.specimens import specimen_estimates
@@ -400,6 +407,7 @@ class Specimens(Representation):
             plain(
                 {
                     "model": str(self._reference.problem.composition),
+                    "origin": self.origin,
                     "level": self.level,
                     "specimens": {name: [record.name for record in one.records] for name, one in self.fits.items()},
                     "parameters": dict(self.spreads),
@@ -460,6 +468,8 @@ def fit_specimens(
             f"{counted(len(groups), 'specimen')} ({listing(list(groups), 4)}) cannot give a spread between specimens; "
             f"give the records of {MIN_GROUPS} or more"
         )
+    if not of_fit.get("mixed_origins"):
+        check_one_kind(record for some in groups.values() for record in some)
     tell = progress or (lambda stage, done: None)
     fits, left_out = dict[str, Fit](), dict[str, str]()
     for k, (name, some) in enumerate(groups.items()):

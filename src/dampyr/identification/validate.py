@@ -18,6 +18,7 @@ from dampyr.identification.scoring_window import SETTLING, check_settling
 from dampyr.identification.validation import mean_relevelled, score_columns, score_table
 from dampyr.models import Damper
 from dampyr.models.prediction_error import check_prior
+from dampyr.origin import Origin, combined
 from dampyr.records import Record, findings_of_records, nominal_inputs, write_comparison
 from dampyr.records.comparison import check_free, file_name
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
@@ -58,7 +59,9 @@ class ValidatedPlots:
         from dampyr.figures.history import history
 
         one, predicted = self.validated.measured_and_predicted(record)
-        return style.in_pyplot(history, one.time, one.force, predicted, name="predicted", title=one.name)
+        drawn, origin = (one.time, one.force, predicted), self.validated.origin
+        named = {"name": "predicted", "title": one.name, "record_origin": one.origin}
+        return style.in_pyplot(history, *drawn, **named, origin=origin)
 
     def loops(self, record: str) -> Any:
         """Measured and predicted force over displacement, and over velocity where the record has it."""
@@ -66,15 +69,15 @@ class ValidatedPlots:
         from dampyr.figures.loops import loops
 
         one, predicted = self.validated.measured_and_predicted(record)
-        forces = {"predicted": predicted}
-        return style.in_pyplot(loops, one.displacement, one.velocity, one.force, forces, title=one.name)
+        drawn = one.displacement, one.velocity, one.force, {"predicted": predicted}
+        return style.in_pyplot(loops, *drawn, title=one.name, record_origin=one.origin, origin=self.validated.origin)
 
     def scores(self) -> Any:
         """The L1 ratio of each record, by input."""
         from dampyr.figures import style
         from dampyr.figures.scores import scores
 
-        return style.in_pyplot(scores, self.validated.l1_by_input())
+        return style.in_pyplot(scores, self.validated.l1_by_input(), origin=self.validated.origin)
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,6 +92,11 @@ class Validated(Representation):
     forces: Mapping[str, Array]
     bands: Mapping[str, Band] = field(default_factory=dict)
     no_band: str = ""
+
+    @property
+    def origin(self) -> Origin:
+        """That of the damper and the records together."""
+        return combined([self.damper.origin, *(record.origin for record in self.records)])
 
     @property
     def plot(self) -> ValidatedPlots:
@@ -174,7 +182,8 @@ class Validated(Representation):
         bands = {name: one.as_dict() for name, one in self.bands.items()}
         more = {"no_band": self.no_band} if self.no_band else {}
         notes = list(map(str, self.findings))
-        answer = {"card": self.card, "notes": notes, "scores": scores, "by_input": self.by_input, "bands": bands}
+        answer = {"card": self.card, "origin": self.origin, "notes": notes, "scores": scores, "by_input": self.by_input}
+        answer |= {"bands": bands}
         return dict(plain(answer | more))
 
     def write_forces(self, folder: str | Path) -> list[Path]:

@@ -20,6 +20,7 @@ from dampyr.identification.score import Score, score
 from dampyr.identification.scoring_window import SETTLING, check_settling, scorable
 from dampyr.identification.splits import Target, Task, split_tasks
 from dampyr.models import Composition, Damper
+from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
 from dampyr.records import Record, check_bandwidth, motion_start
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
 
@@ -69,13 +70,14 @@ class Validation(Representation):
     inputs: dict[str, float] = field(default_factory=dict)
     unit: str = ""
     not_scored: dict[str, str] = field(default_factory=dict)
+    origin: Origin = NOT_STATED
 
     def plot(self) -> Any:
         """The L1 ratio of each predicted record, by input; the matplotlib axes ``(1,)``."""
         from dampyr.figures import style
         from dampyr.figures.scores import scores
 
-        return style.in_pyplot(scores, self._l1_by_input())
+        return style.in_pyplot(scores, self._l1_by_input(), origin=self.origin)
 
     def to_dataframe(self) -> Any:
         """The score of each predicted record as a ``pandas.DataFrame``: ratios, the offset in N, and which part it was in."""
@@ -147,6 +149,7 @@ class Validation(Representation):
         """Split, folds and inputs with their unit, for `dampyr.to_json`."""
         return {
             "split": self.split,
+            "origin": self.origin,
             "error": self.error,
             "relevelled": self.relevelled,
             "folds": self.folds,
@@ -253,17 +256,19 @@ def validation_jobs(
     """`cross_validate` as independent jobs, one a fold, and what makes their results a `Validation`."""
     check_model_and_records("cross_validate", model, records)
     listed = list(records)
+    if not options.get("mixed_origins"):
+        check_one_kind(listed)
     check_settling(settling)
     not_scored = scorable(listed, settling)
     tasks = split_tasks(listed, split, folds, seed)
     if options.get("bandwidth") is not None:
         check_bandwidth(listed, options["bandwidth"])
     inputs = {r.name: float(r.input_value or 0.0) for r in listed}
-    unit = listed[0].input or ""
+    unit, origin = listed[0].input or "", combined(r.origin for r in listed)
     jobs: list[Callable[[], Fold]] = [
         partial(_fold_by_one_thread, model, task, settling, not_scored, options) for task in tasks
     ]
-    return jobs, lambda done: Validation(split, tuple(done), inputs, unit, not_scored)
+    return jobs, lambda done: Validation(split, tuple(done), inputs, unit, not_scored, origin)
 
 
 def _fold_by_one_thread(*arguments: Any) -> Fold:

@@ -15,6 +15,7 @@ from dampyr.findings import Finding, worst_first
 from dampyr.models import prediction_error
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
+from dampyr.origin import NOT_STATED, as_origin, notice
 from dampyr.source_digest import full_version
 
 SCHEMA = 1  # the one that this version writes and reads
@@ -26,6 +27,8 @@ def write(damper: Any, path: Path) -> Path:
     import tomli_w
 
     head = f"# A damper, written by dampyr {full_version()}. SI units. Schema: docs/reference/card.md\n"
+    if text := notice(damper.origin):
+        head = f"# {text}.\n{head}"
     error = damper.prediction_error
     if error is not None and not error.session_estimated:
         head += f"# The level between measurement sessions is not known: {error.session_source}.\n"
@@ -36,7 +39,7 @@ def write(damper: Any, path: Path) -> Path:
 
 
 def _tables(damper: Any) -> dict[str, Any]:
-    head: dict[str, Any] = {"parts": list(damper.parts), "input": damper.input}
+    head: dict[str, Any] = {"parts": list(damper.parts), "input": damper.input, "origin": damper.origin}
     if damper.bandwidth is not None:
         head["velocity_bandwidth_Hz"] = damper.bandwidth
     units = {name: q.unit or "1" for name, q in damper.composition.quantities.items()}
@@ -114,6 +117,7 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
         "provenance": tables.get("provenance", {}),
         "within_records": tuple(within),
         "findings": _findings(tables.get("findings", [])),
+        "origin": as_origin(head.get("origin", NOT_STATED)),
     }
 
 

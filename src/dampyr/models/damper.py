@@ -27,6 +27,7 @@ from dampyr.models.prediction_error import (
     square_root,
     with_session_prior,
 )
+from dampyr.origin import NOT_STATED, Origin, as_origin
 from dampyr.representation import Representation, Summary, Table, column_name, data_frame, extent, listing
 from dampyr.units import for_people, in_si
 
@@ -68,7 +69,7 @@ class DamperPlots:
         from dampyr.figures import style
         from dampyr.figures.loops import loops
 
-        return style.in_pyplot(loops, *self.steady_cycle(inputs, amplitude, frequency))
+        return style.in_pyplot(loops, *self.steady_cycle(inputs, amplitude, frequency), origin=self.damper.origin)
 
     def laws(self) -> Any:
         """Each parameter over the input, with the calibrated range."""
@@ -85,7 +86,8 @@ class DamperPlots:
             curve, point = ((inputs, values), None) if low < high else (None, (inputs[:1], values[:1]))
             panels.append(Panel(style.Axis(name, unit or "1", factor), curve=curve, points=point))
         axis = style.VOLTAGE if self.damper.input == "V" else style.CURRENT
-        return style.in_pyplot(parameters_against_input, panels, (low, high) if low < high else None, axis)
+        span = (low, high) if low < high else None
+        return style.in_pyplot(parameters_against_input, panels, span, axis, origin=self.damper.origin)
 
     def steady_cycle(
         self, inputs: Sequence[float] | None = None, amplitude: float | None = None, frequency: float | None = None
@@ -139,6 +141,9 @@ class Damper(Representation):
     ``findings``
         what a person should look at, the worst first: the verdict on the fit, faults of its records; what is made of the damper
         repeats the worst.
+    ``origin``
+        of what it was identified from (`dampyr.origin`): "measured" only where every record was; "not stated" where nothing
+        says it.
 
     A law that misses a limit of its parameter by rounding alone, 1e-7 of its largest term, is put on that limit. Raises
     :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
@@ -154,8 +159,10 @@ class Damper(Representation):
     within_records: tuple[str, ...] = ()
     prediction_error: PredictionError | None = None
     findings: Sequence[Finding] = ()
+    origin: Origin = NOT_STATED
 
     def __post_init__(self) -> None:
+        as_origin(self.origin)
         names, constants = _names_and_constants(self.parts)
         twice = sorted(set(constants) & set(self.laws))
         if twice:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.origin import NOT_STATED, Origin, as_origin
 from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.moving_average import MovingAverage
 from dampyr.representation import Representation, Summary, column_name, data_frame, extent
@@ -45,6 +46,9 @@ CHANNELS: Mapping[str, str] = MappingProxyType(
 
 GROUPS: Mapping[str, str] = MappingProxyType({"measurement_session": "session", "specimen": "specimen"})
 """The fields by which records belong together, each with the word for it in tables."""
+
+COMMENTS = (*GROUPS, "origin")
+"""The fields that files of columns hold in words, where they are stated."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,14 @@ class RecordPlots:
             there = [name for name in _plot_axes() if getattr(self.record, name) is not None]
             raise InputError(f"{self.record.name} has no channel {channel!r} to draw; choose from {', '.join(there)}")
         samples = np.broadcast_to(values, self.record.time.shape)
-        return style.in_pyplot(history, self.record.time, samples, axis=_plot_axes()[channel], title=self.record.name)
+        return style.in_pyplot(
+            history,
+            self.record.time,
+            samples,
+            axis=_plot_axes()[channel],
+            title=self.record.name,
+            origin=self.record.origin,
+        )
 
     def loops(self) -> Any:
         """Force over displacement, and over velocity where the record has it or its motion gives it."""
@@ -90,7 +101,7 @@ class RecordPlots:
         from dampyr.figures.loops import loops
 
         r = self.record
-        return style.in_pyplot(loops, r.displacement, r.velocity, r.force, title=r.name)
+        return style.in_pyplot(loops, r.displacement, r.velocity, r.force, title=r.name, origin=r.origin)
 
 
 def _plot_axes() -> dict[str, Axis]:
@@ -138,6 +149,8 @@ class Record(Representation):
         Faults that the recorder saw in the test, a sentence each, such as a force that stands still while the table moves.
     uncertainty
         The standard uncertainty of channels by their names, with its parts; empty where nobody stated it.
+    origin
+        Whether it was measured, simulated or computed (:mod:`dampyr.origin`); "not stated" where nothing says it.
     source_file
         The name and the SHA-256 of the file that it was read from, or None; reports list them.
 
@@ -165,6 +178,7 @@ class Record(Representation):
     marks: tuple[str, ...] = ()
     uncertainty: Mapping[str, Uncertainty] = field(default_factory=dict)
     source_file: SourceFile | None = None
+    origin: Origin = NOT_STATED
 
     def __post_init__(self) -> None:
         for channel in CHANNELS:
@@ -180,6 +194,7 @@ class Record(Representation):
             object.__setattr__(self, name, tuple(map(str, getattr(self, name))))
         for name in GROUPS:
             object.__setattr__(self, name, as_group(name, getattr(self, name)))
+        as_origin(self.origin)
         _check_shapes(self)
         _check_values(self)
         if self.voltage is not None and self.current is not None:
@@ -345,6 +360,12 @@ def _check_values(record: Record) -> None:
             f"time[{i}] = {record.time[i]:.9g} s does not come after {record.time[i - 1]:.9g} s; "
             "time must strictly increase, so sort or cut the samples"
         )
+
+
+def stated(record: Record) -> dict[str, str]:
+    """The `COMMENTS` that a record has."""
+    held = {name: getattr(record, name) for name in COMMENTS}
+    return {name: text for name, text in held.items() if text not in (None, NOT_STATED)}
 
 
 def as_group(name: str, text: Any) -> str | None:

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.new_file import new_file, reserve
@@ -70,6 +71,7 @@ class Header:
     derived: tuple[str, ...] = ()
     measurement_session: str | None = None
     specimen: str | None = None
+    origin: Origin = NOT_STATED
 
     @property
     def groups(self) -> dict[str, str]:
@@ -178,6 +180,7 @@ class Recording:
         )
         header = self.header
         about: dict[str, Any] = {"name": header.name, "label": header.label, "role": header.role, **header.constants}
+        about["origin"] = header.origin
         about |= {"provenance": entries, "history": history, **header.groups, **(constants or {})}
         about["uncertainty"] = dict(uncertainty or {})
         if marks:
@@ -307,6 +310,7 @@ def _made(path: Path, capacity: int, header: Header) -> tuple[dict[str, Place], 
     """
     with whole_file(path, new=True) as temporary, new_file(temporary, libver="earliest") as file:
         file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0), "name": header.name})
+        file.attrs["origin"] = header.origin
         file.attrs.update({"role": header.role, "test": header.test, "try": header.attempt, **header.groups})
         for name in header.channels:
             _allocate_dataset(file, f"calibrated/{name}", capacity, "f8").attrs["unit"] = CHANNELS[name]

@@ -23,6 +23,7 @@ from typing import TextIO
 import numpy as np
 
 from dampyr.errors import FileError
+from dampyr.origin import ORIGINS
 from dampyr.records.column_table import SPELLINGS, TEMPERATURES, Table, name_and_unit, record_of
 from dampyr.records.record import GROUPS, Array, Record
 from dampyr.records.record_files import Request
@@ -46,7 +47,7 @@ KINDS = {
 }
 """What a cell may be besides a number."""
 IN_WORDS = {"number": "a number", "clock": "a time of day", "date": "a date", "stamp": "a date with a time of day"}
-GROUP = re.compile(rf"[#%]\s*({'|'.join(GROUPS)})\s*:\s*(\S.*)")
+GROUP = re.compile(rf"[#%]\s*(?:({'|'.join(GROUPS)})\s*:\s*(\S.*)|(origin)\s*:\s*({'|'.join(ORIGINS)}))")
 """A comment above the numbers that states the session or the specimen, as dampyr writes it."""
 
 
@@ -99,7 +100,11 @@ def table_of_text(
         values=values,
         kinds=kinds,
         stamps={k: texts[k] for k, kind in enumerate(kinds) if kind != "number"},
-        groups={match[1]: match[2].strip() for line in lines[:first] if (match := GROUP.fullmatch(line.strip()))},
+        groups={
+            (match[1] or match[3]): (match[2] or match[4]).strip()
+            for line in lines[:first]
+            if (match := GROUP.fullmatch(line.strip()))
+        },
         lines=rows.numbers,
         empty=empty,
         notes=notes,

@@ -37,8 +37,8 @@ from dampyr.figures.style import save
 from dampyr.figures.theta import theta
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
 from dampyr.report.figure_files import figure_files
+from dampyr.report.how_made import made_by
 from dampyr.report.html_page import page, write_page
-from dampyr.report.origin import made_by
 
 WRITERS = {
     "write_fit_page": "fit_page",

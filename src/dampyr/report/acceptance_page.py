@@ -13,8 +13,8 @@ from dampyr.figures.acceptance import band_used, peak_velocity_band
 from dampyr.identification import Acceptance, Accepted
 from dampyr.identification.acceptance import BEYOND, UNITS, forces_and_band, in_short, percent, used_of_band
 from dampyr.report.blocks import Block, Cell, FigureBlock, Kind, Section, Table, Text, Verdict, sentence, to_look_at
+from dampyr.report.how_made import files_of, people_and_parts
 from dampyr.report.html_page import page, write_page
-from dampyr.report.origin import files_of, people_and_parts
 
 Array = NDArray[np.float64]
 MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads
@@ -51,6 +51,7 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
         facts=people_and_parts(result.records),
         files=files_of((*result.records, *result.reference_records)),
         call=f"dampyr.report.write_acceptance_page(result, {Path(path).name!r})",
+        origin=result.origin,
     )
     return write_page(path, html)
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from dampyr.figures.history import history
 from dampyr.figures.loops import loops
 from dampyr.identification import Fit, Score
+from dampyr.origin import NOT_STATED, Origin, series
 from dampyr.report.blocks import FigureBlock, Section
 
 Array = NDArray[np.float64]
@@ -25,19 +26,26 @@ def extremes(scores: Mapping[str, Score]) -> list[tuple[str, str]]:
     return [("The best record", ranked[0]), ("The worst record", ranked[-1])]
 
 
-def record_section(title: str, name: str, channels: tuple[Array, Array, Array, Array, Array], model: str) -> Section:
-    """One record: ``channels`` are time s, displacement m, velocity m/s, measured and modelled force N, each (n,)."""
+def record_section(
+    title: str,
+    name: str,
+    channels: tuple[Array, Array, Array, Array, Array],
+    model: str,
+    origin: Origin = NOT_STATED,
+) -> Section:
+    """One record: ``channels`` are time s, displacement m, velocity m/s, measured and modelled force N, each (n,),
+    ``origin`` that of the record."""
     t, x, v, measured, force = channels
     few = t <= t[0] + SECONDS
     return Section(
         f"{title}: {name}",
         [
-            FigureBlock(loops(x, v, measured, {model: force}), f"{name}: loops."),
+            FigureBlock(loops(x, v, measured, {model: force}, record_origin=origin), f"{name}: loops."),
             FigureBlock(
-                history(t[few], measured[few], force[few], name=model),
-                f"{name}: the first {SECONDS:g} s that were scored, and the residual (measured minus {model})."
+                history(t[few], measured[few], force[few], name=model, record_origin=origin),
+                f"{name}: the first {SECONDS:g} s that were scored, and the residual ({series(origin)} minus {model})."
                 if not np.all(few)
-                else f"{name}: measured, {model}, and the residual (measured minus {model}).",
+                else f"{name}: {series(origin)}, {model}, and the residual ({series(origin)} minus {model}).",
             ),
         ],
     )
@@ -51,5 +59,5 @@ def best_and_worst_sections(fit: Fit) -> list[Section]:
         piece, force = fit.problem.pieces[k], fit.forces[k]
         scored = piece.t >= fit.scores[name].window.start - 1e-9
         channels = (piece.t[scored], piece.x[scored], piece.v[scored], piece.force[scored], force[scored])
-        sections.append(record_section(title, name, channels, "fit"))
+        sections.append(record_section(title, name, channels, "fit", fit.records[k].origin))
     return sections

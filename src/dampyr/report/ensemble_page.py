@@ -12,6 +12,7 @@ from dampyr.figures.fragility import axis_of
 from dampyr.figures.incremental import incremental_curves
 from dampyr.figures.style import case_colours
 from dampyr.ground_motions import end_in_words
+from dampyr.origin import NOT_STATED
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.report.blocks import sentence as as_sentence
 from dampyr.report.fragility_section import fragility_section
@@ -57,6 +58,7 @@ def write_ensemble_page(
         subtitle=_sizes(dataset),
         provenance=_provenance(dataset),
         call=f"dampyr.report.write_ensemble_page(result, {Path(path).name!r})",
+        origin=dataset.attrs.get("damper_origin", NOT_STATED),
     )
     return write_page(path, html)
 

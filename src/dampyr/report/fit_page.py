@@ -12,11 +12,11 @@ from dampyr.identification import Fit, Identified, Validation, findings, identif
 from dampyr.report.best_and_worst import best_and_worst_sections, extremes
 from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, sentence
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks
+from dampyr.report.how_made import files_of, people_and_parts
 from dampyr.report.html_page import page, write_page
 from dampyr.report.identifiability_section import identifiability_section
 from dampyr.report.leaderboard_section import leaderboard_section
 from dampyr.report.level_sections import levels_section
-from dampyr.report.origin import files_of, people_and_parts
 from dampyr.report.prediction_section import mean_l1, prediction_section
 from dampyr.report.range_section import range_section
 from dampyr.report.residual_section import residual_section
@@ -70,6 +70,7 @@ def write_fit_page(
         facts=people_and_parts(fit.records),
         files=files_of(fit.records),
         call=f"dampyr.report.write_fit_page(fit, {Path(path).name!r})",
+        origin=fit.origin,
     )
     return write_page(path, html)
 

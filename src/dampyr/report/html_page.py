@@ -17,9 +17,10 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
+from dampyr.origin import NOT_STATED, Origin, notice, stamp
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
 from dampyr.report.figure_files import keep
-from dampyr.report.origin import moment, origin
+from dampyr.report.how_made import how_made, moment
 from dampyr.report.svg import inline_svg
 from dampyr.report.typography import as_html, raised, with_powers
 from dampyr.source_digest import full_version
@@ -54,16 +55,19 @@ def page(
     facts: Mapping[str, str] | None = None,
     files: Iterable[SourceFile] = (),
     call: str = "",
+    origin: Origin = NOT_STATED,
 ) -> str:
     """The page as a string of HTML.
 
     ``subtitle`` stands under the title, and below it the date, the version and ``facts`` (name -> value), such as the operator;
     ``provenance`` (a sentence, or name -> value) at the foot says where the numbers came from. There stand, too, the command
     (`made_by`, else ``call`` of a writer) and the checksums of ``files`` and of those of the command. All text is escaped:
-    none of it is taken for HTML.
+    none of it is taken for HTML. Where ``origin`` is not measured, the first line says so, and every figure.
     """
     if not sections:
         raise InputError("a page needs at least one section")
+    for figure in (block.figure for section in sections for block in section.blocks if isinstance(block, FigureBlock)):
+        stamp(figure, origin)
     ids = _anchors([section.title for section in sections])
     template, labels, counted = _template(), _table_names(sections), count(1)
     ready = [
@@ -83,17 +87,18 @@ def page(
     for number, (anchor, figure) in enumerate(figures, 1):
         keep(figure, number, anchor)
     given = {"": provenance} if isinstance(provenance, str) else dict(provenance)
-    source, date = origin(call), moment()
+    source, date = how_made(call), moment()
     return str(
         template.render(
             title=title,
+            notice=notice(origin),
             subtitle=subtitle,
             sections=ready,
             provenance=given if provenance else {},
             marks=_MARKS,
             date=date,
             version=full_version(),
-            facts=dict(facts or {}),
+            facts=({} if origin == NOT_STATED else {"origin:": origin}) | dict(facts or {}),
             command=source.command,
             files=sorted({*files, *source.files}),
             digits=DIGITS,

@@ -1,7 +1,8 @@
-"""The page of a hybrid test: the building with the measured force, beside the one that is all computed."""
+"""The page of a hybrid test: the building with the force of the test, beside the one that is all computed."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,16 +12,25 @@ from dampyr.figures.building import building_response
 from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import DISPLACEMENT
+from dampyr.origin import DERIVED, MEASURED, NOT_STATED, SIMULATED, VIRTUAL, Origin, series
 from dampyr.report.blocks import FigureBlock, Section, Table, Text, sentence
 from dampyr.report.html_page import page, write_page
 from dampyr.report.response_page import floor_name
+
+FORCES: Mapping[Origin, str] = {
+    MEASURED: "The building was computed and its damper measured",
+    SIMULATED: "The building was computed, and the force of its damper is that of a simulated test rig",
+    VIRTUAL: "No rig took part: building, actuator and damper were computed",
+    DERIVED: "The building was computed and its damper tested",
+    NOT_STATED: "The building was computed and its damper tested",
+}
 
 
 def write_hybrid_page(result: HybridResult, path: str | Path) -> Path:
     """Write the page of a hybrid test and return its path."""
     computed = result.computed
     html = page(
-        f"Hybrid test: {result.title}",
+        f"{result.tested.capitalize()}: {result.title}",
         [
             Section("In short", [Text(in_short(result)), _peaks(result)]),
             Section("The floors", [_floor(result, k) for k in range(len(computed.floors))]),
@@ -35,10 +45,13 @@ def write_hybrid_page(result: HybridResult, path: str | Path) -> Path:
             "clock": "the building's own"
             if result.clock == 1.0
             else f"{result.clock:g} times slower than the building's",
-            "static force": f"{result.static_force:.4g} N, measured before the test and taken from the force",
+            "static force": "none: the damper is its model"
+            if result.origin == VIRTUAL
+            else f"{result.static_force:.4g} N, {series(result.origin)} before the test and taken from the force",
             "computed": f"{computed.scheme}, step {1e3 * computed.step:.4g} ms",
         },
         call=f"dampyr.report.write_hybrid_page(result, {Path(path).name!r})",
+        origin=result.origin,
     )
     return write_page(path, html)
 
@@ -49,18 +62,21 @@ def in_short(result: HybridResult) -> str:
     by = 100 * result.differences[worst]
     clock = f" on a clock {result.clock:g} times slower" if result.clock != 1.0 else ""
     notes = "".join(f" The plan: {note}." for note in result.notes)
+    virtual = result.origin == VIRTUAL
+    errors = "the actuator's error and the loop's" if virtual else "the model's error, the table's and the loop's"
+    moved = "computed actuator" if virtual else "table"
     return (
-        f"The building was computed and its damper measured, step by step{clock}; the ground motion was scaled to "
-        f"{result.scale:g}. The peaks differ by up to {by:+.2g} % ({floor_name(result.computed.floors[worst])}) from the "
-        "response with the damper's model in its place: this is the model's error, the table's and the loop's together. The "
-        f"table followed what the building wanted to {100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late "
+        f"{FORCES[result.origin]}, step by step{clock}; the ground motion was scaled to {result.scale:g}. The peaks differ by "
+        f"up to {by:+.2g} % ({floor_name(result.computed.floors[worst])}) from the response with the damper's model in its "
+        f"place: this is {errors} together. The {moved} followed what the building wanted to "
+        f"{100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late "
         f"in the building's time after compensation; its errors put {100 * result.energy_error:.2g} % of the ground's energy "
         f"into the building.{notes}"
     )
 
 
 def _peaks(result: HybridResult) -> Table:
-    heads = ("", "hybrid test", "computed", "difference")
+    heads = ("", result.tested, "computed", "difference")
     computed = result.computed
     rows = [
         [floor_name(name), 1e3 * ours, 1e3 * theirs, 100 * by]
@@ -85,10 +101,10 @@ def _damper(result: HybridResult) -> list[FigureBlock]:
     return [
         FigureBlock(
             building_response(result.time, moved, DISPLACEMENT),
-            "The damper's stroke: as the building wants it, and as the table had it.",
+            "The damper's stroke: as the building wants it, and as it was achieved.",
         ),
         FigureBlock(
-            loops(result.achieved, velocity, result.force, {"model": result.modelled}),
-            "The damper's loops: measured, less the static force, and the model along the same path.",
+            loops(result.achieved, velocity, result.force, {"model": result.modelled}, record_origin=result.origin),
+            f"The damper's loops: {series(result.origin)}, less the static force, and the model along the same path.",
         ),
     ]

@@ -69,7 +69,8 @@ def bands_section(result: Validated) -> Section:
     name = min(result.bands, key=lambda each: result.bands[each].holds)
     record, one = next(each for each in result.records if each.name == name), result.bands[name]
     inside = one.window.slice
-    figure = band_figure(record.time[inside], record.force[inside], one.low[inside], one.high[inside], one.level)
+    drawn = record.time[inside], record.force[inside], one.low[inside], one.high[inside]
+    figure = band_figure(*drawn, one.level, record_origin=record.origin)
     caption = f"{name}, of which the band holds least: {100 * one.holds:.3g} %."
     blocks: list[Block] = [Text(words), table, FigureBlock(figure, caption), _levels(result)]
     return Section("Predictive bands and levels", blocks)

@@ -14,6 +14,7 @@ from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import CURRENT, VOLTAGE, Axis, case_colours
 from dampyr.ground_motions import end_in_words
+from dampyr.origin import combined
 from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, sentence, to_look_at
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import Response, Simulated
@@ -53,6 +54,7 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: str | P
         subtitle="; ".join(cases),
         provenance={name: _accuracy(r) for name, r in cases.items()},
         call=f"dampyr.report.write_response_page(result, {Path(path).name!r})",
+        origin=combined(response.origin for response in cases.values() if response.sites),
     )
     return write_page(path, html)
 

@@ -20,9 +20,9 @@ from dampyr.records import Record, with_velocity
 from dampyr.report.best_and_worst import extremes, record_section
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, to_look_at
 from dampyr.report.fit_sections import score_table
+from dampyr.report.how_made import files_of, of_card, people_and_parts
 from dampyr.report.html_page import page, write_page
 from dampyr.report.level_sections import bands_section
-from dampyr.report.origin import files_of, of_card, people_and_parts
 from dampyr.report.range_section import SHOWN, range_table
 
 Array = NDArray[np.float64]
@@ -59,6 +59,7 @@ def write_validate_page(result: Validated, path: str | Path) -> Path:
         facts=people_and_parts(records),
         files=files_of(records),
         call=f"dampyr.report.write_validate_page(result, {Path(path).name!r})",
+        origin=result.origin,
     )
     return write_page(path, html)
 
@@ -205,4 +206,4 @@ def _record(damper: Damper, records: Sequence[Record], scores: Mapping[str, Scor
         record.force[seen],
         force[seen] + scores[name].offset,
     )
-    return record_section(words, name, channels, "card")
+    return record_section(words, name, channels, "card", record.origin)

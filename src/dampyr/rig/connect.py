@@ -91,17 +91,30 @@ def simulated(
             raise InputError("a rig in this process has no clock, no black box and no chip; leave in_process out")
         simulator = Simulator(true, seed, fault_specs, specimen)
         uno, board = simulate_instruments(with_absolute_folders(rig, folder), simulator)
-        return Rig(rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True, damper_persists=False)
+        return Rig(
+            rig, uno, board, threaded=False, folder=folder, clocked_by_reads=True, damper_persists=False, simulated=True
+        )
     process = Process(with_absolute_folders(true, folder), specimen, seed, fault_specs, real_time, black_box, chip)
     try:
         wires: dict[str, Any] = dict(process.wires)
         wired = replace(rig, wires=replace(rig.wires, **wires))
         if real_time:
-            return _in_real_time(rig, wired, folder, [process.close], damper_persists=False, clock=process.clock)
+            return _in_real_time(
+                rig, wired, folder, [process.close], clock=process.clock, damper_persists=False, simulated=True
+            )
         named = with_absolute_folders(_calibrated(wired, folder), folder)
         answering, sampling = open_instruments(named, simulated=True)
         closing = [process.close]
-        return Rig(rig, answering, sampling, threaded=False, folder=folder, on_close=closing, damper_persists=False)
+        return Rig(
+            rig,
+            answering,
+            sampling,
+            threaded=False,
+            folder=folder,
+            on_close=closing,
+            damper_persists=False,
+            simulated=True,
+        )
     except BaseException:
         process.close()
         raise
@@ -133,11 +146,12 @@ def _in_real_time(
     on_close: Sequence[Callable[[], None]] = (),
     damper_persists: bool = True,
     clock: SharedClock | None = None,
+    simulated: bool = False,
 ) -> Rig:
     """A rig that is read, at the wires of ``wired``, by a process of its own; ``clock``: simulated, by that time."""
     process = LoopProcess(with_absolute_folders(_calibrated(wired, folder), folder), clock)
     try:
-        return remote_rig(process, rig, folder, on_close, damper_persists, clock)
+        return remote_rig(process, rig, folder, on_close, damper_persists, clock, simulated)
     except BaseException:
         process.close()
         raise

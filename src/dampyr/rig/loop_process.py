@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from dampyr.errors import DampyrError, InputError, RigFault
+from dampyr.origin import Origin
 from dampyr.rig.acquisition import HELD, SETTLED, Acquisition
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
@@ -217,6 +218,11 @@ class StandIn:
             raise AttributeError(name)
         return lambda *given: self._process.ask(f"{self._name}.{name}", *given)
 
+    def origin(self) -> Origin:
+        """What the board says of its samples."""
+        origin: Origin = self._process.ask("origin")
+        return origin
+
     def close(self) -> None:
         """Nothing: the other process closes its instruments when it ends."""
 
@@ -358,6 +364,7 @@ def remote_rig(
     on_close: Sequence[Callable[[], None]] = (),
     damper_persists: bool = True,
     clock: SharedClock | None = None,
+    simulated: bool = False,
 ) -> Rig:
     """The rig whose instruments are open at the other end of ``link``; closing it closes the link."""
 
@@ -379,4 +386,5 @@ def remote_rig(
         on_close=closing,
         damper_persists=damper_persists,
         shared_clock=clock,
+        simulated=simulated,
     )

@@ -18,12 +18,14 @@ from multiprocessing.connection import Client, Connection
 from typing import Any
 
 from dampyr.errors import RigFault
+from dampyr.origin import Origin
 from dampyr.rig.acquisition import SETTLED, Acquisition
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import Status
 from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.connection import open_instruments
+from dampyr.rig.instruments.contract import stated_origin
 from dampyr.rig.interlock import Interlock
 from dampyr.rig.loop_process import described, rebuilt_fault
 from dampyr.rig.priority import raise_priority
@@ -96,6 +98,10 @@ class LoopServer:
             self.clock = SharedClock(shared_clock)
         self.uno, self.board = self.opener(rig, shared_clock is not None)
         self.release_gc = disable_gc()
+
+    def do_origin(self) -> Origin:
+        """What the board says of its samples."""
+        return stated_origin(self.board)
 
     def do_acquire(self, calibration: Calibration, interlocked: bool, temperature: float) -> Status:
         """Make a loop for a rig that is about to be armed; the Uno's status."""

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
+from dampyr.origin import SIMULATED, Origin, of_board
 from dampyr.representation import Representation, Summary
 from dampyr.rig.acquisition import SETTLED, Acquisition, fault_in_words
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
@@ -27,7 +28,7 @@ from dampyr.rig.firmware.control_core import SLOW
 from dampyr.rig.firmware.protocol import Fault, State
 from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.catalogue import OUTPUT
-from dampyr.rig.instruments.contract import Board, TableDrive
+from dampyr.rig.instruments.contract import Board, TableDrive, stated_origin
 from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
@@ -63,6 +64,7 @@ class Rig(Representation):
     ``acquisition`` makes the loop that reads it where that is not in this process.
     ``shared_clock``: that of a simulated rig in real time.
     ``damper_persists``: the damper is as warm as the last host left it; that of a simulated rig is a new one.
+    ``simulated``: it is one that `dampyr.rig.simulated` has made.
     Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick.
     """
 
@@ -80,6 +82,7 @@ class Rig(Representation):
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     damper_persists: bool = True
     shared_clock: SharedClock | None = None
+    simulated: bool = False
     warmth: Warmth = field(init=False)
     was_armed: bool = field(init=False, default=False)
     """Whether it has been armed since it was connected: before, nothing has moved."""
@@ -229,6 +232,13 @@ class Rig(Representation):
         """The board, the supply if it is another instrument, and the drive's firmware."""
         drive = "Uno" if self.settings.wires.drive == "arduino-uno" else "drive's"
         return f"{self.board.identity()}, {drive} firmware {self.uno.hello().firmware}"
+
+    @cached_property
+    def origin(self) -> Origin:
+        """Origin of what it records: "measured" only where the driver of its board says so."""
+        if self.simulated or of_board(self.identity) == SIMULATED:
+            return SIMULATED
+        return stated_origin(self.board)
 
     @cached_property
     def command_delay(self) -> float:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, end_in_words, kanai_tajimi
 from dampyr.models import Damper
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.representation import Representation, Summary, Table, column_name, counted, data_frame, listing
 from dampyr.structures.building import Building
 from dampyr.structures.ensemble import run
@@ -109,6 +110,12 @@ class EnsembleResult(Representation):
     dataset: Any
     curves: tuple[Fragility, ...]
     intensity: str
+
+    @property
+    def origin(self) -> Origin:
+        """That of the dampers' cards together; the responses are computed, whatever these rest on."""
+        origin: Origin = self.dataset.attrs.get("damper_origin", NOT_STATED)
+        return origin
 
     @property
     def plot(self) -> EnsemblePlots:

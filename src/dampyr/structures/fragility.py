@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing
 from dampyr.structures.lognormal import Lognormal, by_capacity, fit_binomial, none
 from dampyr.structures.peaks import INTENSITIES, Group, groups
@@ -160,6 +161,7 @@ class Fragility(Representation):
     unit: str
     motions: int
     seed: int
+    origin: Origin = NOT_STATED
 
     def plot(self, names: Sequence[str] | None = None) -> Any:
         """The curves over the intensity with their bands and the counted shares; the matplotlib axes ``(1,)``.
@@ -174,7 +176,8 @@ class Fragility(Representation):
             raise InputError(
                 f"names has {len(chosen)} curves; a figure shows 1 to {MAX_CURVES}, so draw several figures"
             )
-        return style.in_pyplot(fragility_curves, drawn_curves(chosen), axis_of(self.intensity), self.limit_in_words)
+        axis = axis_of(self.intensity)
+        return style.in_pyplot(fragility_curves, drawn_curves(chosen), axis, self.limit_in_words, origin=self.origin)
 
     def to_dataframe(self) -> Any:
         """One row a curve as a ``pandas.DataFrame``: theta and its 90 % band in SI, beta, and what was counted."""
@@ -329,6 +332,7 @@ def fragility(
         INTENSITIES.get(named, ""),
         motions,
         seed,
+        dataset.attrs.get("damper_origin", NOT_STATED),
     )
 
 

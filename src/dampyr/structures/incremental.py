@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.representation import Representation, Summary, counted, extent, listing
 from dampyr.structures.peaks import INTENSITIES, Group, groups
 from dampyr.structures.store import UNITS
@@ -75,6 +76,7 @@ class Incremental(Representation):
     intensity: str
     unit: str
     fractions: tuple[float, ...]
+    origin: Origin = NOT_STATED
 
     def plot(self, name: str | None = None) -> Any:
         """The curves of one sweep, by default the first, and their fractiles; the matplotlib axes ``(1,)``."""
@@ -82,7 +84,7 @@ class Incremental(Representation):
         from dampyr.figures.incremental import incremental_curves
 
         sweep = self.sweeps[0] if name is None else self[name]
-        return style.in_pyplot(incremental_curves, **self._drawn(sweep), title=sweep.name)
+        return style.in_pyplot(incremental_curves, **self._drawn(sweep), title=sweep.name, origin=self.origin)
 
     def _small_figure(self) -> Figure:
         from dampyr.figures.incremental import incremental_curves
@@ -152,6 +154,7 @@ def incremental(
         named,
         INTENSITIES.get(named, ""),
         requested,
+        dataset.attrs.get("damper_origin", NOT_STATED),
     )
 
 

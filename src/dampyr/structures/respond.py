@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion, followed_by_rest
+from dampyr.origin import combined
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.control_law import describe_law
 from dampyr.structures.kernel_run import runner
@@ -183,6 +184,7 @@ def _response(
         title=f"{building.name}, {motion.name}",
         after=float(after),
         truncation=truncation,
+        origin=combined(site.damper.origin for site in sites),
         outside=tuple(note for d, site in enumerate(sites) for note in _outside(site, rows[d], out, motion.dt)),
     )
 

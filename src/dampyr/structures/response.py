@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import end_in_words
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing
 
 if TYPE_CHECKING:
@@ -220,7 +221,7 @@ class ResponsePlots:
         else:
             names = [f"floor {name}" for name in r.floors]
         cases = dict(zip(names, getattr(r, quantity), strict=True))
-        return style.in_pyplot(building_response, r.time, cases, axis=axes[quantity])
+        return style.in_pyplot(building_response, r.time, cases, axis=axes[quantity], origin=r.origin)
 
     def peaks(self) -> Any:
         """Peak displacement, drift and acceleration by floor."""
@@ -230,7 +231,8 @@ class ResponsePlots:
         r, axes = self.response, _plot_axes()
         panels = [axes["displacement"], axes["drift"], axes["acceleration"]]
         values = (r.peak_displacement, r.peak_drift, r.peak_acceleration)
-        return style.in_pyplot(peaks_by_floor, list(r.floors), {r.title or "response": values}, axes=panels)
+        cases = {r.title or "response": values}
+        return style.in_pyplot(peaks_by_floor, list(r.floors), cases, axes=panels, origin=r.origin)
 
     def energy(self) -> Any:
         """Energies over time: kinetic, strain, viscous and dampers, stacked, and what the ground put in."""
@@ -241,7 +243,7 @@ class ResponsePlots:
         shares = {"viscous": e.viscous, "strain": e.strain, "kinetic": e.kinetic}
         if len(e.dampers):
             shares = {"dampers": e.damper} | shares
-        return style.in_pyplot(energy_over_time, self.response.time, shares, e.input)
+        return style.in_pyplot(energy_over_time, self.response.time, shares, e.input, origin=self.response.origin)
 
 
 def errors_in_words(responses: Iterable[Response]) -> str:
@@ -327,6 +329,7 @@ class Response(Representation):
     # The same change of every quantity: "displacement", "drift", "acceleration", "base_shear", "force" (of the peaks, relative)
     # and "mean_input" (V or A). Only the first two were halved for; the others may be larger. Empty where the step was given.
     error_estimates: Mapping[str, float] = field(default_factory=dict)
+    origin: Origin = NOT_STATED  # of the dampers' cards together: a response is computed, whatever they rest on
     outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
     truncation: Truncation | None = None  # what a reduced structure leaves out; None where nothing is left out
 
@@ -420,6 +423,7 @@ class Response(Representation):
             "peak_acceleration_m_s2": self.peak_acceleration.tolist(),
             "peak_base_shear_N": self.peak_base_shear,
             "peak_force_N": self.peak_force.tolist(),
+            "damper_origin": self.origin,
             "sites": list(self.sites),
             "laws": list(self.laws),
             "mean_input": self.mean_input.tolist(),
@@ -446,6 +450,7 @@ class Response(Representation):
             "step_s": self.step,
             "converged": int(self.converged),
             "title": self.title,
+            "damper_origin": self.origin,
             "after_s": self.after,
         }
         if self.error_estimate is not None:

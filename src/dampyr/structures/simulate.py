@@ -14,6 +14,7 @@ from dampyr.errors import InputError
 from dampyr.findings import Finding
 from dampyr.ground_motions import GroundMotion, end_in_words
 from dampyr.models import Damper
+from dampyr.origin import Origin, combined
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import control_law
@@ -87,7 +88,9 @@ class SimulatedPlots:
         from dampyr.figures import style
         from dampyr.figures.peaks import peaks_by_floor
 
-        return style.in_pyplot(peaks_by_floor, *self.simulated.peaks_by_floor(), axes=_peak_axes())
+        return style.in_pyplot(
+            peaks_by_floor, *self.simulated.peaks_by_floor(), axes=_peak_axes(), origin=self.simulated.origin
+        )
 
     def history(self, floor: str | None = None) -> Any:
         """The displacement of one floor over time; without ``floor``, its label, of the highest."""
@@ -102,7 +105,9 @@ class SimulatedPlots:
             )
         k = first.floors.index(name)
         cases = {case: response.displacement[k] for case, response in self.simulated.cases.items()}
-        return style.in_pyplot(building_response, first.time, cases, title=f"floor {name}")
+        return style.in_pyplot(
+            building_response, first.time, cases, title=f"floor {name}", origin=self.simulated.origin
+        )
 
 
 def _peak_axes() -> list[Axis]:
@@ -124,6 +129,11 @@ class Simulated(Representation):
     draws: int = 0
     findings: tuple[Finding, ...] = ()
     """The worst of the damper."""
+
+    @property
+    def origin(self) -> Origin:
+        """That of the damper's card; a response is computed, whatever it rests on."""
+        return combined(response.origin for response in self.cases.values() if response.sites)
 
     @property
     def plot(self) -> SimulatedPlots:
@@ -328,6 +338,7 @@ def _response_as_dict(response: Response) -> dict[str, Any]:
         "peak_acceleration_m_s2": response.peak_acceleration,
         "peak_base_shear_N": response.peak_base_shear,
         "peak_force_N": response.peak_force,
+        "damper_origin": response.origin,
         "sites": response.sites,
         "laws": response.laws,
         "mean_input": response.mean_input,

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.ground_motions import GroundMotion, sa
+from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records.self_contained import check_contained
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import describe_law, is_control_law
@@ -66,6 +67,7 @@ class Labels:
     pga: list[float]
     sa: list[list[float]]
     input_name: list[str] = field(default_factory=list)
+    damper_origin: Origin = NOT_STATED
 
     @classmethod
     def of(cls, what: Cases) -> Labels:
@@ -82,6 +84,7 @@ class Labels:
             [motion.pga for motion in what.motions],
             [[_sa(motion, period) for motion in what.motions] for period in periods],
             [_input_name(u, UNIT_OF[what.kind]) for u in what.inputs],
+            combined(damper.origin for placement in what.placements for damper in placement.values()),
         )
 
     @property
@@ -113,7 +116,7 @@ class Labels:
         coordinates = self._coordinates()
         for dims, array, _ in data.values():
             coordinates[dims[-1]] = np.arange(1, array.shape[-1] + 1)
-        return xarray.Dataset(data, coords=coordinates, attrs=dict(attributes))
+        return xarray.Dataset(data, coords=coordinates, attrs={**attributes, "damper_origin": self.damper_origin})
 
     def _coordinates(self) -> dict[str, Any]:
         acceleration = {"units": "m/s^2"}

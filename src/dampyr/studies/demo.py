@@ -20,6 +20,7 @@ from dampyr.campaigns.journal import NAME as JOURNAL
 from dampyr.identification import Fit, Score, fit, prediction, score
 from dampyr.models import Damper
 from dampyr.models.numerics.differentiation import differentiate
+from dampyr.origin import Origin
 from dampyr.records import Record, measure, read, read_campaign, write
 from dampyr.report import (
     FigureBlock,
@@ -90,6 +91,11 @@ class Demo:
     responses: dict[str, Any]
 
     @property
+    def origin(self) -> Origin:
+        """Simulated, as its records are."""
+        return self.fit.origin
+
+    @property
     def card(self) -> Path:
         """The file of the identified damper."""
         return self.folder / "damper.toml"
@@ -98,6 +104,7 @@ class Demo:
         """The figures of the page as plain numbers, SI."""
         return {
             "model": MODEL,
+            "origin": self.origin,
             "converged": self.fit.converged,
             "reason": self.fit.reason,
             "parameters": self.fit.parameters,
@@ -180,10 +187,10 @@ def write_report(demo: Demo, path: Path) -> Path:
         subtitle=f"A simulated campaign of {len(demo.fitted) + len(demo.held_out)} tests. The identified damper predicts the "
         f"held-out tests to {best:.1f}–{worst:.1f} % (L1 ratio).",
         provenance={
-            "records": "simulated: not measurements",
             "earthquake": "El Centro 1940 NS, Peknold's version",
             "building": "two storeys, chapter 5 of Raminelli (2020)",
         },
+        origin=demo.origin,
     )
     write_page(path, html)
     return path
@@ -260,12 +267,15 @@ def _validated(demo: Demo) -> Section:
                     velocity_of(shown)[window],
                     shown.force[window],
                     {"card": model[window]},
+                    record_origin=shown.origin,
                 ),
-                f"The worst of them, {shown.name}: measured and predicted loops.",
+                f"The worst of them, {shown.name}: simulated and predicted loops.",
             ),
             FigureBlock(
-                history(shown.time[window], shown.force[window], model[window], name="card"),
-                f"{shown.name}: measured and predicted force, and the residual.",
+                history(
+                    shown.time[window], shown.force[window], model[window], name="card", record_origin=shown.origin
+                ),
+                f"{shown.name}: simulated and predicted force, and the residual.",
             ),
         ],
     )

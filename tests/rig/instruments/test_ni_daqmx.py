@@ -204,6 +204,31 @@ def test_counts_go_below_zero_over_the_wire(connect: Open) -> None:
     assert counts[-1] == -3
 
 
+def test_only_a_board_that_the_driver_calls_real_measures(connect: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+    board, clock = connect()
+    assert board.origin() == "simulated"  # NI-DAQmx says so of its device, by IS_SIMULATED
+    rig = Rig(board.rig, Uno(InProcess(clock.rig.serial)), board, threaded=False)
+    assert rig.origin == "simulated"
+    monkeypatch.setattr("nidaqmx.system.Device.is_simulated", property(lambda device: False))
+    monkeypatch.setattr("nidaqmx.system.Device.serial_num", property(lambda device: 0x01B00000))
+    assert board.origin() == "measured"
+    real = Rig(board.rig, Uno(InProcess(clock.rig.serial)), board, threaded=False)
+    assert real.origin == "measured"
+    assert replace(real, simulated=True).origin == "simulated"  # whatever the driver says of a simulated rig
+
+
+def test_a_driver_that_does_not_say_it_measures_nothing(connect: Open) -> None:
+    class Own:
+        """A board of another laboratory."""
+
+        def identity(self) -> str:
+            return "OUR-BOARD 7"
+
+    clock = connect()[1]
+    rig = Rig(RigSettings(), Uno(InProcess(clock.rig.serial)), Own(), threaded=False)  # type: ignore[arg-type]
+    assert rig.origin == "not stated"
+
+
 def test_listening_is_no_error_where_the_output_runs_out(connect: Open) -> None:
     board, clock = connect()
     rig = Rig(board.rig, Uno(InProcess(clock.rig.serial)), board, threaded=False)

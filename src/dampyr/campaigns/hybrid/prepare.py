@@ -18,6 +18,7 @@ from dampyr.campaigns.plan import Plan, plan
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper, published
+from dampyr.origin import VIRTUAL
 from dampyr.rig import RigSettings, load_settings
 from dampyr.structures import Building, respond
 
@@ -79,4 +80,5 @@ def delayed_result(
         np.ascontiguousarray(run.z[:, : building.n_floors].T),
         run.target, run.achieved, run.force, modelled_force(about, run), 0.0,
         delay - run.lag.lag, run.lag.gain, run.energy_error, computed,
+        origin=VIRTUAL,
     )  # fmt: skip

@@ -17,6 +17,7 @@ from dampyr.campaigns.kinds import kind
 from dampyr.config import fill
 from dampyr.errors import InputError
 from dampyr.models.codegen.kernels import bind
+from dampyr.origin import NOT_STATED, Origin, notice
 from dampyr.records import Record, read
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.rig import RigSettings
@@ -35,6 +36,7 @@ class HybridResult(Representation):
     ``time`` (T,) s of the building's time; ``displacement`` (n, T) m of its floors with the measured force, ``target`` (T,) m
     that the damper was to have and ``achieved`` that it had, ``force`` (T,) N measured, less the ``static_force``, and
     ``modelled`` (T,) N that of the model along the same path; ``computed`` the response with the model in the damper's place.
+    ``origin`` is that of the forces: "virtual" where the actuator was computed too, and so the damper.
     ``lag`` s: what was left of the table's lag, of the building's time; ``energy_error`` the error of energy over the ground's
     energy.
     """
@@ -55,6 +57,12 @@ class HybridResult(Representation):
     energy_error: float
     computed: Response
     notes: tuple[str, ...] = ()
+    origin: Origin = NOT_STATED
+
+    @property
+    def tested(self) -> str:
+        """What tables and legends call the test: a hybrid test, simulated or virtual where it is."""
+        return f"{self.origin} hybrid test" if notice(self.origin) else "hybrid test"
 
     @property
     def peaks(self) -> Array:
@@ -84,6 +92,7 @@ class HybridResult(Representation):
         """The figures, for JSON; SI units."""
         return {
             "title": self.title,
+            "origin": self.origin,
             "scale": self.scale,
             "clock": self.clock,
             "voltage_V": self.voltage,
@@ -104,12 +113,14 @@ class HybridResult(Representation):
         from dampyr.figures import style
         from dampyr.figures.building import building_response
 
-        return style.in_pyplot(building_response, self.time, self.histories(self.displacement.shape[0] - 1))
+        return style.in_pyplot(
+            building_response, self.time, self.histories(self.displacement.shape[0] - 1), origin=self.origin
+        )
 
     def histories(self, floor: int) -> dict[str, Array]:
         """The displacement (T,) [m] of a floor, counted from 0: computed, and in the hybrid test."""
         computed = np.interp(self.time, self.computed.time, self.computed.displacement[floor])
-        return {"computed": computed, "hybrid test": self.displacement[floor]}
+        return {"computed": computed, self.tested: self.displacement[floor]}
 
     def _small_figure(self) -> Figure:
         from dampyr.figures.building import building_response
@@ -133,7 +144,7 @@ class HybridResult(Representation):
                 self.computed.floors, self.peaks, self.computed.peak_displacement, self.differences, strict=True
             )
         ]
-        return ("floor", "hybrid test [mm]", "computed [mm]", "difference [%]"), rows
+        return ("floor", f"{self.tested} [mm]", "computed [mm]", "difference [%]"), rows
 
 
 def hybrid_result(source: Record | str | Path) -> HybridResult:
@@ -159,7 +170,7 @@ def hybrid_result(source: Record | str | Path) -> HybridResult:
         step.title, step.scale, step.clock, step.voltage, np.asarray(np.arange(run.now + 1) * drive.substructure.h, float),
         np.ascontiguousarray(run.z[:, :n].T), run.target, run.achieved, run.force,
         modelled_force(drive.substructure, run), static, lag, gain, run.energy_error,
-        step.computed(settings), tuple(filter(None, notes.split("; "))),
+        step.computed(settings), tuple(filter(None, notes.split("; "))), record.origin,
     )  # fmt: skip
 
 

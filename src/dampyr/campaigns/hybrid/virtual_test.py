@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from dampyr.campaigns.hybrid.tracking_criteria import Criteria, tracking_criteri
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.models.codegen.kernels import compile_cached
+from dampyr.origin import VIRTUAL, Origin
 from dampyr.representation import Representation, Summary, data_frame
 from dampyr.structures import Building
 
@@ -45,6 +46,7 @@ class VirtualRun(Representation):
     ground: Array
     at_limit: int
     diverged: bool
+    origin: ClassVar[Origin] = VIRTUAL
 
     @property
     def time(self) -> Array:

@@ -28,6 +28,7 @@ from dampyr.campaigns.run_control import Control
 from dampyr.errors import InputError
 from dampyr.identification import Fit
 from dampyr.models import Damper
+from dampyr.origin import Named, Origin, check_one_kind
 from dampyr.records import Record, read_campaign
 from dampyr.representation import Representation, Summary, Table, counted
 from dampyr.rig import Rig
@@ -89,6 +90,11 @@ class Planned(Representation):
     reason: str
     goal: str
 
+    @property
+    def origin(self) -> Origin:
+        """That of all records together."""
+        return self.fit.origin
+
     def widths_figure(self) -> Figure:
         """Expected against achieved half widths of every round, one marker a coefficient."""
         from dampyr.figures.expected_widths import expected_widths
@@ -127,6 +133,7 @@ class Planned(Representation):
         """Rounds, fit and reason by name, for `dampyr.to_json`, SI units."""
         return {
             "folder": str(self.folder),
+            "origin": self.origin,
             "goal": self.goal,
             "reached": self.reached,
             "reason": self.reason,
@@ -192,6 +199,8 @@ def plan_and_perform(
     evidence = specimen(rig.settings, rig.folder) if evidence is None else evidence
     evidence, model = _started(evidence, options, progress)
     options = _with_model(options, model)
+    if isinstance(evidence, Fit) and not options.mixed_origins:
+        check_one_kind([*evidence.records, Named(f"the tests of the rig {rig.settings.name!r}", rig.origin)])
     folder = Path(folder)
     loop = _Loop(evidence, rig, folder, options, per_round, progress, watcher, control)
     loop.begin()
@@ -229,7 +238,11 @@ class _Loop:
     @property
     def identity(self) -> dict[str, Any]:
         """What makes this plan another one than the next."""
-        given = {f.name: getattr(self.options, f.name) for f in fields(self.options) if f.name != "peak"}
+        given = {
+            f.name: getattr(self.options, f.name)
+            for f in fields(self.options)
+            if f.name not in ("peak", "mixed_origins")
+        }
         peak = self.options.peak
         given["peak"] = None if peak is None else [peak.words, float(np.sum(np.square(peak.motion.acceleration)))]
         names = [record.name for record in self.evidence.records] if isinstance(self.evidence, Fit) else []

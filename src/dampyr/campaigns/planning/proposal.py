@@ -32,6 +32,7 @@ from dampyr.campaigns.planning.goal import GOALS, Peak, parameter_goal, peak_goa
 from dampyr.errors import InputError
 from dampyr.identification import Fit, fit
 from dampyr.models import Constant, Damper
+from dampyr.origin import Origin
 from dampyr.records import Record, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, counted, listing
 from dampyr.rig import RigSettings, load_settings
@@ -51,7 +52,8 @@ TINY_GAIN = 0.005  # by which an interval would be wider without a test: below i
 class PlanOptions:
     """What to plan for.
 
-    ``model``, ``laws``, ``fixed``, ``bandwidth`` are those of `dampyr.identification.fit`; only records need a ``model``.
+    ``model``, ``laws``, ``fixed``, ``bandwidth`` and ``mixed_origins`` are those of `dampyr.identification.fit`; only records
+    need a ``model``.
     ``tests`` is how many at most, ``duration`` s how long they may take together, ``targets`` (parameter -> half width of its
     95 % interval over its value) when the intervals are narrow enough. ``goal`` is "parameters", or "peak" for the ``peak`` of
     a structure, to ``peak_target`` of it. ``voltages`` (V), ``kinds`` of step and ``seconds`` of steady motion say which tests
@@ -73,6 +75,7 @@ class PlanOptions:
     voltages: tuple[float, ...] | None = None
     kinds: tuple[str, ...] = KINDS
     seconds: float = SECONDS
+    mixed_origins: bool = False
 
     def __post_init__(self) -> None:
         if self.goal not in GOALS:
@@ -147,6 +150,11 @@ class Proposal(Representation):
     peak_before: float | None = None
     peak_after: float | None = None
     notes: tuple[str, ...] = ()
+
+    @property
+    def origin(self) -> Origin:
+        """That of the damper that it rests on."""
+        return self.damper.origin
 
     @property
     def duration(self) -> float:
@@ -224,6 +232,7 @@ class Proposal(Representation):
     def as_dict(self) -> dict[str, Any]:
         """Tests and intervals by name, for `dampyr.to_json`, SI units."""
         return {
+            "damper_origin": self.origin,
             "goal": self.goal,
             "model": self.model,
             "rig": self.rig.name,
@@ -322,7 +331,8 @@ def fitted(
     def show(step: int, _: float) -> None:
         progress("fitting the model", step / (step + 20.0))
 
-    result = fit(model, listed, options.laws, options.fixed or None, bandwidth=options.bandwidth, progress=show)
+    shared: dict[str, Any] = {"bandwidth": options.bandwidth, "mixed_origins": options.mixed_origins}
+    result = fit(model, listed, options.laws, options.fixed or None, progress=show, **shared)
     progress("fitting the model", 1.0)
     return result
 

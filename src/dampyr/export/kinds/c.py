@@ -14,6 +14,7 @@ from dampyr.errors import InputError
 from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, function
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
+from dampyr.origin import notice
 from dampyr.source_digest import full_version
 
 Array = NDArray[np.float64]
@@ -130,8 +131,9 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
     )
     guard = f"{name.upper()}_H"
     warned = "".join(f"\n * {line}" for line in wrap(before_use(damper), WIDTH))
+    said = f"\n *\n * {text}." if (text := notice(damper.origin)) else ""
     return f"""\
-/* A damper written by dampyr {full_version()}: {damper.composition}.
+/* A damper written by dampyr {full_version()}: {damper.composition}.{said}
  *
  * Units: s, m, m/s, {damper.input} ({word} at the coil), N. A positive force opposes a positive velocity.
  * The damper {damper.range_words}. {"Single" if precision == SINGLE else "Double"} precision. {link}{warned}
@@ -183,6 +185,7 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Pre
     return (
         "\n\n".join(
             [
+                *([f"/* {text}. */"] if (text := notice(damper.origin)) else []),
                 f'#include "{name}.h"\n#include <math.h>',
                 *laws,
                 _values(damper, prefix, precision),

@@ -11,6 +11,7 @@ from dampyr.export.kinds.c import ARRAYS, EXPORTED, WIDTH, before_use, check_exp
 from dampyr.export.matlab_text import SUPPORT, function, number
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
+from dampyr.origin import notice
 from dampyr.source_digest import full_version
 
 
@@ -46,6 +47,7 @@ def _main(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     late = composition.delay is not None
     delayed = f"\n        [f(k), state] = {prefix}late(state, f(k), p({(composition.delay or 0) + 1}));" if late else ""
     empty = "\n        state.late_t = []; state.late_f = [];" if late else ""
+    said = f"\n%   {text}." if (text := notice(damper.origin)) else ""
     return f"""\
 function [f, state] = {name}(t, x, v, u, state)
 %{name.upper()}  Force of a damper along a path.
@@ -54,7 +56,7 @@ function [f, state] = {name}(t, x, v, u, state)
 %   velocity. The path begins at rest.
 %   [f, state] = {name}(t, x, v, u, state) goes on from the state that an earlier call returned, with later samples.
 %
-%   The model: {composition}. The damper {damper.range_words}. Written by dampyr {full_version()}.{warned}
+%   The model: {composition}. The damper {damper.range_words}. Written by dampyr {full_version()}.{said}{warned}
     if nargin < 5, state = []; end
     if isscalar(u), u = repmat(u, size(x)); end
     if ~isequal(numel(t), numel(x), numel(v), numel(u))

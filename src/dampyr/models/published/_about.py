@@ -11,6 +11,7 @@ from typing import Any
 
 from dampyr.models.damper import Damper
 from dampyr.models.published._conversion import LENGTHS, MODELS, Printed
+from dampyr.origin import DERIVED
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ class About:
         if self.differs:
             source["differs"] = "; ".join(f"{name}: {what}" for name, what in self.differs.items())
         parts = tuple(dict.fromkeys(name.partition(".")[0] for name in laws))
-        return Damper(parts, laws, input=self.input, provenance=source)
+        return Damper(parts, laws, input=self.input, provenance=source, origin=DERIVED)
 
 
 def read_sets(path: Path) -> dict[str, About]:

@@ -8,7 +8,7 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError
 from dampyr.records import text_columns
-from dampyr.records.record import CHANNELS, GROUPS, Record
+from dampyr.records.record import CHANNELS, Record, stated
 from dampyr.records.record_files import Request
 
 TITLE, MEDIA_TYPE = "CSV", "text/csv"
@@ -23,8 +23,8 @@ def read(path: Path, request: Request) -> Record:
 def write(record: Record, path: Path) -> Path:
     """Write a record's channels in SI, a constant input as a column, so that :func:`read` gives them back exactly.
 
-    Session and specimen stand in lines of comment above the header, where there are any. Raises FileError for a record that
-    is smoothed and not undone, which columns cannot say.
+    Session, specimen and origin stand in lines of comment above the header, where they are stated. Raises FileError for a
+    record that is smoothed and not undone, which columns cannot say.
     """
     if record.smoothed is not None:
         raise FileError(path, "columns cannot say that the record is smoothed; write .h5, or undo it first")
@@ -32,7 +32,7 @@ def write(record: Record, path: Path) -> Path:
     columns = [np.broadcast_to(values, record.n) for values in held.values()]
     text = io.StringIO()
     header = ",".join(f"{name} [{CHANNELS[name]}]" for name in held)
-    groups = [f"# {name}: {value}\n" for name in GROUPS if (value := getattr(record, name)) is not None]
+    comments = [f"# {name}: {text}\n" for name, text in stated(record).items()]
     np.savetxt(text, np.column_stack(columns), delimiter=",", header=header, comments="", fmt="%.17g")
-    write_whole(path, "".join(groups) + text.getvalue())
+    write_whole(path, "".join(comments) + text.getvalue())
     return path

@@ -3,7 +3,8 @@
 Layout (schema 2)::
 
     /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try, sha256 (of every dataset,
-                 `dampyr.records.checksums`); measurement_session and specimen where they are known
+                 `dampyr.records.checksums`), origin (`dampyr.origin`; dampyr up to 0.2.0 wrote none); measurement_session and
+                 specimen where they are known
     /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
                  voltage or current as a number when it is constant; with the attributes uncertainty (one standard
                  uncertainty, in that unit) and uncertainty_parts (JSON) where it is stated
@@ -35,6 +36,7 @@ import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
+from dampyr.origin import Origin, as_origin, of_board
 from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.checksums import REPAIR, Attributes, Checksums, Stored, attributes_of
 from dampyr.records.moving_average import Alignment, MovingAverage
@@ -142,8 +144,14 @@ def read(path: Path, request: Request) -> Record:
             history=history,
             marks=marks,
             uncertainty=_uncertainty(path, attributes),
+            origin=_origin(root, provenance),
             **{name: str(root[name]) for name in GROUPS if name in root},  # type: ignore[arg-type]
         )
+
+
+def _origin(root: Mapping[str, Any], provenance: Mapping[str, str]) -> Origin:
+    """As the file states it; of a file that does not, what its board tells."""
+    return as_origin(str(root["origin"])) if "origin" in root else of_board(provenance.get("board", ""))
 
 
 def _uncertainty(path: Path, attributes: Attributes) -> dict[str, Uncertainty]:
@@ -278,7 +286,7 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
             _fill_channels(file, n, first, record, sums)
             first, until = first + record.n, record.time[-1]
         _fill_raw(file, raw, sums)
-        file.attrs.update({"name": record.name, "role": record.role})
+        file.attrs.update({"name": record.name, "role": record.role, "origin": record.origin})
         file.attrs.update({name: getattr(record, name) for name in GROUPS if getattr(record, name) is not None})
         file.attrs["test"] = record.provenance.get("test", record.name)
         file.attrs["try"] = int(record.provenance.get("try", "1"))

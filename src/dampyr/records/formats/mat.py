@@ -20,8 +20,9 @@ import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
+from dampyr.origin import ORIGINS
 from dampyr.records.column_table import Table, record_of
-from dampyr.records.record import GROUPS, Array, Record
+from dampyr.records.record import COMMENTS, GROUPS, Array, Record, stated
 from dampyr.records.record_files import Request
 from dampyr.records.self_contained import check_contained
 from dampyr.units import to_si
@@ -46,16 +47,18 @@ class _Stored:
         return ", ".join(self.names) or "none"
 
     def groups(self) -> dict[str, str]:
-        """The session and the specimen, where the file has them as text."""
+        """The session, the specimen and the origin, where the file has them as text."""
         texts = {name: self.variables.get(name) for name in GROUPS}
-        return {name: text.strip() for name, text in texts.items() if isinstance(text, str) and text.strip()}
+        stated = {name: text.strip() for name, text in texts.items() if isinstance(text, str) and text.strip()}
+        origin = self.variables.get("origin")  # which a file of somebody else's may call something else
+        return stated | ({"origin": origin} if isinstance(origin, str) and origin in ORIGINS else {})
 
 
 def read(path: Path, request: Request) -> Record:
     """The record in a MATLAB file: that of the campaign, whose header is checked against the data, or as declared."""
     request.refuse(path, header="a MATLAB file has none")
     named = {column for column in request.columns.values() if isinstance(column, str)} - {"", "-"}
-    stored = _stored(path, {*NEEDED, "Tout", *GROUPS, *named, *([request.variable] if request.variable else [])})
+    stored = _stored(path, {*NEEDED, "Tout", *COMMENTS, *named, *([request.variable] if request.variable else [])})
     declared = any(column not in (None, "", "-") for column in request.columns.values())
     if request.variable is not None or (declared and not set(NEEDED) <= set(stored.names)):
         return record_of(path, _table(path, stored, request), request, stored.version)
@@ -148,7 +151,7 @@ def write(record: Record, path: Path) -> Path:
     held |= {"x_F": np.column_stack([mm[name] for name in ("displacement", "velocity", "force")])}
     inputs = {"voltage_V": record.voltage, "current_A": record.current}
     held |= {name: value for name, value in inputs.items() if value is not None}
-    held |= {name: getattr(record, name) for name in GROUPS if getattr(record, name) is not None}
+    held |= stated(record)
     with whole_file(path) as temporary:
         savemat(temporary, held, appendmat=False, oned_as="column")
     return path

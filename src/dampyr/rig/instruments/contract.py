@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import FileError
+from dampyr.origin import NOT_STATED, Origin, as_origin
 from dampyr.rig.firmware.protocol import Status
 from dampyr.rig.settings import RigSettings
 
@@ -22,7 +23,10 @@ INDEX, HERE = 1, 0  # how to home
 
 
 class AcquisitionBoard(Protocol):
-    """An acquisition: the rig's analogue inputs and the encoder's position on one sample clock."""
+    """An acquisition: the rig's analogue inputs and the encoder's position on one sample clock.
+
+    That of a real instrument has ``origin()``, too, which gives "measured" (`stated_origin`).
+    """
 
     def start(self, rate: float, ahead: Array) -> None:
         """Start sampling at ``rate`` [Hz], the position counted from 0. The command, if it is an output of this board, begins
@@ -133,6 +137,11 @@ class TableDrive(Protocol):
 
     def close(self) -> None:
         """Close the wire."""
+
+
+def stated_origin(board: Any) -> Origin:
+    """What the driver of an acquisition says of its samples by ``origin()``, which it may lack: "measured" of a real one."""
+    return as_origin(board.origin()) if hasattr(board, "origin") else NOT_STATED
 
 
 def check_offers(instrument: Any, contracts: tuple[type, ...], role: str, where: str) -> None:

@@ -6,7 +6,8 @@ import threading
 
 import numpy as np
 
-from dampyr.rig.instruments.contract import AcquisitionBoard, Array, CoilSupply, Counts
+from dampyr.origin import Origin
+from dampyr.rig.instruments.contract import AcquisitionBoard, Array, CoilSupply, Counts, stated_origin
 
 
 class SeparatelySupplied:
@@ -72,6 +73,10 @@ class SeparatelySupplied:
     def command_delay(self) -> float:
         """s by which a change of the command may be late."""
         return self.block + self.supply.latency
+
+    def origin(self) -> Origin:
+        """That of the acquisition."""
+        return stated_origin(self.acquisition)
 
     def identity(self) -> str:
         """Both; the supply with its delay, since it is of every record."""

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.origin import SIMULATED
 from dampyr.records import Record
 from dampyr.rig.drive import Reversals
 from dampyr.rig.firmware.protocol import VERSION, Frame, Reader, Reason, Reply, Request, encode
@@ -143,6 +144,7 @@ def _record_from(
         force=volts * settings.load_cell.scale,
         voltage=voltage,
         name=f"simulated, {voltage:g} V, top {round(255 * drive.duty)}",
+        origin=SIMULATED,
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dampyr.figures.style import Axis
 from dampyr.models import Damper, Polynomial
+from dampyr.origin import DERIVED
 from dampyr.report import Block, Cell, FigureBlock, Law, Table, Text, parameters_against_input
 from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Tolerance, judge
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published
@@ -60,6 +61,7 @@ def published_damper(published: Published) -> Damper:
             "displacement": f"{min(strokes):g} to {max(strokes):g} mm peak to peak as printed, beside a drift "
             "of the mean position",
         },
+        origin=DERIVED,
     )
 
 

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from dampyr.campaigns.hybrid import (
     run_many,
 )
 from dampyr.ground_motions import GroundMotion
+from dampyr.origin import VIRTUAL, Origin
 from dampyr.report import Block, Cell, FigureBlock, Section, Table, Text, building_response, page, write_page
 from dampyr.representation import Representation, Summary, data_frame
 from dampyr.studies.raminelli_2020.finding import Finding, Tolerance, claim, judge
@@ -62,6 +63,7 @@ class Study(Representation):
     batches: dict[int, BatchResult]
     example: tuple[Array, dict[str, Array]]
     page: Path | None = None
+    origin: ClassVar[Origin] = VIRTUAL
 
     def to_dataframe(self) -> Any:
         """The criteria as a ``pandas.DataFrame``, one row a run."""
@@ -85,6 +87,7 @@ class Study(Representation):
             plain(
                 {
                     "study": "vrths_2020",
+                    "origin": self.origin,
                     "findings": [asdict(finding) for finding in self.findings],
                     "criteria": [
                         {"motion": shaking, "compensator": name, "case": case, "true": true, "measured": measured}
@@ -215,6 +218,7 @@ def html(study: Study) -> str:
             "motions": f"El Centro and Kobe at {INTENSITY:g} of the recorded acceleration, from {SOURCE}",
             "numbers compared with": "a replica made from the benchmark's published files; one draw of the noise",
         },
+        origin=VIRTUAL,
     )
 
 

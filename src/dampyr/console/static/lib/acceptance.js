@@ -4,6 +4,7 @@ import { chart, charts as drawCharts, COLOURS } from "./chart.js";
 import { choice, field, h, number, section, short, tick } from "./dom.js";
 import { attempt, say } from "./notice.js";
 import { oneNumber } from "./numbers.js";
+import { originLine } from "./origin.js";
 import { table } from "./table.js";
 
 const OTHERS = "others";
@@ -116,6 +117,7 @@ function shown(judgement, question, charts) {
   const judged = judgement.records.some((one) => one.judged);
   const any = judgement.records.some((one) => one.points.some((p) => WAYS.includes(p.quantity) && p.cycle.length));
   return [
+    originLine(judgement.data.origin, "This judgement"),
     h("p", { class: "verdict", role: "status" }, inShort(judgement.records)),
     ...judgement.notes.map((one) => h("p", { class: "verdict fair" }, `${one}.`)),
     summary(judgement.records),

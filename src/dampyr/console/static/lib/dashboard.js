@@ -2,6 +2,7 @@
 import { get } from "./api.js";
 import { bench, listen } from "./bench.js";
 import { h, number, section } from "./dom.js";
+import { originBadge } from "./origin.js";
 import { clockOf } from "./runs.js";
 import { table } from "./table.js";
 
@@ -23,7 +24,7 @@ export async function dashboard(root, pages) {
     h("meter", { min: "0", max: "1", high: "0.9", value: String(share), "aria-label": "Used part of the disk" }), h("p", { class: "soft" }, `data folder: ${room.folder}`));
   runs.replaceChildren(section("Last runs", table({ caption: "The latest first", empty: "No campaign was run into this data folder yet.",
     columns: [{ name: "folder" }, { name: "campaign" }, { name: "state" }, { name: "tests" }, { name: "operator" }, { name: "last event, UTC" }],
-    rows: listed.slice(0, RUNS).map((one) => [h("a", { href: one.state === "complete" ? "#/records" : "#/bench" }, one.name), one.campaign, badge(one.state), `${one.complete} of ${one.tests}`,
+    rows: listed.slice(0, RUNS).map((one) => [h("span", { class: "named" }, h("a", { href: one.state === "complete" ? "#/records" : "#/bench" }, one.name), originBadge(one.origin)), one.campaign, badge(one.state), `${one.complete} of ${one.tests}`,
       one.operator || "–", one.time.slice(0, 16).replace("T", " ")]) })));
   jobs.replaceChildren(section("Last jobs", table({ caption: "Fits and simulations", empty: "No job was started yet.",
     columns: [{ name: "job" }, { name: "state" }, { name: "started" }, { name: "took", unit: "s" }],

@@ -2,6 +2,7 @@
 import { get, query as asQuery } from "./api.js";
 import { button, choice, field, h, number, short, tick } from "./dom.js";
 import { attempt } from "./notice.js";
+import { originBadge } from "./origin.js";
 import { table } from "./table.js";
 
 /** picker(chosen keys, changed): an element, and `chosen()` the keys. */
@@ -44,7 +45,10 @@ export async function picker(start, changed) {
           onchange: () => (box.checked ? taken.add(key) : taken.delete(key), tell()) });
         const [low, high] = about.input_range ?? [null, null];
         const input = low === null ? null : { key: low, show: low === high ? `${number(low, 5)} ${about.input}` : `${number(low, 3)} to ${number(high, 3)} ${about.input}` };
-        return [{ key: Number(!taken.has(key)), show: box }, leftOut ? { key: short(key), show: h("span", { class: "named" }, short(key), h("span", { class: "badge bad", title: leftOut }, leftOut.split(":")[0])) } : short(key), input, about.measured?.frequency_hz ?? null, about.role === "fit" ? "fit" : "validation"];
+        const badges = [originBadge(about.origin),
+          leftOut ? h("span", { class: "badge bad", title: leftOut }, leftOut.split(":")[0]) : null].filter(Boolean);
+        const name = badges.length ? { key: short(key), show: h("span", { class: "named" }, short(key), badges) } : short(key);
+        return [{ key: Number(!taken.has(key)), show: box }, name, input, about.measured?.frequency_hz ?? null, about.role === "fit" ? "fit" : "validation"];
       }),
       empty: "No records are here.",
     }));

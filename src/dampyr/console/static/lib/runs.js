@@ -4,6 +4,7 @@ import { ask, bench } from "./bench.js";
 import { button, choice, field, h, number, section } from "./dom.js";
 import { drafts } from "./drafts.js";
 import { attempt } from "./notice.js";
+import { originBadge } from "./origin.js";
 import { table } from "./table.js";
 
 const remembered = drafts("run");
@@ -34,7 +35,7 @@ export async function campaignPanel(files, chosen) {
   async function refresh() {
     const runs = await get("bench/runs");
     const open = runs.filter((one) => one.state === "interrupted");
-    const rows = open.slice(0, 5).map((one) => h("li", {}, h("strong", {}, one.name), ` ${one.complete} of ${one.tests} tests, ${one.time.slice(0, 10)} `,
+    const rows = open.slice(0, 5).map((one) => h("li", {}, h("strong", {}, one.name), " ", originBadge(one.origin), ` ${one.complete} of ${one.tests} tests, ${one.time.slice(0, 10)} `,
       button("Continue…", () => attempt(() => dialog.open(files.includes(one.campaign) ? one.campaign : which.value, one)), { class: "continue", disabled: !mayRun, "aria-label": `Continue ${one.name}` })));
     earlier.replaceChildren(...(rows.length ? [h("h3", {}, "Interrupted runs"), h("ul", { class: "plain" }, rows)] : []));
   }

@@ -26,7 +26,7 @@ export async function show(root, query) {
   const parts = { ...head(), ...connecting(rigs.filter((one) => !one.problem)), ...moving(), ...byHand(), ...calibrating(), campaign, log, banner: alarmBanner(), announcer: announcer(), tiles: readings(), bar: strokeBar(), charts };
   root.classList.add("bench");
   root.append(
-    h("div", { class: "bench-head" }, parts.control, parts.rings), parts.lost, parts.banner.element,
+    h("div", { class: "bench-head" }, parts.control, parts.rings), parts.origin, parts.lost, parts.banner.element,
     h("div", { class: "panel" },
       h("div", { class: "side" }, parts.rig, parts.motion, parts.manual, parts.cell, parts.announcer.element),
       h("div", { class: "middle" }, parts.hint, parts.tiles.element, parts.bar.element, charts.element, campaign.tests),
@@ -59,9 +59,10 @@ function head() {
   const take = button("Take control", () => ask("control"), { id: "take" });
   const note = h("p", { class: "verdict", role: "status", id: "note" });
   const rings = h("ul", { class: "rings", "aria-label": "The three safety layers" });
+  const origin = h("p", { class: "verdict bad origin", role: "status", hidden: true });
   const lost = h("p", { class: "verdict bad lost", role: "alert", id: "lost", hidden: true });
   const hint = h("p", { class: "blank hint" }, "Connect a rig: its readings, its place in the stroke and live charts are shown here, armed or not.");
-  return { hint, control: h("div", { class: "control" }, h("div", { class: "row" }, who, take), note), who, take, note, rings, lost };
+  return { hint, control: h("div", { class: "control" }, h("div", { class: "row" }, who, take), note), who, take, note, rings, lost, origin };
 }
 
 function connecting(rigs) {
@@ -206,8 +207,10 @@ function refresh(parts) {
   parts.connectForm.hidden = Boolean(rig) || phase === "connecting";
   parts.waiting.hidden = phase !== "connecting";
   parts.connected.hidden = !rig;
+  parts.origin.hidden = !rig?.notice;
+  if (parts.origin.textContent !== (rig?.notice ?? "")) parts.origin.textContent = rig?.notice ?? "";
   if (rig) {
-    parts.identity.textContent = `${rig.name}${rig.simulated ? ", simulated" : ""}: ${rig.identity}, ${number(rig.rate)} samples/s`;
+    parts.identity.textContent = `${rig.name}: ${rig.identity}, ${number(rig.rate)} samples/s`;
     parts.scale.textContent = `${number(rig.scale)} N/V, no force at ${number(rig.zero)} V (${rig.calibrated})`;
     parts.speed.max = String(rig.jog_speed * 1000);
     if (Number(parts.speed.value) > rig.jog_speed * 1000) parts.speed.value = parts.speed.max;

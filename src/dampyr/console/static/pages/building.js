@@ -107,7 +107,7 @@ export async function show(root, query) {
     const energies = () => redraw(energy, { label: `Energies over time, ${chosen.value}`, x: TIME, y: { words: "energy", unit: "J" }, height: 260, zero: true,
       series: Object.entries(curves.cases[chosen.value].energy).map(([name, line]) => ({ ...ENERGIES[name], ...line })) });
     sheet.replaceChildren(
-      section(r.title, r.cases.flatMap((one) => [...one.outside, ...(one.converged ? [] : [one.reason])].map((words) => h("p", { class: "verdict bad" }, `${one.name}: ${words}.`))), moving.element),
+      section(r.title, r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null, r.cases.flatMap((one) => [...one.outside, ...(one.converged ? [] : [one.reason])].map((words) => h("p", { class: "verdict bad" }, `${one.name}: ${words}.`))), moving.element),
       section("Peaks", peaks(r), r.note ? h("p", { class: "soft" }, `${r.note}.`) : "", h("div", { class: "row" }, page(id))),
       section("Histories", field("Floor", floor), lines),
       damped.length ? section("The damper", plot({ label: `Damper force over stroke, ${damped.join(", ")}`, x: { words: "stroke", unit: "mm", pad: 0.04 }, y: { words: "force", unit: "N" }, height: 340,
@@ -127,7 +127,7 @@ export async function show(root, query) {
     });
     const shown = (one, digits) => table({ columns: one.columns.map((name, k) => ({ name, unit: one.units[k], digits })), rows: one.rows, caption: one.caption });
     sheet.replaceChildren(
-      section(`Fragility: ${r.limit}`, plot({ label: `Probability of ${r.limit} over peak ground acceleration`, x: { words: "peak ground acceleration", unit: "g", pad: 0.03 }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
+      section(`Fragility: ${r.limit}`, r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null, plot({ label: `Probability of ${r.limit} over peak ground acceleration`, x: { words: "peak ground acceleration", unit: "g", pad: 0.03 }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
         h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dashed: 90 % bands over the motions; points: the shares that were counted.`),
         shown({ ...r.table, caption: "Median and spread of each curve" }, 4), r.remarks.map((one) => h("p", {}, `${one}.`)), h("div", { class: "row" }, page(id))),
       section("Peaks", shown({ ...r.peaks, caption: "Across motions, of the worst storey and floor" }, 4)),

@@ -89,6 +89,7 @@ export async function show(root, query) {
     const verdict = r.verdict ?? { kind: r.converged ? "" : "bad", words: `The search ${r.reason}.` }; // of jobs of before
     sheet.replaceChildren(
       section(r.model,
+        r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null,
         h("p", { class: `verdict ${verdict.kind}` }, verdict.words),
         r.predictions.map((one) => h("p", {}, `It predicts ${one.records} records that it was not fitted on, by ${one.split}, with an L1 of ${number(100 * one.mean_l1, 3)} %.`)),
         r.held.map((one) => h("p", {}, one.problem || `Validation record ${one.record}: L1 ${number(100 * one.l1, 3)} %, predicted.`)),
@@ -110,7 +111,7 @@ export async function show(root, query) {
       if (!lines) return;
       clear();
       const series = (over, factor) => [
-        { name: "measured", colour: "muted", width: 2.4, ...scaled(lines[over].measured, factor) }, { name: r.model, colour: "vermillion", ...scaled(lines[over].model, factor) }];
+        { name: r.notice ? r.data.origin : "measured", colour: "muted", width: 2.4, ...scaled(lines[over].measured, factor) }, { name: r.model, colour: "vermillion", ...scaled(lines[over].model, factor) }];
       const pair = (over, unit, factor, height) => ({ label: `Measured and modelled force of ${record} over ${over}`, x: { words: over, unit }, y: FORCE, height, series: series(over, factor) });
       const residual = { label: `Residual force of ${record}`, x: { words: "time", unit: "s" }, y: { words: "residual", unit: "N" }, height: 150, series: [{ name: "measured minus modelled", colour: "blue", ...lines.residual }] };
       plots.replaceChildren(

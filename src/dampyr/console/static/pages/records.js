@@ -7,6 +7,7 @@ import { confirmed, prompted } from "../lib/dialog.js";
 import { button, choice, field, h, number, section, short, tick } from "../lib/dom.js";
 import { attempt, say } from "../lib/notice.js";
 import { oneNumber } from "../lib/numbers.js";
+import { originBadge, originLine } from "../lib/origin.js";
 import { table } from "../lib/table.js";
 import { uploads } from "../lib/uploads.js";
 
@@ -110,7 +111,8 @@ export async function show(root, query) {
     sheet.replaceChildren(tabs, body);
     const chosen = [...state.open];
     const parts = await attempt(() => VIEWS[state.tab](chosen));
-    if (parts && chosen.join() === state.open.join()) body.replaceChildren(...parts);
+    const notice = listed.filter((one) => chosen.includes(one.key)).map((one) => originLine(one.about?.origin, short(one.key))).filter(Boolean);
+    if (parts && chosen.join() === state.open.join()) body.replaceChildren(...notice, ...parts);
   }
 
   function tab(name, words) {
@@ -197,7 +199,7 @@ export async function show(root, query) {
     const m = a.measured;
     const q = a.quality;
     const facts = [
-      ["role", a.role], ["input", inputOf(a)?.show ?? "unknown"],
+      ["origin", a.origin], ["role", a.role], ["input", inputOf(a)?.show ?? "unknown"],
       ...(a.measurement_session ? [["session", a.measurement_session]] : []), ...(a.specimen ? [["specimen", a.specimen]] : []),
       ["duration", `${number(a.duration_s)} s, ${q.samples} samples, every ${number(1e3 * q.dt)} ms`],
       ...(m ? [["whole cycles", `${m.cycles} from ${number(m.motion_start)} s on`], ["frequency", `${number(m.frequency_hz)} Hz`], ["peak to peak", `${number(1e3 * m.peak_to_peak_m)} mm`],
@@ -296,6 +298,8 @@ export function inputOf(about) {
 
 function flags(one) {
   const marks = [];
+  const origin = originBadge(one.about?.origin);
+  if (origin) marks.push(origin);
   if (one.left_out) marks.push(h("span", { class: "badge bad", title: one.left_out }, one.left_out.split(":")[0]));
   if (one.problem) marks.push(h("span", { class: "badge bad", title: one.problem }, "cannot be read"), h("small", { class: "under" }, one.problem));
   else if (one.about.notes.length) marks.push(h("span", { class: "badge bad", title: one.about.notes.join("; ") }, `remarks: ${one.about.notes.length}`));

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import RigFault, install_line
+from dampyr.origin import MEASURED, SIMULATED, Origin
 from dampyr.rig.instruments.contract import Array, Counts
 from dampyr.rig.settings import RigSettings
 
@@ -91,6 +92,10 @@ class NiBoard:
     def identity(self) -> str:
         """Product and serial number, as the driver gives them."""
         return self._call(self._identity)
+
+    def origin(self) -> Origin:
+        """Whether NI-DAQmx says that its samples are of a real board."""
+        return self._call(self._origin)
 
     # all that follows is called through `_call`
 
@@ -211,10 +216,16 @@ class NiBoard:
         self._close("output")
 
     def _identity(self) -> str:
+        device = self._device()
+        return f"{device.product_type} {device.serial_num:08X}"
+
+    def _origin(self) -> Origin:
+        return SIMULATED if self._device().is_simulated else MEASURED
+
+    def _device(self) -> Any:
         from nidaqmx.system import Device
 
-        device = Device(self.rig.wires.board, grpc_options=self._options())
-        return f"{device.product_type} {device.serial_num:08X}"
+        return Device(self.rig.wires.board, grpc_options=self._options())
 
     def _options(self) -> Any:
         if self._channel is None:

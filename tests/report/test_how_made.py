@@ -17,7 +17,7 @@ from dampyr.ground_motions import el_centro
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 from dampyr.report import made_by, write_motion_page
-from dampyr.report.origin import files_of, moment, origin, people_and_parts
+from dampyr.report.how_made import files_of, how_made, moment, people_and_parts
 from dampyr.source_file import source_file
 
 CARD = Damper(
@@ -70,8 +70,8 @@ def test_a_script_of_ones_own_is_named_with_the_call(tmp_path: Path, monkeypatch
     html = write_motion_page(el_centro(), tmp_path / "m.html").read_text("utf-8")
     assert f"python '{script}' 7: dampyr.report.write_motion_page(motion, 'm.html')".replace("'", "&#39;") in html
     monkeypatch.setattr("sys.argv", [""])
-    assert origin("f()").command == "f()"
-    assert origin().command == "Python"
+    assert how_made("f()").command == "f()"
+    assert how_made().command == "Python"
 
 
 def test_the_moment_has_a_zone_and_can_be_fixed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -84,8 +84,8 @@ def test_only_files_are_listed_and_the_request_before_comes_back(tmp_path: Path)
     (tmp_path / "there.toml").write_text("a")
     with made_by("outer"):
         with made_by("inner", [tmp_path / "there.toml", tmp_path / "published_name"]):
-            assert [one.name for one in origin().files] == ["there.toml"]
-        assert origin().command == "outer"
+            assert [one.name for one in how_made().files] == ["there.toml"]
+        assert how_made().command == "outer"
 
 
 def test_a_record_remembers_the_file_that_it_was_read_from(folder: Path) -> None:

@@ -27,35 +27,35 @@ FEW = 6  # names of operators, specimens or sessions that a page lists one by on
 
 
 @dataclass(frozen=True)
-class Origin:
+class HowMade:
     """The command that makes a page, as one types it, and the files that it reads besides records."""
 
     command: str
     files: tuple[SourceFile, ...] = ()
 
 
-_origin: ContextVar[Origin | None] = ContextVar("origin of pages", default=None)
+_how_made: ContextVar[HowMade | None] = ContextVar("how pages are made", default=None)
 
 
 @contextmanager
 def made_by(command: str, files: Iterable[str | Path] = ()) -> Iterator[None]:
     """Within it, pages say that ``command`` made them, from ``files`` besides their records; what is no file is left out."""
     there = tuple(source_file(path) for path in map(Path, files) if path.is_file())
-    before = _origin.set(Origin(command, there))
+    before = _how_made.set(HowMade(command, there))
     try:
         yield
     finally:
-        _origin.reset(before)
+        _how_made.reset(before)
 
 
-def origin(call: str = "") -> Origin:
+def how_made(call: str = "") -> HowMade:
     """That of `made_by`, or outside it the script that runs and ``call``, the call of a writer in it."""
-    given = _origin.get()
+    given = _how_made.get()
     if given is not None:
         return given
     script = sys.argv[0] if sys.argv else ""
     words = [f"python {shlex.join(sys.argv)}"] if script and Path(script).is_file() else []
-    return Origin(": ".join([*words, call] if call else words) or "Python")
+    return HowMade(": ".join([*words, call] if call else words) or "Python")
 
 
 def moment() -> str:

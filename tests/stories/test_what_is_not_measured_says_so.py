@@ -1,0 +1,331 @@
+"""One campaign on the simulated rig, and every face of what is made of it: each says that nothing was measured."""
+
+import json
+import re
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pytest
+from click.testing import CliRunner
+
+import dampyr as dp
+from dampyr import registry, report
+from dampyr.campaigns.journal import Journal, journal_origin
+from dampyr.cli import cli
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.export import available_kinds
+from dampyr.identification import fit
+from dampyr.models import Damper, published
+from dampyr.origin import NOTICES, ORIGINS, combined, notice, of_board, stamp
+from dampyr.records import Record, convert, read, read_campaign, write
+from dampyr.records.record_files import REGISTRY as FORMATS
+from dampyr.representation import Representation
+
+CAMPAIGN = """
+name = "one"
+operator = "me"
+rest_between = "1 s"
+[[step]]
+kind = "sine"
+amplitude = "8 mm"
+frequency = "1 Hz"
+voltage = ["0 V", "1.98 V"]
+cycles = 3
+"""
+NOTICE, WORD = notice("simulated"), "SIMULATED"
+SHAKE = ("--voltage", "1.98", "--allow-extrapolation")
+ENSEMBLE = (*SHAKE, "--synthetic", "3", "--duration", "3", "--scale", "0.5:1:0.5", "--limit", "12mm")
+
+
+@dataclass(frozen=True)
+class Made:
+    """The folder of the campaign and the card that was identified from it, with the records that both come from."""
+
+    folder: Path
+    card: Path
+    records: list[Record]
+    plain: list[Record]
+
+    def call(self, *words: str | Path) -> str:
+        done = CliRunner().invoke(cli, [*map(str, words)], catch_exceptions=False)
+        assert done.exit_code in (0, 1, 3), done.output  # accept judges
+        return done.stdout
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    lab = tmp_path_factory.mktemp("simulated")
+    (lab / "campaign.toml").write_text(CAMPAIGN)
+    ran = CliRunner().invoke(cli, ["run", str(lab / "campaign.toml"), "--in-process", "--out", str(lab / "records")])
+    assert ran.exit_code == 0, ran.output
+    assert ran.stdout.splitlines()[0] == NOTICE
+    records = read_campaign(lab / "records")
+    identified = ["identify", str(lab / "records"), "--model", "dahl", "--save", str(lab / "card.toml")]
+    assert CliRunner().invoke(cli, identified, catch_exceptions=False).exit_code == 0
+    plain = [record.replace(note="as if measured", name=f"real {record.name}", origin="measured") for record in records]
+    return Made(lab / "records", lab / "card.toml", records, plain)
+
+
+def test_the_file_the_journal_and_the_card_say_it(made: Made) -> None:
+    assert [record.origin for record in made.records] == ["simulated"] * 2
+    for record in made.records:
+        with h5py.File(made.folder / f"{record.name}.h5") as file:
+            assert file.attrs["origin"] == "simulated"
+    assert journal_origin(made.folder) == "simulated"
+    assert any(event.detail.endswith("; simulated") for event in Journal(made.folder).events())
+    assert Damper.load(made.card).origin == "simulated"
+    assert made.card.read_text().startswith(f"# {NOTICE}.\n")
+
+
+@pytest.mark.parametrize("to", [name for name, module in registry.members(FORMATS) if hasattr(module, "write")])
+def test_each_format_that_is_written_brings_it_back(made: Made, tmp_path: Path, to: str) -> None:
+    path = convert(made.records[:1], tmp_path, to)[0]
+    units = {} if to != "mat" else {"displacement": "mm", "velocity": "mm/s", "force": "N"}
+    assert read(path, voltage=made.records[0].voltage, units=units).origin == "simulated"
+
+
+COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
+    "records": lambda m: ["records", m.folder],
+    "records of one": lambda m: ["records", m.folder / f"{m.records[0].name}.h5"],
+    "identify": lambda m: ["identify", m.folder, "--model", "dahl"],
+    "identify --each": lambda m: ["identify", m.folder, "--model", "dahl", "--each"],
+    "validate": lambda m: ["validate", m.card, m.folder],
+    "accept": lambda m: ["accept", m.card, m.folder],
+    "simulate": lambda m: ["simulate", m.card, *SHAKE],
+    "ensemble": lambda m: ["ensemble", m.card, *ENSEMBLE],
+    "run": lambda m: ["run", m.folder.parent / "campaign.toml", "--in-process", "--out", m.folder],
+    "plan": lambda m: ["plan", "--card", m.card, "--tests", "1", "--seconds", "4", "--kind", "sine", "--at", "1.98"],
+    "export": lambda m: ["export", m.card, "--to", "c", "--out", m.folder.parent / "c"],
+}
+ELSEWHERE = {
+    "demo": "stories/test_the_chain",
+    "hybrid": "below", "serve": "forces over a wire; its JSON has damper_origin",
+    "reproduce": "published numbers and records",
+    "calibrate": "a calibration, no record", "console": "below", "datasets": "no record", "doctor": "no record",
+    "licences": "no record", "motion": "a ground motion",
+}  # fmt: skip
+
+
+def test_no_command_is_forgotten() -> None:
+    assert {name.split()[0] for name in COMMANDS} | ELSEWHERE.keys() == set(cli.list_commands(None))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_each_command_says_it_first_and_in_json(made: Made, name: str) -> None:
+    words = COMMANDS[name](made)
+    said = json.dumps(json.loads(made.call(*words, "--json")))
+    assert re.search(r'"(damper_)?origin": "simulated"', said)
+    if name == "export":  # what it prints are paths
+        return
+    lines = made.call(*words).splitlines()
+    assert lines[0] == NOTICE
+    assert lines.count(NOTICE) == sum(line.strip().startswith("─") for line in lines) or "of one" in name
+
+
+PAGES: dict[str, Callable[[Made], list[Any]]] = {
+    "write_fit_page": COMMANDS["identify"],
+    "write_validate_page": COMMANDS["validate"],
+    "write_acceptance_page": COMMANDS["accept"],
+    "write_response_page": COMMANDS["simulate"],
+    "write_ensemble_page": COMMANDS["ensemble"],
+}
+
+
+def test_no_page_is_forgotten() -> None:
+    other = {"write_motion_page", "write_plan_page", "write_hybrid_page"}  # no records yet; the last one below
+    assert PAGES.keys() | other == set(report.WRITERS)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_each_page_and_each_of_its_figures_says_it(made: Made, tmp_path: Path, name: str) -> None:
+    page, figures = tmp_path / "page.html", tmp_path / "figures"
+    made.call(*PAGES[name](made), "--report", page, "--figures", figures)
+    _looks_right(page, figures)
+    assert "measured</text>" not in page.read_text()  # no curve is called so
+
+
+def _looks_right(page: Path, figures: Path | None, said: str = NOTICE) -> None:
+    html = page.read_text("utf-8")
+    body = html[html.index("<body>") :]
+    assert said in body[: body.index("<h1>")]
+    word = said.partition(":")[0]
+    drawn = re.findall(r"<svg.*?</svg>", body, re.DOTALL)
+    assert drawn
+    assert all(f"{word}</text>" in svg for svg in drawn)
+    for one in figures.glob("*.svg") if figures else ():
+        assert f"{word}</text>" in one.read_text("utf-8"), one
+
+
+def _objects(made: Made) -> dict[str, Any]:
+    result = fit("dahl", made.records)
+    assert result.damper is not None
+    building, motion = dp.structures.two_storey(), dp.ground_motions.el_centro()
+    options = dp.structures.SimulateOptions(inputs=(1.98,), allow_extrapolation=True)
+    with pytest.warns(DampyrWarning, match="calibrated up to"):
+        simulated = dp.structures.simulate(building, motion, result.damper, options)
+    return {
+        "record": made.records[0], "fit": result, "residuals": result.residuals, "damper": result.damper,
+        "validated": dp.identification.validate(result.damper, made.records),
+        "accepted": dp.identification.accept_records(made.records, result.damper),
+        "acceptance": dp.identification.accept(made.records[0], result.damper),
+        "simulated": simulated, "response": simulated.cases["1.98 V"],
+    }  # fmt: skip
+
+
+def test_each_object_says_it_and_each_of_its_plots(made: Made) -> None:
+    from matplotlib import pyplot
+
+    drawn = 0
+    for name, one in _objects(made).items():
+        assert isinstance(one, Representation)
+        assert one.origin == "simulated", name  # type: ignore[attr-defined]
+        assert NOTICE in repr(one), name
+        assert one._small_figure() is None or f"{WORD}</text>" in one._repr_html_(), name
+        plots = one.plot  # type: ignore[attr-defined]
+        for each in [name for name in vars(type(plots)) if not name.startswith("_")]:
+            method = getattr(plots, each)
+            if not callable(method) or each in ("measured_and_fitted", "steady_cycle"):
+                continue
+            axes = method(made.records[0].name) if name == "validated" and each != "scores" else method()
+            assert WORD in [text.get_text() for text in axes[0].figure.texts], (name, each)
+            pyplot.close("all")
+            drawn += 1
+    assert drawn >= 18
+
+
+@pytest.mark.parametrize("kind", available_kinds())
+def test_each_export_says_it(made: Made, tmp_path: Path, kind: str) -> None:
+    import zipfile
+
+    damper = Damper.load(made.card)
+    files = dp.export.export(damper, kind, tmp_path)
+    if kind == "fmu":
+        with zipfile.ZipFile(files[0]) as archive:
+            assert NOTICE in archive.read("modelDescription.xml").decode()
+        return
+    for path in files:
+        if path.name in ("damper.h", "damper.c", "damper.m", "damper.py", "damper.tcl"):
+            assert NOTICE in path.read_text("utf-8"), path
+
+
+def test_the_console_says_it_in_its_lists_and_results(made: Made, tmp_path: Path) -> None:
+    pytest.importorskip("fastapi")
+    import shutil
+
+    from dampyr.campaigns.run_folders import run_folder
+    from dampyr.console import record_answers
+    from dampyr.console.dampers import dampers
+    from dampyr.console.jobs import identify, respond
+
+    assert run_folder(made.folder).origin == "simulated"
+    shutil.copytree(made.folder, tmp_path / "records" / "one")
+    (tmp_path / "cards").mkdir()
+    shutil.copy(made.card, tmp_path / "cards" / "mine.toml")
+    job = tmp_path / "console" / "jobs" / "1"
+    job.mkdir(parents=True)
+    links = {link.name: link for link in dampers(tmp_path)}
+    assert (links["cards/mine.toml"].title, links["cards/mine.toml"].origin) == ("mine (simulated)", "simulated")
+    assert record_answers.description(made.records[0])["origin"] == "simulated"
+    keys = [f"data/records/one/{record.name}.h5" for record in made.records]
+    tell = lambda stage, done: None  # noqa: E731
+    identified = identify.run({"records": keys, "model": "dahl"}, job, tell)
+    request = {"damper": {"name": "cards/mine.toml", "inputs": [1.98], "allow_extrapolation": True}}
+    with pytest.warns(DampyrWarning, match="calibrated up to"):
+        responded = respond.run(request, job, tell)
+    assert (identified["notice"], responded["notice"]) == (NOTICE, NOTICE)
+    assert identified["data"]["origin"] == "simulated"
+
+
+def test_a_virtual_hybrid_test_is_virtual_everywhere(tmp_path: Path) -> None:
+    said, page, figures = NOTICES["virtual"], tmp_path / "hybrid.html", tmp_path / "figures"
+    words = ["hybrid", "--delay", "0.01", "--voltage", "1.98", "--duration", "4", "--report", str(page)]
+    done = CliRunner().invoke(cli, [*words, "--figures", str(figures)], catch_exceptions=False)
+    assert done.stdout.splitlines()[0] == said
+    assert "virtual hybrid test" in done.stdout
+    _looks_right(page, figures, said)
+    text = page.read_text("utf-8")
+    assert "measured" not in re.sub(r"<style>.*?</style>", "", text[text.index("<body>") :].replace(said, ""))
+    assert "No rig took part" in text
+    assert "none: the damper is its model" in text
+    for name in ("virtual hybrid test:", "virtual</text>"):
+        assert name in text  # legends
+    output = CliRunner().invoke(cli, [*words[:7], "--json"], catch_exceptions=False).stdout
+    assert json.loads(output)["origin"] == "virtual"
+
+
+def test_simulated_and_other_records_are_fitted_together_only_by_name(made: Made, tmp_path: Path) -> None:
+    both = [*made.records, *made.plain]
+    for others in (made.plain, [one.replace(note="", origin="not stated") for one in made.plain]):
+        with pytest.raises(InputError, match=r"\(simulated\).*are not fitted together.*--mixed-origins"):
+            fit("dahl", [*made.records, *others])
+    for refused in (dp.identification.leaderboard, lambda r: dp.identification.cross_validate("dahl", r)):
+        with pytest.raises(InputError, match="mixed_origins=True"):
+            refused(both)
+    mixed = fit("dahl", both, mixed_origins=True)
+    assert mixed.damper is not None
+    assert (mixed.origin, mixed.damper.provenance["origins"]) == ("simulated", "2 simulated, 2 measured")
+    for record in both:
+        write(record, tmp_path / f"{record.name}.h5")
+    words = ["identify", str(tmp_path), "--model", "dahl"]
+    refused = CliRunner().invoke(cli, words)
+    assert refused.exit_code == 2
+    assert "--mixed-origins" in refused.stderr
+    assert CliRunner().invoke(cli, [*words, "--mixed-origins"]).stdout.splitlines()[0] == NOTICE
+
+
+def test_only_what_all_measured_is_measured(made: Made, tmp_path: Path) -> None:
+    assert combined(["measured", "measured"]) == "measured"
+    assert combined(["measured", "not stated"]) == combined([]) == combined(["measured", "derived"]) == "not stated"
+    assert combined(["measured", "simulated", "virtual"]) == "simulated"
+    assert combined(["measured", "virtual"]) == "virtual"
+    measured = fit("dahl", made.plain)
+    assert measured.origin == "measured"
+    assert "origin" not in repr(measured)  # nothing is said where nothing is wrong
+    for to in ("h5", "csv", "mat"):
+        assert read(convert(made.plain[:1], tmp_path, to)[0], voltage=0.0).origin in ("measured",)
+
+
+def test_what_says_nothing_is_not_stated(tmp_path: Path) -> None:
+    t = dp.studies.raminelli_2020.damper()
+    x = [0.001 * k % 7 for k in range(20)]
+    record = Record([0.01 * k for k in range(20)], x, x)
+    assert record.origin == "not stated"
+    path = write(record, tmp_path / "plain.csv")
+    assert "origin" not in path.read_text()
+    assert read(path).origin == "not stated"
+    path.write_text(f"# origin: our laboratory\n{path.read_text()}")  # somebody else's words
+    assert read(path).origin == "not stated"
+    assert t.origin == "derived"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)  # of unusual values
+        assert all(published.damper(name).origin == "derived" for name in published.available_sets())
+    assert Damper("dahl", {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 1.0}).origin == "not stated"
+    with pytest.raises(InputError, match=f"choose from {', '.join(ORIGINS)}"):
+        record.replace(note="", origin="real")
+
+
+def test_records_of_before_are_recognised_by_their_board(made: Made, tmp_path: Path) -> None:
+    record = made.records[0]
+    boards = {"PCI-6221 01A2B3C4, Uno firmware 2.0": "simulated", "simulated OUR-BOARD 7": "simulated",
+              "PCI-6221 01B00000, Uno firmware 2.0": "not stated"}  # fmt: skip
+    for board, origin in boards.items():
+        assert of_board(board) == origin
+        path = tmp_path / f"{origin} {len(board)}.h5"
+        write(record.replace(note="", provenance=dict(record.provenance) | {"board": board}), path)
+        with h5py.File(path, "a") as file:
+            del file.attrs["origin"]  # dampyr 0.2.0 wrote none
+        assert read(path).origin == origin
+
+
+def test_a_figure_is_stamped_once() -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure()
+    for _ in range(2):
+        stamp(figure, "simulated")
+    assert [text.get_text() for text in figure.texts] == [WORD]
+    assert not stamp(Figure(), "measured").texts
