@@ -172,7 +172,7 @@ def test_cases_that_do_not_converge_are_counted_and_said(
     cubics: Damper, law: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("dampyr.structures.step_size.MAX_STEP_COUNT", 1000)
-    motion = kanai_tajimi(1.0, dt=0.02, seed=3, pga=3.0)
+    motion = kanai_tajimi(3.0, dt=0.02, seed=3, pga=3.0)
     with pytest.warns(DampyrWarning, match="2 cases under control laws are not to their accuracy"):
         dataset = ensemble(two_storey(), motion, cubics, [law, 1.0], [0.5, 1.0], out=tmp_path / "e.h5")
     assert dataset.attrs["unconverged"] == 2
