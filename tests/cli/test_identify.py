@@ -131,7 +131,6 @@ def test_its_defaults_are_those_of_python() -> None:
     assert command is not None
     defaults = {p.name: p.default for p in command.params}
     assert defaults["budget"] == options.budget
-    assert defaults["seconds"] == options.seconds
     assert defaults["settling"] == options.settling
     assert defaults["weighting"] == options.weighting
     assert defaults["loss"] == options.loss
