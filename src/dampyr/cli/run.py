@@ -138,9 +138,11 @@ def _perform(
 
 def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
     from dampyr.campaigns import read_journal
+    from dampyr.campaigns.recorded_tests import found
 
     if (out / "journal.sqlite").is_file():
-        tests, events = read_journal(out)
+        journal, events = read_journal(out)
+        tests = found(journal, out)
         if as_json:
             print_json({"folder": str(out), "tests": tests, "events": events, "fitted": _fitted(plan)})
         elif tests:
@@ -165,7 +167,10 @@ def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:
     rows = [[test.name, words.get(test.name, ""), test.state, test.attempt, test.reason] for test in tests]
     complete = sum(test.state == "complete" for test in tests)
     left = len(tests) - complete
-    hint = f"dampyr identify {out}" if not left else "run the same command again to go on"
+    lost = [f"--again {test.name}" for test in tests if test.state in ("gone", "broken")]
+    hint = f"dampyr identify {out}" if not left else " ".join(["run the same command again to go on", *lost])
+    if lost and len(lost) == left:
+        hint = f"run the same command with {' '.join(lost)}"
     print_table(
         f"{plan.campaign.header.name}: {complete} of {len(tests)} tests complete in {out}",
         ["test", "what", "state", "try", "reason"],
