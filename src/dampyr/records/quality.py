@@ -214,10 +214,10 @@ def flat_levels(values: Array, moving: Any, step: float) -> list[tuple[float, ND
         return np.asarray(last - first, dtype=np.float64)
 
     place, count = np.unique(ordered, return_counts=True)
-    three, beside = about(place, 1.0), np.maximum(about(place - 3.0, 1.0), about(place + 3.0, 1.0))
+    three, flanks = about(place, 1.0), np.maximum(about(place - 3.0, 1.0), about(place + 3.0, 1.0))
     inner, outer = 1.5 * QUIETER * width / noise, 4.5 * QUIETER * width / noise
     expected = float(ndtr(inner) - ndtr(-inner)) / max(float(ndtr(outer) - ndtr(inner)), 1e-9)
-    flat = (three >= FLATTER * expected * (beside + 1.0)) & (three >= SHARE_OF_FLAT * len(among))
+    flat = (three >= FLATTER * expected * (flanks + 1.0)) & (three >= SHARE_OF_FLAT * len(among))
     flat &= count >= np.maximum(about(place - 1.0, 0.0), about(place + 1.0, 0.0))  # and not beside such a level
     levels: list[tuple[float, NDArray[np.bool_]]] = []
     for level in place[flat]:

@@ -529,10 +529,10 @@ def stop(request: ClientRequest, bench: CurrentBench) -> Done:
 
 
 @router.post("/abort")
-async def abort(request: Abort, asked: Request, bench: CurrentBench) -> Done:
+async def abort(request: Abort, connection: Request, bench: CurrentBench) -> Done:
     """Brake and cut the coil, now. Needs no control, and on this machine no token; answers when it is done."""
     # Nobody has a page here: whoever it is, the address is what is known of them.
-    who = f"{request.who or 'a request'} from {asked.client.host if asked.client else 'an unknown address'}"
+    who = f"{request.who or 'a request'} from {connection.client.host if connection.client else 'an unknown address'}"
     await asyncio.get_running_loop().run_in_executor(ABORTING, bench.abort, who)
     return Done()
 
