@@ -25,8 +25,8 @@ from dampyr.campaigns.record_test import as_json, check_disk, groups_of, reason,
 from dampyr.campaigns.recorded_tests import (
     INTERRUPTED,
     broken_tries,
+    entries_with_files,
     file_of,
-    found,
     is_broken,
     last_try,
     lost_words,
@@ -107,7 +107,7 @@ def perform(
                 journal.note("set aside", f"{path.name}: it cannot be read")
             for name in again:
                 journal.repeat(name)
-            lost = lost_words(found(journal.tests(), folder))
+            lost = lost_words(entries_with_files(journal.tests(), folder))
             run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or Control())
             if run.left():
                 if lost:
@@ -115,7 +115,7 @@ def perform(
                 run.begin_warm()
                 run.about = _tell_settings(journal, rig)
                 run.perform()
-            tests = found(journal.tests(), folder)
+            tests = entries_with_files(journal.tests(), folder)
     if lost := lost_words(tests):
         complete = sum(entry.state == "complete" for entry in tests)
         raise FileError(folder, f"{complete} of {len(tests)} tests are complete: {lost}")

@@ -68,12 +68,12 @@ def file_of(folder: Path, name: str, attempt: int) -> Path:
     return folder / (f"{name}.h5" if attempt == 1 else f"{name}.try{attempt}.h5")
 
 
-def found(entries: Iterable[Entry], folder: Path) -> list[Entry]:
+def entries_with_files(entries: Iterable[Entry], folder: Path) -> list[Entry]:
     """The entries of a journal with what has become of the files: a complete test whose file is lost is gone or broken."""
-    return [_found(entry, file_of(folder, entry.name, entry.attempt)) for entry in entries]
+    return [_entry_with_file(entry, file_of(folder, entry.name, entry.attempt)) for entry in entries]
 
 
-def _found(entry: Entry, path: Path) -> Entry:
+def _entry_with_file(entry: Entry, path: Path) -> Entry:
     if entry.state != "complete":
         return entry
     try:
@@ -92,7 +92,7 @@ def _is_broken(path: Path, size: int, changed: int) -> bool:
 
 
 def lost_words(entries: Iterable[Entry]) -> str:
-    """Which of `found` tests are gone or broken, and the repair; empty where none is."""
+    """Which of the entries are gone or broken, and the repair; empty where none is."""
     lost = [entry for entry in entries if entry.state in ("gone", "broken")]
     if not lost:
         return ""

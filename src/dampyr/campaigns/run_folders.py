@@ -11,7 +11,7 @@ from dampyr.campaigns.differences import campaign_differences
 from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.journal import NAME, Journal
 from dampyr.campaigns.plan import Plan
-from dampyr.campaigns.recorded_tests import found, lost_words
+from dampyr.campaigns.recorded_tests import entries_with_files, lost_words
 from dampyr.errors import DampyrError, FileError, InputError
 
 RunState = Literal["complete", "interrupted", "running", "unreadable"]
@@ -37,7 +37,7 @@ def run_folder(folder: str | Path) -> RunFolder:
     folder = Path(folder)
     try:
         with closing(Journal(folder)) as journal:
-            entries, events = found(journal.tests(), folder), journal.events()
+            entries, events = entries_with_files(journal.tests(), folder), journal.events()
             campaign, operator = journal.said("name"), journal.said("operator")
     except DampyrError as problem:
         return RunFolder(folder.name, "", "", "unreadable", 0, 0, "", str(problem))
@@ -75,7 +75,7 @@ def folder_state(campaign_plan: Plan, folder: str | Path) -> tuple[FolderState, 
     if not (folder / NAME).is_file():
         return "new", "a new folder"
     with closing(Journal(folder)) as journal:
-        entries, digest = found(journal.tests(), folder), journal.said("digest")
+        entries, digest = entries_with_files(journal.tests(), folder), journal.said("digest")
         name, contents = journal.said("name"), journal.said("contents")
     campaign = campaign_plan.campaign
     if digest and digest not in (campaign.digest, campaign.path_digest):

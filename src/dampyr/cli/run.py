@@ -138,11 +138,11 @@ def _perform(
 
 def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
     from dampyr.campaigns import read_journal
-    from dampyr.campaigns.recorded_tests import found
+    from dampyr.campaigns.recorded_tests import entries_with_files
 
     if (out / "journal.sqlite").is_file():
         journal, events = read_journal(out)
-        tests = found(journal, out)
+        tests = entries_with_files(journal, out)
         if as_json:
             print_json({"folder": str(out), "tests": tests, "events": events, "fitted": _fitted(plan)})
         elif tests:

@@ -20,7 +20,7 @@ from pydantic import BaseModel, Field
 from dampyr.campaigns import plan, read_journal
 from dampyr.campaigns import read as read_campaign
 from dampyr.campaigns.journal import NAME as JOURNAL
-from dampyr.campaigns.recorded_tests import found
+from dampyr.campaigns.recorded_tests import entries_with_files
 from dampyr.campaigns.run_folders import RunFolder, folder_state, run_folder
 from dampyr.console import safe_paths
 from dampyr.console.bench_alarms import AlarmLimit, Reading
@@ -322,7 +322,7 @@ def tests(here: Here, folder: Annotated[str, Query(max_length=100)]) -> list[Tes
     entries, _ = read_journal(place)
     return [
         TestState(name=each.name, state=each.state, attempt=each.attempt, reason=each.reason)
-        for each in found(entries, place)
+        for each in entries_with_files(entries, place)
     ]
 
 
