@@ -18,6 +18,7 @@ import pytest
 from dampyr import records
 from dampyr.campaigns import Progress, campaign, perform, read_journal
 from dampyr.campaigns.journal import Journal
+from dampyr.campaigns.run_folders import run_folder
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.records.formats import h5
 from dampyr.rig import Rig, RigSettings, simulated
@@ -90,15 +91,31 @@ def test_a_complete_file_that_cannot_be_read_is_told_and_recorded_again_when_ask
         path.write_bytes(path.read_bytes()[:3000])
     words = rf"cannot be read: {FIRST} \({how}\); run the same command with --again {FIRST} to record them again"
     opened = rig()
-    with pytest.warns(DampyrWarning, match=words):
+    with pytest.raises(FileError, match=f"out: 1 of 2 tests are complete: files of complete tests {words}"):
         perform(lab / "short.toml", opened, out)
     assert opened.board.simulator.time == 0.0
+    about = run_folder(out)
+    assert (about.state, about.complete, about.tests) == ("interrupted", 1, 2)
+    assert f"{FIRST} ({how})" in about.reason
     perform(lab / "short.toml", rig(), out, again=[FIRST])
     assert {record.name for record in records.read_campaign(out)} == {FIRST, SECOND}
     assert h5.state(out / f"{FIRST}.try2.h5").complete
     assert (out / f"{FIRST}.h5.broken").is_file() == (how == "broken")
     assert [event.what for event in read_journal(out)[1]].count("again") == 1
     perform(lab / "short.toml", rig(), out)  # nothing is missed any more
+    assert run_folder(out).complete == 2
+
+
+def test_what_is_left_is_run_before_a_lost_file_is_an_error(lab: Path) -> None:
+    (lab / "out" / f"{FIRST}.h5").unlink()
+    with closing(Journal(lab / "out")) as journal:
+        journal.repeat(SECOND)
+    with (
+        pytest.warns(DampyrWarning, match=rf"{FIRST} \(gone\)"),
+        pytest.raises(FileError, match=rf"1 of 2 tests are complete.*{FIRST} \(gone\)"),
+    ):
+        perform(lab / "short.toml", rig(), lab / "out")
+    assert h5.state(lab / "out" / f"{SECOND}.try2.h5").complete
 
 
 def test_a_file_with_a_damaged_dataset_is_recorded_again_when_asked(lab: Path) -> None:

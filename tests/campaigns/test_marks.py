@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from dampyr import records
-from dampyr.campaigns import campaign_of, perform, read_journal
+from dampyr.campaigns import campaign_of, hybrid, perform, read_journal
 from dampyr.campaigns.marks import (
     Measured,
     created_energy,
@@ -25,6 +25,8 @@ from dampyr.cli import cli
 from dampyr.errors import RigFault
 from dampyr.identification import identify
 from dampyr.identification.identify import IdentifyOptions
+from dampyr.records import Record
+from dampyr.records.cycles import cycles
 from dampyr.records.formats import h5
 from dampyr.rig import RigSettings, simulated
 from dampyr.rig.uncertainty_budget import Evidence
@@ -54,6 +56,23 @@ def sine(offset: float = 100.0, drift: float = 0.0) -> Measured:
     v = np.where(moving, 0.005 * 2 * np.pi * np.cos(2 * np.pi * (t - 1.0)), 0.0)
     force = offset + 80.0 * np.tanh(v / 0.003) + 1000.0 * v + drift * t
     return read_by_board(t, x, force + 0.4 * np.random.default_rng(1).standard_normal(t.size))
+
+
+def aperiodic(narrow: bool = False) -> Measured:
+    """Sines of many frequencies after a rest and before one, so that no two turns are alike, on a spring and a friction; or,
+    ``narrow``, about one frequency, as a building moves in its first mode."""
+    t = np.arange(22_000) / 1000.0
+    draw = np.random.default_rng(5)
+    waves = [np.sin(2 * np.pi * f * (t - 1.0) + draw.uniform(0.0, 6.28)) / f for f in np.arange(0.2, 2.0, 0.1)]
+    window = np.sin(np.pi * np.clip((t - 1.0) / 20.0, 0.0, 1.0)) ** 2
+    x = 0.002 * window * np.sum(waves, axis=0)
+    if narrow:
+        middle = 0.003 * np.clip((t - 1.0) / 20.0, 0.0, 1.0) * np.clip((21.0 - t) / 2.0, 0.0, 1.0)
+        size = 0.004 * np.clip((t - 1.0) / 2.0, 0.0, 1.0) * np.clip((21.0 - t) / 2.0, 0.0, 1.0)
+        x = middle + size * (1.0 + 0.2 * np.sin(2 * np.pi * 0.13 * t)) * np.sin(2 * np.pi * 0.9 * (t - 1.0))
+    v = np.gradient(x, t)
+    force = 100.0 + 80.0 * np.tanh(v / 0.003) + 1000.0 * v + 2e4 * x
+    return read_by_board(t, x, force + 0.4 * draw.standard_normal(t.size))
 
 
 def read_by_board(t: np.ndarray, x: np.ndarray, force: np.ndarray) -> Measured:
@@ -169,6 +188,110 @@ def test_a_force_at_the_rail_is_marked() -> None:
     volts[5000:5003] = 9.99
     (mark,) = force_at_rail(with_volts(measured, volts))
     assert "at the converter's rail, 9.95 V or more, in 3 samples, first at 5 s" in mark.text
+
+
+@pytest.mark.parametrize("share", [0.2, 0.6, 0.9])
+@pytest.mark.parametrize("motion", ["sine", "random"])
+def test_an_amplifier_that_saturates_spoils_its_test(share: float, motion: str) -> None:
+    """Flat tops below the converter's rail, which end at each turn; the clip comes after all noise."""
+    measured = sine() if motion == "sine" else aperiodic()
+    level = share * float(np.abs(measured.volts).max())
+    assert not list(flat_force(measured))
+    (mark,) = flat_force(with_volts(measured, np.clip(measured.volts, -level, level)))
+    assert mark.spoils
+    assert "amplifier" in mark.text
+
+
+@pytest.mark.parametrize("noise", [0.2, 0.4, 2.0])
+@pytest.mark.parametrize("knee", [1e-4, 1e-3])
+def test_a_flat_topped_friction_loop_is_no_saturated_amplifier(noise: float, knee: float) -> None:
+    """Constant over the stroke to a step of the converter, in a slow test and in a fast one."""
+    measured = sine()
+    for speed in (1.0, 0.1):
+        v = speed * np.gradient(measured.displacement, measured.time)
+        draw = np.random.default_rng(3).standard_normal(measured.time.size)
+        force = 100.0 + 80.0 * np.tanh(v / knee) + noise * draw
+        assert not list(flat_force(read_by_board(measured.time, measured.displacement, force)))
+
+
+def test_what_lies_between_two_turns_of_an_earthquake_is_no_cycle() -> None:
+    """The mean force over it holds stiffness and hysteresis: it wanders as the motion does."""
+    measured = aperiodic(narrow=True)
+    record = Record(measured.time, measured.displacement, measured.force)
+    assert len(cycles(record)) > 3
+    assert not list(drifting_zero(measured))
+    assert not list(created_energy(measured))
+    drifting = read_by_board(measured.time, measured.displacement, measured.force + 20.0 * measured.time)
+    (mark,) = drifting_zero(drifting)  # by the rests before and after
+    assert "at rest before the motion" in mark.text
+    (mark,) = created_energy(with_volts(measured, -measured.volts))
+    assert mark.spoils
+
+
+def test_a_table_that_follows_a_building_never_stands() -> None:
+    """Its set points change by a part of a count, which the encoder does not show, and the force by all of the friction."""
+    measured = sine()
+    leapt = np.where((measured.time > 0.5) & (measured.time < 0.51), measured.force - 45.0, measured.force)
+    nudged = read_by_board(measured.time, measured.displacement, leapt)
+    assert len(list(sudden_force(nudged))) == 1
+    assert not list(sudden_force(replace(nudged, closed_loop=True)))
+    slides = np.where(measured.time > 3.5, measured.force + 100.0, measured.force)
+    broken = read_by_board(measured.time, measured.displacement, slides)
+    assert len(list(sudden_force(replace(broken, closed_loop=True)))) == 1
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize(
+    "step",
+    [
+        'kind = "sine"\namplitude = "8 mm"\nfrequency = "0.84 Hz"\ncycles = 5',
+        'kind = "sine"\namplitude = "8 mm"\nfrequency = "0.4 Hz"\ncycles = 3',
+        'kind = "random"\namplitude = "8 mm"\nduration = "10 s"\nlow = "0.2 Hz"',
+    ],
+    ids=["sine", "slow", "random"],
+)
+def test_each_run_with_a_saturated_amplifier_is_marked_and_no_healthy_one(tmp_path: Path, step: str) -> None:
+    path = tmp_path / "one.toml"
+    for voltage, level in ((0.0, 0), (0.87, 0), (1.98, 0), (3.2, 0), (1.98, 100), (1.98, 250), (1.98, 500)):
+        path.write_text(f'check_amplitude = "0 mm"\n[[step]]\n{step}\nvoltage = "{voltage} V"\n', "utf-8")
+        rig = simulated(faults=[f"cell-clip={level}@0s"] if level else [], in_process=True)
+        out = tmp_path / f"{voltage}-{level}"
+        if level:
+            with pytest.raises(RigFault, match="the test is spoiled: the force stands at"):
+                perform(path, rig, out)
+            assert np.abs(rig.board.simulator.truth.force).max() > level
+        else:
+            (record,) = records.read_campaign(perform(path, rig, out))
+            assert record.marks == ()
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("voltage", [0.0, 0.5, 0.8712, 1.5])
+def test_a_healthy_hybrid_test_has_no_mark(tmp_path: Path, voltage: float) -> None:
+    """The documented command, and other voltages."""
+    plan = hybrid.planned_hybrid({"kind": "hybrid", "voltage": voltage, "duration": 10.0})
+    (record,) = records.read_campaign(perform(plan, simulated(in_process=True), tmp_path / "out"))
+    assert record.marks == ()
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("drifting-cell=10@12s", "the force's zero moved by"),
+        ("shunted-cell=100@14.5s", "the force's zero moved by"),
+        ("cell-clip=150@0s", "the test is spoiled: the force stands at"),
+    ],
+)
+def test_a_fault_in_a_hybrid_test_is_marked(tmp_path: Path, fault: str, words: str) -> None:
+    plan = hybrid.planned_hybrid({"kind": "hybrid", "voltage": 0.8712, "duration": 5.0})
+    try:
+        perform(plan, simulated(faults=[fault], in_process=True), tmp_path / "out")
+    except RigFault as problem:
+        said = str(problem)
+    else:
+        said = "; ".join(records.read_campaign(tmp_path / "out")[0].marks)
+    assert words in said
 
 
 def test_a_test_without_samples_has_no_marks() -> None:

@@ -8,7 +8,8 @@ no sensor of the rig can tell (`UNSEEN`):
 |---|---|
 | hot coil | The coil's voltage is stated for 20 degC; copper's resistance grows by 0.39 %/K. The rig estimates the
   coil's warmth from the heat that it puts into the damper; heat from elsewhere is in neither voltage nor motion. A
-  thermocouple would tell, or the coil's current; a lower force is that of another damper as well as of a warm one. |
+  thermocouple that is not stuck would tell, or the coil's current; a lower force
+  is that of another damper as well as of a warm one. |
 | dead coil | A supply that gives nothing, or a broken wire, in a rig that reads neither the coil's voltage nor its current: the
   record says that its voltage is the commanded one. A lower force is that of another damper. |
 | constant force | A shunt that is left across the bridge from before the first slow pass of a run until its end: a constant
@@ -92,6 +93,7 @@ def a_fault(draw: np.random.Generator, first: float, span: float) -> FaultSpec:
         "broken-cell": float(draw.choice([10.0, -10.0, 0.0, 20.0 * size - 10.0])),
         "drifting-cell": sign * 10.0 ** (0.7 + 2.0 * size),
         "hot-specimen": 10.0 + 80.0 * size,
+        "cell-clip": 10.0 ** (1.5 + 1.5 * size),
     }.get(kind, KINDS[kind].amount)
     at = first if draw.uniform() < 0.1 else first + draw.uniform(0.0, span)
     return FaultSpec(kind, round(at + 0.001, 4), lasts, amount)
@@ -184,10 +186,13 @@ def a_host(simulator: Simulator, rig: RigSettings, calibration: Calibration, bef
 
 
 def _hot_coil(trial: Trial) -> bool:
-    """Heat from elsewhere in a rig without a thermocouple: only the voltage is wrong."""
+    """Heat from elsewhere in a rig without a thermocouple, or with one that is stuck: only the voltage is wrong, and what that
+    one reads.
+    """
     hot = any(fault.kind == "hot-specimen" for fault in trial.faults)
-    wires = trial.rig.wires
-    return hot and not (wires.temperature or wires.coil_current) and set(trial.worst) == {"voltage"}
+    stuck, wires = any(fault.kind == "thermocouple-stuck" for fault in trial.faults), trial.rig.wires
+    sensed = (wires.temperature and not stuck) or wires.coil_current
+    return hot and not sensed and set(trial.worst) <= {"voltage", "temperature"}
 
 
 def _dead_coil(trial: Trial) -> bool:

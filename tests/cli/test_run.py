@@ -19,6 +19,7 @@ from dampyr import campaigns, records
 from dampyr.campaigns import read_journal
 from dampyr.cli import _frame, cli
 from dampyr.cli._running import shown
+from dampyr.cli.run import REFUSED
 from dampyr.errors import DampyrWarning
 from dampyr.records.formats import h5
 
@@ -237,8 +238,12 @@ def test_a_test_is_recorded_again_by_its_name(lab: Path) -> None:
     assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
     (out / f"{FIRST}.h5").unlink()
     done = run(lab / "short.toml", "--in-process", "--out", out)
-    assert done.exit_code == 0
+    assert done.exit_code == REFUSED  # nothing has moved
     assert f"{FIRST} (gone); run the same command with --again {FIRST} to record them again" in done.stderr
+    assert "1 of 2 tests complete" in done.stdout
+    assert f"next: run the same command with --again {FIRST}" in " ".join(done.stdout.split())
+    listed = json.loads(run(lab / "short.toml", "--in-process", "--out", out, "--json").stdout)
+    assert [test["state"] for test in listed["tests"]] == ["gone", "complete"]
     done = run(lab / "short.toml", "--in-process", "--out", out, "--again", FIRST)
     assert done.exit_code == 0
     assert h5.state(out / f"{FIRST}.try2.h5").complete

@@ -22,7 +22,8 @@ from dampyr.representation import Representation, Summary, Table, data_frame
 
 NAME = "journal.sqlite"
 SCHEMA = 1  # of the tables below; raised when they change
-TestState = Literal["planned", "running", "complete", "stopped", "failed"]
+TestState = Literal["planned", "running", "complete", "stopped", "failed", "gone", "broken"]
+"""Of a test; gone or broken: its journal says complete, and its file is not there or cannot be read."""
 UNWRITABLE = (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_PERM, sqlite3.SQLITE_AUTH)
 
 TABLES = """

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.records.cycles import cycles
-from dampyr.records.quality import motion_start
+from dampyr.records.quality import flat_levels, motion_start
 from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.rig.interlock import RAIL
 from dampyr.rig.settings import RigSettings
@@ -33,6 +33,7 @@ ZERO_AT_REST = 10.0  # N, and
 SHARE_AT_REST = 0.5  # of half the force's range: in a rest after a motion hysteresis holds a part of it
 ZERO_OF_CYCLES = 10.0  # N, and
 SHARE_OF_CYCLES = 0.03  # of half the range; the mean of a cycle holds no hysteresis, and strays by 4 N in a good test
+ALIKE = 0.1  # of the stroke, by which the cycles of a motion that repeats itself differ, and end off where they began
 MIN_CYCLES = 4  # inner ones, from which the drift of their mean is taken
 ZERO_OF_PASSES = 6.0  # N by which the force of two slow passes may differ: they agree to 1 N
 SHARE_OF_PASSES = 0.005  # of the force, peak to peak
@@ -81,6 +82,8 @@ class Measured:
     """V at the coil, as read back."""
     coil_current: Array | None = None
     """A through the coil."""
+    closed_loop: bool = False
+    """Whether the set points followed from the measured force, so that the table was driven also where it seems to stand."""
 
 
 Check = Callable[[Measured], Iterator[Mark]]
@@ -109,10 +112,12 @@ def marks_of(read: Callable[[slice], Measured], rows: int) -> list[Mark]:
 
 
 def flat_force(measured: Measured) -> Iterator[Mark]:
-    """A force that stands while the table moves, or leaps to where it stands: the cell's wire or its amplifier is broken."""
+    """A force that stands while the table moves, or leaps to where it stands: the cell's wire or its amplifier is broken, or
+    the amplifier saturates."""
     x = measured.displacement
     stretches = [each for each in _standing(measured.volts, measured.rig) if _should_change(measured, each)]
     if not stretches:
+        yield from _saturated(measured)
         return
     first = max(stretches, key=lambda each: each.stop - each.start)
     path = float(np.abs(np.diff(x[first])).sum())
@@ -123,6 +128,30 @@ def flat_force(measured: Measured) -> Iterator[Mark]:
         "and amplifier",
         spoils=True,
     )
+
+
+def _saturated(measured: Measured) -> Iterator[Mark]:
+    """A force that stands without its noise at one level or two again and again, each time too shortly to be broken."""
+    moving = np.flatnonzero(_moves(measured))
+    levels = flat_levels(measured.volts, moving, measured.rig.step)
+    if not levels:
+        return
+    flat = np.any([at for _, at in levels], axis=0)
+    forces = [float(np.median(measured.force[at])) for _, at in levels]
+    yield Mark(
+        f"the force stands at {' and '.join(f'{force:.4g} N' for force in forces)} in {np.sum(flat) / len(moving):.2g} of the "
+        f"samples in which the table moves, first at {float(measured.time[int(np.argmax(flat))]):.4g} s, without its noise: "
+        "the load cell's amplifier saturates below the converter's rail; look at its gain and its supply",
+        spoils=True,
+    )
+
+
+def _moves(measured: Measured) -> NDArray[np.bool_]:
+    """Where the table moves, by more than a reading that strays by a count at the border of two."""
+    x, n = measured.displacement, max(1, round(0.5 * WINDOW * measured.rig.board.rate))
+    moves = np.zeros(len(x), dtype=bool)
+    moves[n : len(x) - n] = np.abs(x[2 * n :] - x[: len(x) - 2 * n]) > 1.5 * measured.rig.encoder.count
+    return moves
 
 
 def _standing(volts: Array, rig: RigSettings) -> list[slice]:
@@ -203,7 +232,7 @@ def drifting_zero(measured: Measured) -> Iterator[Mark]:
     if before is not None and after is not None and abs(after - before) > limit:
         yield _drift(f"from {before:.4g} N at rest before the motion to {after:.4g} N after it", after - before, limit)
         return
-    spans = cycles(record)[1:-1]  # growing and fading ones are left out
+    spans = _repeated_cycles(record)[1:-1]  # growing and fading ones are left out
     if float(np.ptp(measured.voltage)) or len(spans) < MIN_CYCLES:
         return
     means = np.array([np.mean(measured.force[first:last]) for first, last in spans])
@@ -212,6 +241,22 @@ def drifting_zero(measured: Measured) -> Iterator[Mark]:
     limit = ZERO_OF_CYCLES + SHARE_OF_CYCLES * half
     if abs(rate) * record.duration > limit:
         yield _drift(f"at {rate:+.3g} N/s, by the means of {len(spans)} cycles", rate * record.duration, limit)
+
+
+def _repeated_cycles(record: Record) -> list[tuple[int, int]]:
+    """The whole cycles of a motion that repeats itself; none of an earthquake, a random or a hybrid one.
+
+    Between two turning points of such a motion the table goes anywhere, and does not come back to where it began: the mean
+    force over it holds hysteresis and stiffness, and the spring gives back what an earlier stretch put in.
+    """
+    spans, x = cycles(record), record.displacement
+    if not spans:
+        return []
+    strokes = np.array([np.ptp(x[first : last + 1]) for first, last in spans])
+    apart = np.array([abs(x[last] - x[first]) for first, last in spans])
+    stroke = float(np.median(strokes))
+    alike = np.abs(strokes - stroke) <= ALIKE * stroke
+    return spans if np.all(alike & (apart <= ALIKE * stroke)) else []
 
 
 def _drift(how: str, change: float, limit: float) -> Mark:
@@ -340,14 +385,18 @@ def sudden_force(measured: Measured) -> Iterator[Mark]:
 
 
 def _is_steady(measured: Measured, at: int) -> bool:
-    """Whether the table about a sample slides one way for `SLIDES` already, or stands, at one voltage."""
+    """Whether the table about a sample slides one way for `SLIDES` already, or stands, at one voltage.
+
+    One that follows a computed building never stands: its set points change by a part of a count, which the encoder does not
+    show, and the force by all of the friction.
+    """
     x, n = measured.displacement, max(2, round(ABRUPT * measured.rig.board.rate))
     # A reading strays by a count at the border of two; within two counts the stiffest of dampers has 30 N.
     near, jitter = slice(max(0, at - n), at + n), 1.5 * measured.rig.encoder.count
     if np.ndim(measured.voltage) and float(np.ptp(np.asarray(measured.voltage)[max(0, at - 2 * n) : at + n])):
         return False
     if float(np.ptp(x[near])) <= jitter:
-        return True
+        return not measured.closed_loop
     past = x[max(0, at - round(SLID * measured.rig.board.rate)) : at + 1]
     gone = np.abs(past - x[at])
     far = np.flatnonzero(gone >= SLIDES)
@@ -375,7 +424,10 @@ def created_energy(measured: Measured) -> Iterator[Mark]:
     x, force = measured.displacement, measured.force
     work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x))])
     path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(x)))])
-    spans = [*cycles(record), *([(0, record.n - 1)] if abs(float(x[-1] - x[0])) < CLOSED * float(np.ptp(x)) else [])]
+    spans = [
+        *_repeated_cycles(record),
+        *([(0, record.n - 1)] if abs(float(x[-1] - x[0])) < CLOSED * float(np.ptp(x)) else []),
+    ]
     for first, last in spans:
         gained, gone = float(work[first] - work[last]), float(path[last] - path[first])
         if gained > CREATED * gone:

@@ -21,12 +21,15 @@ from dampyr.campaigns.learning import TRIES
 from dampyr.campaigns.monitor import Watch, time_left
 from dampyr.campaigns.plan import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
-from dampyr.campaigns.record_test import as_json, check_disk, file_of, groups_of, reason, take
+from dampyr.campaigns.record_test import as_json, check_disk, groups_of, reason, take
 from dampyr.campaigns.recorded_tests import (
     INTERRUPTED,
     broken_tries,
+    entries_with_files,
+    file_of,
     is_broken,
     last_try,
+    lost_words,
     recorded,
     remove_parts,
     set_aside,
@@ -70,12 +73,13 @@ def perform(
         Names of tests that are recorded again, each as a further try, although they are complete. A file of them that is
         broken is renamed, so that it is not read as a record.
 
-    Warns of complete tests whose file is gone or broken, and of settings of the rig that differ from those that the campaign
-    was begun with; the journal and each further record say how.
+    Warns of settings of the rig that differ from those that the campaign was begun with; the journal and each further record
+    say how.
 
     Raises :class:`~dampyr.errors.InputError` before anything moves, :class:`~dampyr.errors.RigFault` where a safety layer
     has acted, :class:`Stopped` where it was asked for, :class:`~dampyr.errors.FileError` where the disk is full. In every
-    case the table is at rest, the coil at 0 V, and the journal records the reason.
+    case the table is at rest, the coil at 0 V, and the journal records the reason. A folder in which the file of a complete
+    test is gone or broken is not complete: what is left is run, after a warning, and then a FileError names these tests.
 
     Examples
     --------
@@ -106,12 +110,18 @@ def perform(
                 journal.note("set aside", f"{path.name}: it cannot be read")
             for name in again:
                 journal.repeat(name)
-            _tell_missing(journal, folder)
+            lost = lost_words(entries_with_files(journal.tests(), folder))
             run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or Control())
             if run.left():
+                if lost:
+                    warnings.warn(f"{folder}: {lost}", DampyrWarning, stacklevel=2)
                 run.begin_warm()
                 run.about = _tell_settings(journal, rig)
                 run.perform()
+            tests = entries_with_files(journal.tests(), folder)
+    if lost := lost_words(tests):
+        complete = sum(entry.state == "complete" for entry in tests)
+        raise FileError(folder, f"{complete} of {len(tests)} tests are complete: {lost}")
     return folder
 
 
@@ -158,26 +168,6 @@ def _enter(campaign_plan: Plan, rig: Rig, journal: Journal, folder: Path) -> Non
         words += f"{complete} complete, {len(entries) - complete} not"
         journal.note("rebuilt", words)
         warnings.warn(f"{journal.path} was missing or empty and is made anew {words}", DampyrWarning, stacklevel=3)
-
-
-def _tell_missing(journal: Journal, folder: Path) -> None:
-    """Warn of complete tests whose file is gone or broken."""
-    missing = []
-    for entry in journal.tests():
-        if entry.state == "complete":
-            path = file_of(folder, entry.name, entry.attempt)
-            if not path.is_file() or is_broken(path):
-                missing.append((entry.name, "broken" if path.is_file() else "gone"))
-    if missing:
-        files = ", ".join(f"{name} ({what})" for name, what in missing[:3])
-        more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
-        command = " ".join(f"--again {name}" for name, _ in missing)
-        warnings.warn(
-            f"{folder}: files of complete tests cannot be read: {files}{more}; run the same command with {command} to record "
-            "them again",
-            DampyrWarning,
-            stacklevel=3,
-        )
 
 
 def _tell_settings(journal: Journal, rig: Rig) -> dict[str, str]:
@@ -266,10 +256,10 @@ class _Run:
         if rig.damper_persists:
             with suppress(ValueError):  # none is saved, or by somebody else
                 saved = SavedTemperature.parse(self.journal.said(TEMPERATURE), self.journal.said(TEMPERATURE_TIME))
-                rig.warmth.temperature = max(rig.warmth.temperature, saved.cooled(rig.settings))
-        if rig.warmth.temperature >= limit and not rig.settings.wires.temperature:
+                rig.warmth.estimate = max(rig.warmth.estimate, saved.cooled(rig.settings))
+        if rig.warmth.hottest >= limit:
             raise InputError(
-                f"the damper is at {rig.warmth.temperature:.0f} degC as estimated, and limits.temperature = {limit:g} degC; "
+                f"the damper is at {rig.warmth.hottest:.0f} degC as estimated, and limits.temperature = {limit:g} degC; "
                 "let it cool, and run the campaign again: it goes on"
             )
 
@@ -278,7 +268,7 @@ class _Run:
         if not self.rig.damper_persists:
             return {}
         now = datetime.now(UTC).isoformat(timespec="milliseconds")
-        return {TEMPERATURE: f"{self.rig.warmth.temperature:.3f}", TEMPERATURE_TIME: now}
+        return {TEMPERATURE: f"{self.rig.warmth.hottest:.3f}", TEMPERATURE_TIME: now}
 
     def _save_temperature(self) -> None:
         """Save it beside the rig's settings too, now and then; a disk that hesitates holds nothing up."""

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.campaigns.campaign import Campaign
+from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.marks import Mark, Measured, marks_of, zero_moved
 from dampyr.campaigns.plan import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
@@ -36,11 +37,6 @@ from dampyr.source_digest import full_version
 
 Judge = Callable[[Recording], Mapping[str, str]]
 SPARE = 2.0  # s of samples reserved beyond the plan: stopping takes less than 1 s
-
-
-def file_of(folder: Path, name: str, attempt: int) -> Path:
-    """The file of a try of a test."""
-    return folder / (f"{name}.h5" if attempt == 1 else f"{name}.try{attempt}.h5")
 
 
 def take(
@@ -96,7 +92,13 @@ def evidence(table: Table, lost: LostCounts, cool: float) -> Evidence:
 def warmth_of(table: Table) -> Evidence:
     """What a test that was ended early has shown of its measurement: how warm the damper is, and how late its supply."""
     warm, rig = table.temperature, table.rig
-    return Evidence(temperature=warm, warming=warm - rig.settings.specimen.room, command_delay=rig.command_delay)
+    return Evidence(
+        temperature=warm,
+        warming=warm - rig.settings.specimen.room,
+        command_delay=rig.command_delay,
+        parted=rig.warmth.parted,
+        doubt=rig.warmth.doubt,
+    )
 
 
 @contextmanager
@@ -146,6 +148,8 @@ def _finish(
     marks += zero_moved(
         shown, float(np.ptp(recording.read("calibrated/force", thinly(recording)))) if recording.rows else 0.0
     )
+    if shown.doubt:
+        marks.append(Mark(shown.doubt))
     about: dict[str, Any] = {"marks": tuple(mark.text for mark in marks)}
     about["uncertainty"] = uncertainty(recording, rig, shown)
     if "voltage" in recording.header.constants and "raw/coil_voltage" in recording.datasets:
@@ -213,6 +217,7 @@ def measured(recording: Recording, rig: RigSettings, rows: slice, temperature: f
         rig,
         temperature,
         **coil,
+        closed_loop=getattr(kind(recording.header.provenance["kind"]), "closed_loop", False),
     )
 
 

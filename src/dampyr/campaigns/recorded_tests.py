@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 from dampyr.campaigns.campaign import Test
@@ -59,6 +61,45 @@ def _difference(campaign_plan: Plan, test: Test | None, provenance: dict[str, st
     if digest and not step:
         return "other tests of it, their order, or what is in its files differ"
     return f"its step differs: {step}" if step else ""
+
+
+def file_of(folder: Path, name: str, attempt: int) -> Path:
+    """The file of a try of a test."""
+    return folder / (f"{name}.h5" if attempt == 1 else f"{name}.try{attempt}.h5")
+
+
+def entries_with_files(entries: Iterable[Entry], folder: Path) -> list[Entry]:
+    """The entries of a journal with what has become of the files: a complete test whose file is lost is gone or broken."""
+    return [_entry_with_file(entry, file_of(folder, entry.name, entry.attempt)) for entry in entries]
+
+
+def _entry_with_file(entry: Entry, path: Path) -> Entry:
+    if entry.state != "complete":
+        return entry
+    try:
+        about = path.stat()
+    except OSError:
+        return replace(entry, state="gone", reason=f"its file {path.name} is not there")
+    if _is_broken(path, about.st_size, about.st_mtime_ns):
+        return replace(entry, state="broken", reason=f"its file {path.name} cannot be read")
+    return entry
+
+
+@lru_cache(maxsize=4096)
+def _is_broken(path: Path, size: int, changed: int) -> bool:
+    """`is_broken` of a file of that size, changed at that time: pages list hundreds of them again and again."""
+    return is_broken(path)
+
+
+def lost_words(entries: Iterable[Entry]) -> str:
+    """Which of the entries are gone or broken, and the repair; empty where none is."""
+    lost = [entry for entry in entries if entry.state in ("gone", "broken")]
+    if not lost:
+        return ""
+    files = ", ".join(f"{entry.name} ({entry.state})" for entry in lost[:3])
+    more = f" and {len(lost) - 3} more" if len(lost) > 3 else ""
+    command = " ".join(f"--again {entry.name}" for entry in lost)
+    return f"files of complete tests cannot be read: {files}{more}; run the same command with {command} to record them again"
 
 
 def set_aside(path: Path) -> Path:

@@ -11,6 +11,7 @@ from dampyr.campaigns.differences import campaign_differences
 from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.journal import NAME, Journal
 from dampyr.campaigns.plan import Plan
+from dampyr.campaigns.recorded_tests import entries_with_files, lost_words
 from dampyr.errors import DampyrError, FileError, InputError
 from dampyr.origin import NOT_STATED, Origin, as_origin
 
@@ -38,7 +39,7 @@ def run_folder(folder: str | Path) -> RunFolder:
     folder = Path(folder)
     try:
         with closing(Journal(folder)) as journal:
-            entries, events = journal.tests(), journal.events()
+            entries, events = entries_with_files(journal.tests(), folder), journal.events()
             campaign, operator = journal.said("name"), journal.said("operator")
             origin = as_origin(journal.said("origin") or NOT_STATED)
     except DampyrError as problem:
@@ -48,6 +49,7 @@ def run_folder(folder: str | Path) -> RunFolder:
     if state == "interrupted" and is_locked(folder):
         state = "running"
     ended = [event.detail for event in events if event.what in ("ended early", "ended")]
+    ended += filter(None, [lost_words(entries)])
     last = events[-1].time if events else ""
     return RunFolder(
         folder.name,
@@ -77,7 +79,7 @@ def folder_state(campaign_plan: Plan, folder: str | Path) -> tuple[FolderState, 
     if not (folder / NAME).is_file():
         return "new", "a new folder"
     with closing(Journal(folder)) as journal:
-        entries, digest = journal.tests(), journal.said("digest")
+        entries, digest = entries_with_files(journal.tests(), folder), journal.said("digest")
         name, contents = journal.said("name"), journal.said("contents")
     campaign = campaign_plan.campaign
     if digest and digest not in (campaign.digest, campaign.path_digest):
@@ -92,4 +94,6 @@ def folder_state(campaign_plan: Plan, folder: str | Path) -> tuple[FolderState, 
             "complete",
             f"all {complete} tests are recorded there; choose another folder to run them again, or repeat some of them",
         )
+    if lost := lost_words(entries):
+        return "interrupted", f"{complete} of {len(entries)} tests are recorded there; {lost}"
     return "interrupted", f"{complete} of {len(entries)} tests are recorded there; the others are run"

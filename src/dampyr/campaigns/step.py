@@ -36,9 +36,10 @@ class Step(Protocol):
 
     ``lowers`` : the fields that a refusal may propose to lower. ``named`` : the fields in a test's name and words.
     ``fixed`` : whether the test keeps its place where the order is random. ``learns`` : whether its drive can be learned: the
-    table follows set points, and moves until their end. One that names files has ``contents``, a hash of what is in each by its
-    field. One that can be lowered to what the rig can do has ``fit_limits``, and ``fits``, the field that is lowered then. A
-    field that is added after a release has ``repr=False``: at its default it does not change what a campaign is.
+    table follows set points, and moves until their end. ``closed_loop`` : whether these follow from the measured force. One
+    that names files has ``contents``, a hash of what is in each by its field. One that can be lowered to what the rig can
+    do has ``fit_limits``, and ``fits``, the field that is lowered then. A field that is added after a release has
+    ``repr=False``: at its default it does not change what a campaign is.
     """
 
     lowers: ClassVar[tuple[str, ...]]

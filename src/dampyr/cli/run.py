@@ -139,9 +139,11 @@ def _perform(
 def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
     from dampyr.campaigns import read_journal
     from dampyr.campaigns.journal import journal_origin
+    from dampyr.campaigns.recorded_tests import entries_with_files
 
     if (out / "journal.sqlite").is_file():
-        tests, events, origin = *read_journal(out), journal_origin(out)
+        journal, events = read_journal(out)
+        tests, origin = entries_with_files(journal, out), journal_origin(out)
         state_origin(origin)
         if as_json:
             print_json(
@@ -169,7 +171,10 @@ def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:
     rows = [[test.name, words.get(test.name, ""), test.state, test.attempt, test.reason] for test in tests]
     complete = sum(test.state == "complete" for test in tests)
     left = len(tests) - complete
-    hint = f"dampyr identify {out}" if not left else "run the same command again to go on"
+    lost = [f"--again {test.name}" for test in tests if test.state in ("gone", "broken")]
+    hint = f"dampyr identify {out}" if not left else " ".join(["run the same command again to go on", *lost])
+    if lost and len(lost) == left:
+        hint = f"run the same command with {' '.join(lost)}"
     print_table(
         f"{plan.campaign.header.name}: {complete} of {len(tests)} tests complete in {out}",
         ["test", "what", "state", "try", "reason"],

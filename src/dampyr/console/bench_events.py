@@ -16,7 +16,7 @@ TAIL = 256 * 1024  # bytes of an earlier file that are read for them
 
 @dataclass(frozen=True)
 class BenchEvent:
-    """``time`` with its zone, ``who`` did it (a page, or the rig), and ``what`` in words."""
+    """``time`` with its zone, ``who`` did it (an operator and the page, an address, or the rig), and ``what`` in words."""
 
     time: str
     who: str

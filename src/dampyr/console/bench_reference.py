@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.campaigns.journal import read_journal
-from dampyr.campaigns.record_test import file_of
+from dampyr.campaigns.recorded_tests import file_of
 from dampyr.errors import DampyrError
 from dampyr.records import read
 from dampyr.records.record import Record

@@ -32,7 +32,7 @@ from dampyr.console.bench_state import (
     interlock_ring,
     new_run,
 )
-from dampyr.console.bench_thread import BenchThread
+from dampyr.console.bench_thread import BenchThread, Prepared
 from dampyr.console.clients import Clients
 from dampyr.console.decimation import MinMaxBins
 from dampyr.console.guided import Guided, Step
@@ -228,6 +228,8 @@ class Bench:
             self._thread.expect()
             self._thread.run = new_run(self._queued(name, folder, about or RunAbout()), campaign_plan)
             self._thread.run_folder = folder
+            self.clients.operate(client, campaign_plan.campaign.header.operator)
+            self._thread.started_by = self.clients.who(client)
         self._thread.disarm_requested.set()
         self._event(client, f"starts {name} into {folder.name}")
         self._thread.jobs.put(partial(self._thread.perform, campaign_plan, folder, reference))
@@ -243,12 +245,15 @@ class Bench:
             if folder.name in [queued.folder for queued, _ in self._thread.queue]:
                 raise InputError(f"folder = {folder.name!r} waits in the queue already; choose another folder")
 
-            def prepare() -> tuple[Plan, Path, RunReference | None]:
+            self.clients.operate(client, about.operator)
+            who = self.clients.who(client)
+
+            def prepare() -> Prepared:
                 campaign_plan = self._planned(name, path, about)
                 state, words = folder_state(campaign_plan, folder)
                 if state in ("complete", "foreign", "running"):
                     raise InputError(words)
-                return campaign_plan, folder, reference
+                return Prepared(campaign_plan, folder, reference, who)
 
             self._thread.queue.append((self._queued(name, folder, about), prepare))
         self._event(client, f"queues {name} into {folder.name}")
@@ -366,7 +371,7 @@ class Bench:
         return ConnectedRig(settings.name, self._simulated, self._thread.identity, *values)
 
     def _event(self, client: str, what: str) -> None:
-        self._thread.note_event(self.clients.name(client) or "a page", what)
+        self._thread.note_event(self.clients.who(client) or "a page", what)
 
     def _move(self, client: str, words: str, motion: Callable[[Table], None]) -> None:
         """Begin a motion by hand, with the table at rest."""

@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from dampyr.campaigns import Control, Plan, Progress, Stopped, exit_status, perform
 from dampyr.console.bench_alarms import Alarms
@@ -37,6 +38,15 @@ class Cancelled(DampyrError):
     """A motion was ended because whoever asked for it is gone, or asked for something else."""
 
 
+class Prepared(NamedTuple):
+    """A campaign of the queue that can begin: what is run into which folder, against which reference, and who queued it."""
+
+    plan: Plan
+    folder: Path
+    reference: RunReference | None
+    who: str
+
+
 class BenchThread:
     """What is known of the rig, and the jobs that wait for it."""
 
@@ -60,7 +70,10 @@ class BenchThread:
         self.run_folder: Path | None = None
         self.reference: RunReference | None = None
         self.halted = threading.Event()
-        self.queue: list[tuple[Queued, Callable[[], tuple[Plan, Path, RunReference | None]]]] = []
+        self.queue: list[tuple[Queued, Callable[[], Prepared]]] = []
+        self.started_by = ""
+        """Who started the campaign that runs."""
+        self._doubted, self._performing = False, False
         self.control, self.jogging = Control(), Jogging(clock)
         self.disarm_requested, self.aborted, self.closing = threading.Event(), threading.Event(), threading.Event()
         self.jobs: queue.Queue[Callable[[], None]] = queue.Queue()
@@ -119,6 +132,7 @@ class BenchThread:
             self.enter("disconnected")
             raise
         rig.watchers.append(self._seen)
+        rig.on_energy.append(self._tell_energy)
         self.strips = MinMaxBins(rig.settings.board.rate, self.clock() - self.born)
         self.identity, _ = rig.identity, rig.origin  # asked of the instruments here, once
         self.rig, self.status = rig, rig.uno.heartbeat()
@@ -142,7 +156,6 @@ class BenchThread:
                 if self.aborted.is_set():
                     table.abort()
                 self.enter("armed")
-                self.note_event("rig", "armed")
                 while not (self.disarm_requested.is_set() or self.closing.is_set()):
                     self._step(table)
         except Exception as problem:  # told before the bench is idle again
@@ -152,13 +165,13 @@ class BenchThread:
             while not self._motions.empty():
                 self._motions.get_nowait()
             self._look(rig)
-            self.note_event("rig", "disarmed")
             self.enter("idle", unless=("campaign", "disconnecting"))
 
     def perform(self, campaign_plan: Plan, folder: Path, reference: RunReference | None = None) -> None:
         """Run a campaign to its end, whatever the end is; then the next one of the queue, where it was complete."""
         rig = self._begun()
         self.run_folder, self.reference = folder, reference
+        self._performing = True
         complete = False
         try:
             self.control.check()
@@ -172,6 +185,7 @@ class BenchThread:
             self.progressed(outcome=outcome, reason=why)
             self._tell(problem)
         finally:
+            self._performing = False
             self._look(rig)
             if complete and reference is not None:
                 self._report(folder, reference)
@@ -185,14 +199,14 @@ class BenchThread:
                 return False
             queued, prepare = self.queue.pop(0)
         try:
-            campaign_plan, folder, reference = prepare()
+            campaign_plan, folder, reference, who = prepare()
         except Exception as problem:
             self._tell(InputError(f"{queued.name}, the next of the queue, was not begun: {problem}"))
             return False
         with self.lock:
             self.expect()
-            self.run, self.run_folder = new_run(queued, campaign_plan), folder
-        self.note_event("queue", f"starts {queued.name} into {queued.folder}")
+            self.run, self.run_folder, self.started_by = new_run(queued, campaign_plan), folder, who
+        self.note_event(f"queue of {who}", f"starts {queued.name} into {queued.folder}")
         self.jobs.put(partial(self.perform, campaign_plan, folder, reference))
         return True
 
@@ -319,14 +333,23 @@ class BenchThread:
         rig, strips = self.rig, self.strips
         if rig is None or strips is None:
             return
-        measured = samples.temperature
-        warm = rig.warmth.temperature if measured is None else float(measured[-1])
+        warm = rig.warmth.temperature
         strips.take(samples, warm, self.clock() - self.born)
         for words in self.alarms.take(samples, warm, rig.settings.board.rate):
             # a disk that hesitates must not hold up the thread that reads
             threading.Thread(target=self.note_event, args=("alarm", words), name="alarm", daemon=True).start()
+        if (doubt := rig.warmth.doubt) and not self._doubted:
+            self.alarms.raise_alarm(doubt)
+            threading.Thread(target=self.note_event, args=("alarm", doubt), name="alarm", daemon=True).start()
+        self._doubted = bool(doubt)
         self.status, self.live_at = samples.status, self.clock()
         self.live = Live(float(samples.displacement[-1]), float(samples.force[-1]), float(samples.voltage[-1]), warm)
+
+    def _tell_energy(self, armed: bool) -> None:
+        """The rig was armed or disarmed, by hand or by the campaign."""
+        run = self.run if self._performing else None
+        about = "" if run is None else f" for the campaign {run.name}, started by {self.started_by or 'the operator'}"
+        self.note_event("rig", f"armed{about}" if armed else "disarmed")
 
     def _tell(self, problem: Exception) -> None:
         if isinstance(problem, RigFault) and problem.ring == "interlock":

@@ -17,6 +17,7 @@ class _Client:
     name: str
     streams: int
     heard: float
+    operator: str = ""
 
 
 @dataclass
@@ -85,6 +86,18 @@ class Clients:
         """How others see a client; empty for none."""
         with self._lock:
             return self._clients[client].name if client in self._clients else ""
+
+    def operate(self, client: str, operator: str) -> None:
+        """``operator`` works at this page from now on; nothing changes without a name."""
+        with self._lock:
+            if client in self._clients and operator:
+                self._clients[client].operator = operator
+
+    def who(self, client: str | None) -> str:
+        """Who does what a client asks for: its operator, where one was named, and the page; empty for none."""
+        with self._lock:
+            entry = self._clients.get(client or "")
+            return "" if entry is None else ", ".join(filter(None, (entry.operator, entry.name)))
 
     def knows(self, client: str) -> bool:
         """Whether a client has an open stream."""

@@ -76,7 +76,7 @@ class Stream:
                 await self._jog(_speed(message["jog"]))
 
     async def _abort(self, sign: Any) -> None:
-        name = self.bench.clients.name(self.client)
+        name = self.bench.clients.who(self.client)
         await asyncio.get_running_loop().run_in_executor(ABORTING, self.bench.abort, name)
         await self._send({"aborted": sign})
 

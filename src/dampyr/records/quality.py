@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.records.channel_noise import last_at_rest, quantum
+from dampyr.records.channel_noise import last_at_rest, quantum, rest_tolerance
 from dampyr.records.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
 from dampyr.representation import Representation, Summary
@@ -25,6 +27,12 @@ RUN_AWAY = 1.0  # of the stroke, in the whole record: the table of the published
 RUN_AWAY_PER_CYCLE = 0.08  # of the stroke: there up to 0.051; what an encoder loses that counts so much less one way
 RUN_AWAY_STRAIGHT = 0.9  # of the variance of the cycles' middles that a straight line holds
 UNLIKELY_STROKE = 2.0  # m: dampers of buildings and bridges reach 1 m; 2 mm read as m are there
+NOISE_WINDOW = 20  # samples in which a channel's noise is looked at
+MIN_NOISY = 3  # windows in which it has to show
+NOISE_ORDER = 5  # of the differences that hold noise and none of the motion
+QUIETER = 1.5  # times that the noise on a level may be less than elsewhere, and
+FLATTER = 3.0  # times that more samples may stand there than such noise leaves
+SHARE_OF_FLAT = 0.005  # of the samples that move: fewer at one level change no result
 EXCURSION = 0.1  # of the median distance between turning points: far beyond noise and encoder steps
 
 
@@ -44,7 +52,8 @@ class Quality(Representation):
         The quantisation step of each channel in SI; channels without one are not in it.
     saturated
         For displacement and force, how many samples stand at the channel's extreme in runs of five or more
-        that last over 5 % of a cycle, while the table moves; channels without such are not in it.
+        that last over 5 % of a cycle, while the table moves; of the force also those at a level at which its noise is gone
+        (`flat_levels`); channels without such are not in it.
     spikes
         For displacement and force, the times in s of samples that stand out of their neighbours by more than a tenth of the
         channel's range, and far more than others do; channels without such are not in it.
@@ -138,6 +147,8 @@ def quality(record: Record) -> Quality:
     arrays = {name: values for name, values in channels.items() if isinstance(values, np.ndarray)}
     moving = _moving(record, spans)
     counts = {name: _stuck(getattr(record, name)[moving], per_cycle) for name in ("displacement", "force")}
+    flat = sum(int(np.sum(at)) for _, at in flat_levels(record.force, _motion(record), quantum(record.force) or 0.0))
+    counts["force"] = max(counts["force"], flat)
     return Quality(
         samples=record.n,
         dt=dt,
@@ -208,12 +219,77 @@ def _moving(record: Record, spans: list[tuple[int, int]]) -> slice:
     return slice(int(np.searchsorted(record.time, motion_start(record))) + 1, record.n)
 
 
+def _motion(record: Record) -> slice:
+    """From the start of the motion to its end, whole cycles or not."""
+    x = record.displacement
+    away = np.flatnonzero(np.abs(x - x[-1]) > rest_tolerance(x))
+    return slice(int(np.searchsorted(record.time, motion_start(record))) + 1, int(away[-1]) + 1 if len(away) else 0)
+
+
 def _stuck(moving: Array, per_cycle: float | None) -> int:
     """How many samples stand at the highest or the lowest value in long runs, once the table moves."""
     long = max(MAX_PLATEAU, PLATEAU_OF_CYCLE * (per_cycle or 0.0))
     if len(moving) == 0 or np.ptp(moving) == 0:
         return 0
     return sum(_in_runs(moving == extreme, long) for extreme in (moving.max(), moving.min()))
+
+
+def flat_levels(values: Array, moving: Any, step: float) -> list[tuple[float, NDArray[np.bool_]]]:
+    r"""The levels at which a noisy channel stands without its noise, each with the samples (n,) that are there.
+
+    So does an amplifier that saturates: its flat tops lie below the converter's rail, end at a turn of the table, and one
+    code takes a large share of the samples. The force of a damper that is constant over its stroke, such as friction, has the
+    noise of its cell. In bins of one ``step`` of the converter, and of at least half the noise :math:`\sigma`, three bins in
+    the middle of a level with noise hold at most
+
+    .. math:: \frac{P(|z| < 1.5 / \sigma)}{P(1.5 / \sigma < z < 4.5 / \sigma)}
+
+    times the samples of the three beside them, whatever the motion. A level is flat from `FLATTER` times that on, with
+    :math:`\sigma` lower by `QUIETER`. ``moving`` are the samples that count, as an index into ``values``. A channel without
+    noise that shows has none: nothing tells its flat tops from friction.
+    """
+    from scipy.special import ndtr
+
+    noise, among = _noise(values), values[moving]
+    width = max(step, 0.5 * noise)
+    if noise == 0.0 or not len(among):
+        return []
+    bins = np.rint(values / width)
+    ordered = np.sort(bins[moving])
+
+    def about(place: Array, reach: float) -> Array:
+        """The samples in the bins within ``reach`` of ``place``."""
+        first = np.searchsorted(ordered, place - reach, "left")
+        last = np.searchsorted(ordered, place + reach, "right")
+        return np.asarray(last - first, dtype=np.float64)
+
+    place, count = np.unique(ordered, return_counts=True)
+    three, flanks = about(place, 1.0), np.maximum(about(place - 3.0, 1.0), about(place + 3.0, 1.0))
+    inner, outer = 1.5 * QUIETER * width / noise, 4.5 * QUIETER * width / noise
+    expected = float(ndtr(inner) - ndtr(-inner)) / max(float(ndtr(outer) - ndtr(inner)), 1e-9)
+    flat = (three >= FLATTER * expected * (flanks + 1.0)) & (three >= SHARE_OF_FLAT * len(among))
+    flat &= count >= np.maximum(about(place - 1.0, 0.0), about(place + 1.0, 0.0))  # and not beside such a level
+    levels: list[tuple[float, NDArray[np.bool_]]] = []
+    for level in place[flat]:
+        at = np.zeros(len(values), dtype=bool)
+        at[moving] = np.abs(bins[moving] - level) <= 1.0
+        levels.append((float(level) * width, at))
+    return levels
+
+
+def _noise(values: Array) -> float:
+    """The standard deviation of a channel's noise: the lower quartile of that in windows in which it shows, by the median of
+    fifth differences, which hold little of the motion; 0 where it shows in too few.
+
+    The differences of noise change their sign at four of five samples, those of a force that turns round hardly ever.
+    """
+    count = len(values) // NOISE_WINDOW
+    differences = np.diff(values[: count * NOISE_WINDOW].reshape(count, NOISE_WINDOW), NOISE_ORDER, axis=1)
+    turns = np.mean(differences[:, 1:] * differences[:, :-1] < 0.0, axis=1)
+    size = np.median(np.abs(differences), axis=1)
+    live = size[(size > 0.0) & (turns > 0.5)]
+    gain = 0.6745 * math.sqrt(math.comb(2 * NOISE_ORDER, NOISE_ORDER))
+    return float(np.quantile(live, 0.25)) / gain if len(live) >= MIN_NOISY else 0.0
 
 
 def _in_runs(flags: Array, long: float) -> int:

@@ -213,13 +213,12 @@ class Acquisition:
             self.interlock.shift(jump)
 
     def _judge(self, samples: Samples, waiting: float) -> None:
-        warm = self.warmth.take(samples)
+        self.warmth.take(samples)
         if samples.status.state is State.FAULT:  # the cause; what the interlock sees then may be its consequence
             raise RigFault(f"the Uno stopped the table: {fault_in_words(samples.status.faults)}", "firmware")
         if self.interlock is not None:
-            trip = self.interlock.judge(samples, waiting)
-            if samples.temperature is None:
-                trip = self.interlock.estimate(warm, float(samples.time[-1]))
+            self.interlock.judge(samples, waiting)
+            trip = self.interlock.estimate(self.warmth.estimate, float(samples.time[-1]), self.warmth.doubt)
             if trip:
                 raise RigFault(f"the interlock stopped the rig: {trip}", "interlock")
 

@@ -41,7 +41,7 @@ class SavedTemperature:
         """What is left of it [degC] now; a clock that was set back cools nothing."""
         warmth = Warmth(rig, self.temperature)
         warmth.cool(max(0.0, ((now or datetime.now(UTC)) - self.time).total_seconds()))
-        return warmth.temperature
+        return warmth.estimate
 
 
 def save_temperature(folder: Path, temperature: float) -> Path:

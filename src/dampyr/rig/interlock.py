@@ -127,11 +127,14 @@ class Interlock:
                 self.trip = Trip(what, float(value), float(limit), unit, time, look)
         return self.trip
 
-    def estimate(self, temperature: float, time: float) -> Trip | None:
-        """Check an estimated temperature [degC], where none is measured."""
+    def estimate(self, temperature: float, time: float, doubt: str = "") -> Trip | None:
+        """Check an estimated temperature [degC], measured or not: a thermocouple that is stuck is no guard. ``doubt`` is what
+        seems to be wrong with its reading.
+        """
         limit = self.rig.limits.temperature
         if not temperature <= limit and self.trip is None:
-            self.trip = Trip("estimated temperature", temperature, limit, "degC", time, "let the damper cool")
+            look = "; ".join(filter(None, ("let the damper cool", doubt)))
+            self.trip = Trip("estimated temperature", temperature, limit, "degC", time, look)
         return self.trip
 
     def shift(self, jump: float) -> None:

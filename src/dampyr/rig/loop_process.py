@@ -247,7 +247,7 @@ class RemoteLoop(Acquisition):
         self.player = None
         self.stopped: RigFault | None = None
         self.waiting = queue.Queue(max(4, round(HELD / rig.board.block)))
-        self.status: Status = process.ask("acquire", calibration, interlocked, warmth.temperature)
+        self.status: Status = process.ask("acquire", calibration, interlocked, warmth.state)
         process.on_block = self._take
 
     def _take(self, message: tuple[Any, ...]) -> None:
@@ -256,8 +256,8 @@ class RemoteLoop(Acquisition):
         if what == "stopped":
             self._stop(rebuilt_fault(values[0]))
             return
-        samples, calibration, temperature, finished = values
-        self.status, self.warmth.temperature = samples.status, temperature
+        samples, calibration, warm, finished = values
+        self.status, self.warmth.state = samples.status, warm
         with self.lock:
             self.calibration = calibration
             if self.player is not None and self.player.start == finished:

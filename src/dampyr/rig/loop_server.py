@@ -31,7 +31,7 @@ from dampyr.rig.loop_process import described, rebuilt_fault
 from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.shared_clock import SharedClock
-from dampyr.rig.thermal_model import Warmth
+from dampyr.rig.thermal_model import Warmth, WarmthState
 
 Opener = Callable[[RigSettings, bool], tuple[Any, Any]]
 Clock = Callable[[], float]
@@ -103,13 +103,14 @@ class LoopServer:
         """What the board says of its samples."""
         return stated_origin(self.board)
 
-    def do_acquire(self, calibration: Calibration, interlocked: bool, temperature: float) -> Status:
+    def do_acquire(self, calibration: Calibration, interlocked: bool, warm: WarmthState) -> Status:
         """Make a loop for a rig that is about to be armed; the Uno's status."""
         assert self.rig is not None
         self.rig = calibration.corrected(self.rig)
         freeze_objects()
         interlock = Interlock(self.rig, index=self.index) if interlocked else None
-        warmth = Warmth(self.rig, temperature)
+        warmth = Warmth(self.rig, self.rig.specimen.room)
+        warmth.state = warm
         self.loop = Acquisition(self.rig, self.uno, self.board, calibration, interlock, warmth, True, (), self.clock)
         return self.loop.status
 
@@ -132,7 +133,7 @@ class LoopServer:
                     return
                 player = loop.player
                 finished = player.start if player is not None and player.finished else None
-                self.blocks.send(("block", block, loop.calibration, loop.warmth.temperature, finished))
+                self.blocks.send(("block", block, loop.calibration, loop.warmth.state, finished))
 
     def do_next(self) -> int:
         """The next sample that will be read."""

@@ -65,7 +65,8 @@ class Rig(Representation):
     ``shared_clock``: that of a simulated rig in real time.
     ``damper_persists``: the damper is as warm as the last host left it; that of a simulated rig is a new one.
     ``simulated``: it is one that `dampyr.rig.simulated` has made.
-    Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick.
+    Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick. Each of
+    ``on_energy`` is called with True when the rig has been armed and with False when it has been disarmed.
     """
 
     settings: RigSettings
@@ -80,6 +81,7 @@ class Rig(Representation):
     acquisition: Callable[[Rig], Acquisition] | None = None
     on_close: list[Callable[[], None]] = field(default_factory=list)
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
+    on_energy: list[Callable[[bool], None]] = field(default_factory=list)
     damper_persists: bool = True
     shared_clock: SharedClock | None = None
     simulated: bool = False
@@ -91,6 +93,10 @@ class Rig(Representation):
     homed_by_hand: bool = field(init=False, default=False)
     """Whether this host homed it by hand: where its index is passed is not certain then until it has been."""
     _taken_over: bool = field(init=False, default=False)
+    _energised: bool = field(init=False, default=False)
+    """Whether those who want to know were told that it is armed."""
+    _read_until: float | None = field(init=False, default=None)
+    """When it was last read, s of the clock."""
 
     def __post_init__(self) -> None:
         saved = load_calibration(self.folder) if self.folder else None
@@ -98,7 +104,7 @@ class Rig(Representation):
         self.settings = self.calibration.corrected(self.settings)
         self.warmth = Warmth(self.settings, self.settings.specimen.room)
         if self.damper_persists and self.folder and (warm := load_temperature(self.folder)):
-            self.warmth.temperature = warm.cooled(self.settings)
+            self.warmth.estimate = warm.cooled(self.settings)
         if self.threaded:
             self.on_close.append(disable_gc())
 
@@ -131,12 +137,14 @@ class Rig(Representation):
         """
         if self.threaded:
             freeze_objects()
+        self._cool_meanwhile()
         self._take_over()
         self.uno.configure(self.settings)
         table = Table(self)
         self.was_armed = True
         try:
             table.begin()
+            self._tell_energy(True)
             yield table
         except BaseException as problem:
             _leave(table, problem)
@@ -144,15 +152,27 @@ class Rig(Representation):
         else:
             _leave(table, None)
         finally:
+            self._read_until = self.clock()
+            self._tell_energy(False)
             self.save_temperature()
+
+    def _tell_energy(self, armed: bool) -> None:
+        for tell in self.on_energy if armed or self._energised else ():
+            tell(armed)
+        self._energised = armed
 
     def save_temperature(self) -> None:
         """Save the damper's temperature for the next host, beside the ``rig.toml``; a failure is a warning."""
         if self.damper_persists and self.folder:
             try:
-                save_temperature(self.folder, self.warmth.temperature)
+                save_temperature(self.folder, self.warmth.hottest)
             except FileError as problem:
                 warnings.warn(f"the damper's temperature was not saved: {problem}", DampyrWarning, stacklevel=2)
+
+    def _cool_meanwhile(self) -> None:
+        """Let the estimate cool for the time in which nothing was read; that of a rig whose time stands does not pass."""
+        if self._read_until is not None and self.time_passes:
+            self.warmth.cool(max(0.0, self.clock() - self._read_until))
 
     def _take_over(self) -> None:
         """The Uno to IDLE, however it is met; what an earlier host left is said by name, once, before it is forgotten."""
@@ -187,6 +207,7 @@ class Rig(Representation):
         """
         calibration, n = self.calibration, max(2, round(block * self.settings.board.rate))
         assert calibration is not None
+        self._cool_meanwhile()
         self.warmth.restart()
         self.board.start(self.settings.board.rate, np.zeros(n))
         try:
@@ -215,6 +236,7 @@ class Rig(Representation):
                 yield samples
                 first += n
         finally:
+            self._read_until = self.clock()
             self.board.stop()
 
     def use(self, calibration: Calibration) -> None:
@@ -316,7 +338,10 @@ class Table(Representation):
     def _summary(self) -> Summary:
         return f"Table of {self.rig.settings.name!r}, armed", [
             ("position", f"{1e3 * self.position:.4g} mm, {'homed' if self.homed else 'not homed'}"),
-            ("temperature", f"{self.temperature:.4g} °C, estimated"),
+            (
+                "temperature",
+                f"{self.temperature:.4g} °C, {'estimated' if self.rig.warmth.reading is None else 'measured'}",
+            ),
         ]
 
     def begin(self) -> None:
@@ -381,7 +406,7 @@ class Table(Representation):
 
     @property
     def temperature(self) -> float:
-        """The estimate of the damper's temperature [degC]."""
+        """The damper's temperature [degC], measured or estimated."""
         return self.rig.warmth.temperature
 
     def home(self, here: bool = False) -> None:
@@ -597,7 +622,7 @@ class Table(Representation):
         for samples in self.loop.blocks():
             yield samples, player.recorded_slice(samples.first, samples.n)
             self.check()
-            if self._early(drive, samples):
+            if self._early(drive):
                 self.stop()
                 return
             if samples.first + samples.n >= player.end and player.finished:
@@ -614,12 +639,11 @@ class Table(Representation):
             if still == 2:
                 return
 
-    def _early(self, drive: Drive, samples: Samples) -> bool:
+    def _early(self, drive: Drive) -> bool:
         """Whether the drive has reached its temperature."""
         if drive.until_temperature is None:
             return False
-        warm = self.temperature if samples.temperature is None else float(samples.temperature[-1])
-        return warm >= drive.until_temperature
+        return self.temperature >= drive.until_temperature
 
     def stop(self) -> None:
         """Decelerate to rest, and stay armed."""

@@ -19,21 +19,21 @@ from numpy.typing import NDArray
 from dampyr.models.numerics.differentiation import differentiate
 from dampyr.rig.interlock import Samples
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.thermal_model import COLD, COPPER
+from dampyr.rig.thermal_model import COLD, COPPER, THERMOCOUPLE
 
 Array = NDArray[np.float64]
 UNSEEN_COUNTS = 2.0  # that the board and the Uno may differ by at rest, where no index shows them
 UNSEEN_DRIFT = 10.0  # N by which the force's zero may have moved where it was not looked at
 WARMING = 0.3  # of the warming that the thermal model gives: its heat capacity and cooling are assumed
-THERMOCOUPLE = 1.0  # K, of the amplifier and the junction; assumed
 
 
 @dataclass(frozen=True)
 class Evidence:
     """What was seen in a test: counts that were lost, None where no index shows them; and the shift [N] of the force's zero
     before and after the test against the first look, None where it was not looked at; the damper's temperature [degC] after
-    the test, how much that is above the room's, and how much it rose in the test; and the s by which a change of the voltage
-    may be late, as of a supply without the samples' clock."""
+    the test, how much that is above the room's, and how much it rose in the test; the s by which a change of the voltage
+    may be late, as of a supply without the samples' clock; and the K by which the thermocouple is above the estimate, with what
+    seems to be wrong with it (`dampyr.rig.thermal_model.Warmth`)."""
 
     lost_counts: float | None = None
     zero_shift: tuple[float, float] | None = None
@@ -41,6 +41,8 @@ class Evidence:
     warming: float = 0.0
     rise: float = 0.0
     command_delay: float = 0.0
+    parted: float = 0.0
+    doubt: str = ""
 
 
 class LostCounts:
@@ -120,7 +122,10 @@ def budget(
         "voltage": _voltage(rig, evidence, sizes),
     }
     if "temperature" in rig.inputs:
-        parts["temperature"] = {"thermocouple": THERMOCOUPLE}
+        parts["temperature"] = {
+            "thermocouple": THERMOCOUPLE,
+            "distance from the estimate": abs(evidence.parted) / math.sqrt(3.0),
+        }
     return parts
 
 
@@ -173,7 +178,9 @@ def _force(rig: RigSettings, evidence: Evidence, sizes: Sizes) -> dict[str, floa
 def _voltage(rig: RigSettings, evidence: Evidence, sizes: Sizes) -> dict[str, float]:
     supply, volts = rig.supply, sizes.voltage
     read = "coil_voltage" in rig.inputs
-    warm = WARMING * COPPER * abs(evidence.warming) * volts if supply.compensated else 0.0
+    # the coil may be as warm as estimated where the thermocouple reads something else
+    kelvin = math.hypot(WARMING * evidence.warming, evidence.parted / math.sqrt(3.0))
+    warm = COPPER * kelvin * volts if supply.compensated else 0.0
     return {
         ("reading" if read else "gain of the supply"): (supply.reading_uncertainty if read else supply.gain_uncertainty)
         * volts,

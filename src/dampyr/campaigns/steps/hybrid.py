@@ -66,6 +66,7 @@ class Hybrid:
     lowers: ClassVar[tuple[str, ...]] = ("scale", "voltage")
     named: ClassVar[tuple[str, ...]] = ("title", "scale", "voltage")
     fixed: ClassVar[bool] = False
+    closed_loop: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_ranges(self)

@@ -12,7 +12,7 @@ from glob import escape as glob_escape
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, WebSocket
+from fastapi import APIRouter, Depends, Query, Request, WebSocket
 from fastapi import Path as InPath
 from fastapi.responses import FileResponse
 from pydantic import BaseModel, Field
@@ -20,6 +20,7 @@ from pydantic import BaseModel, Field
 from dampyr.campaigns import plan, read_journal
 from dampyr.campaigns import read as read_campaign
 from dampyr.campaigns.journal import NAME as JOURNAL
+from dampyr.campaigns.recorded_tests import entries_with_files
 from dampyr.campaigns.run_folders import RunFolder, folder_state, run_folder
 from dampyr.console import safe_paths
 from dampyr.console.bench_alarms import AlarmLimit, Reading
@@ -314,12 +315,15 @@ def reference(bench: CurrentBench) -> ReferenceLoop | None:
 
 @router.get("/tests")
 def tests(here: Here, folder: Annotated[str, Query(max_length=100)]) -> list[TestState]:
-    """The tests of a run, from its journal; none where it has no journal yet."""
+    """The tests of a run, from its journal and its files; none where it has no journal yet."""
     place = safe_paths.inside(here.data, f"{RUNS}/{folder}")
     if not (place / JOURNAL).is_file():
         return []
     entries, _ = read_journal(place)
-    return [TestState(name=each.name, state=each.state, attempt=each.attempt, reason=each.reason) for each in entries]
+    return [
+        TestState(name=each.name, state=each.state, attempt=each.attempt, reason=each.reason)
+        for each in entries_with_files(entries, place)
+    ]
 
 
 @router.post("/control")
@@ -525,9 +529,11 @@ def stop(request: ClientRequest, bench: CurrentBench) -> Done:
 
 
 @router.post("/abort")
-async def abort(request: Abort, bench: CurrentBench) -> Done:
+async def abort(request: Abort, connection: Request, bench: CurrentBench) -> Done:
     """Brake and cut the coil, now. Needs no control, and on this machine no token; answers when it is done."""
-    await asyncio.get_running_loop().run_in_executor(ABORTING, bench.abort, request.who)
+    # Nobody has a page here: whoever it is, the address is what is known of them.
+    who = f"{request.who or 'a request'} from {connection.client.host if connection.client else 'an unknown address'}"
+    await asyncio.get_running_loop().run_in_executor(ABORTING, bench.abort, who)
     return Done()
 
 

@@ -38,10 +38,12 @@ KINDS: dict[str, Kind] = {
     "shunted-cell": Kind(
         "a shunt across the load cell's bridge is switched in: before its filter the force is more by this", 200.0, "N", 5e3
     ),
+    "cell-clip": Kind("the load cell's amplifier saturates: its signal ends at this force, either way", 250.0, "N", 1e5),
     "dead-supply": Kind("the supply gives no voltage, whatever it is commanded"),
     "open-coil": Kind("the coil's wire is broken: no current flows"),
     "stalled-motor": Kind("the motor does not turn"),
     "hot-specimen": Kind("the specimen, with its coil, is suddenly warmer by this difference", 60.0, "K"),
+    "thermocouple-stuck": Kind("the thermocouple's reading stands where it is, whatever the specimen's temperature"),
     "board-timeout": Kind("the board's samples do not arrive: DAQmx error -200284"),
     "board-overrun": Kind("the board's buffer overflows: DAQmx error -200279"),
     "late-samples": Kind("each read of the board is delayed by this time on the wall clock", 0.5, "s", 60.0),
@@ -77,7 +79,7 @@ class FaultSpec:
             raise InputError(
                 f"fault {self.kind} = {self.amount:g} {fault_kind.unit} is not allowed; give at most {fault_kind.high:g}"
             )
-        if self.kind in ("lost-bytes", "late-samples") and self.size < 0.0:
+        if self.kind in ("lost-bytes", "late-samples", "cell-clip") and self.size < 0.0:
             raise InputError(f"fault {self.kind} = {self.size:g} must be 0 or more")
 
     @property

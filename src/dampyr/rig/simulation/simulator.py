@@ -107,6 +107,7 @@ class Simulator:
         self._commanded = 0.0
         self._wander = settings.load_cell.wander * float(self.wander_rng.standard_normal())
         self._started_faults: set[FaultSpec] = set()
+        self._stuck_temperature = settings.specimen.room
         self.heartbeat_interval = HEARTBEAT_INTERVAL
         self.delay_read: Callable[[float], None] = sleep
         self._kernel = bind(plant.run, (self.specimen.composition,))
@@ -347,7 +348,7 @@ class Simulator:
 
     def _cell_faults(self) -> tuple[FaultSpec | None, ...]:
         """The active faults of the load cell, as `_volts` takes them."""
-        return tuple(map(self._active_fault, ("broken-cell", "drifting-cell", "inverted-cell")))
+        return tuple(map(self._active_fault, ("broken-cell", "drifting-cell", "inverted-cell", "cell-clip")))
 
     def _volts(
         self,
@@ -356,6 +357,7 @@ class Simulator:
         broken: FaultSpec | None,
         drifting: FaultSpec | None,
         inverted: FaultSpec | None,
+        clipped: FaultSpec | None,
     ) -> Array:
         """The analogue inputs (channels, n) of samples with these filtered forces [N], coil voltages and currents."""
         forces, settings = readings[0], self.settings
@@ -366,16 +368,25 @@ class Simulator:
             noisy += drifting.size * (time - drifting.at)
         if inverted is not None:
             noisy = -noisy
+        if clipped is not None:  # what saturates is the last stage: its ends have none of the cell's noise
+            noisy = np.clip(noisy, -clipped.size, clipped.size)
         volts = volts_of_force(self.settings, noisy)
         if broken is not None:
             volts = np.full_like(volts, broken.size)
         rows = {
             "force": volts,
-            "temperature": np.full_like(volts, self.plant[plant.Y_TEMPERATURE] / DEGREES_PER_VOLT),
+            "temperature": np.full_like(volts, self._shown_temperature / DEGREES_PER_VOLT),
             "coil_voltage": readings[1] / settings.supply.voltage_scale,
             "coil_current": readings[2] / settings.supply.current_scale,
         }
         return converted(settings, np.stack([rows[name] for name in settings.inputs]))
+
+    @property
+    def _shown_temperature(self) -> float:
+        """degC that the thermocouple shows."""
+        if self._active_fault("thermocouple-stuck") is not None:
+            return self._stuck_temperature
+        return float(self.plant[plant.Y_TEMPERATURE])
 
     def _wander_samples(self, n: int, period: float) -> Array:
         """Slow errors of the load cell: an Ornstein-Uhlenbeck process, stationary from the start."""
@@ -424,6 +435,8 @@ class Simulator:
         self.fault_flags[plant.Z_SHUNT] = 0.0 if shunted is None else shunted.size
         for fault in self.faults:
             if fault not in self._started_faults and fault.at <= self.time + 1e-9:
+                if fault.kind == "thermocouple-stuck":
+                    self._stuck_temperature = float(self.plant[plant.Y_TEMPERATURE])
                 self._started_faults.add(fault)
                 self.truth_log.report(self.time, f"fault {fault}")
                 if fault.kind == "hot-specimen":
