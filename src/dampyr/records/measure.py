@@ -4,7 +4,8 @@ Over the whole cycles the displacement is fitted by least squares with
 
 .. math:: x(t) = p_0 + p_1 t + p_2 t^2 + \sum_{k=1}^{7} a_k \cos 2\pi k f t + b_k \sin 2\pi k f t
 
-where f is found with Gauss-Newton from the cycles' mean duration.
+where f is found with Gauss-Newton from the cycles' mean duration. Over one cycle alone trend and harmonics are too much alike to
+tell its frequency: that is one over its duration then.
 """
 
 from __future__ import annotations
@@ -177,7 +178,7 @@ def _harmonics(record: Record, spans: list[tuple[int, int]]) -> tuple[float, Arr
     middle = 0.5 * (record.time[part.start] + record.time[part.stop - 1])
     t, x = record.time[part] - middle, record.displacement[part]
     frequency = len(spans) / float(t[-1] - t[0])
-    for _ in range(8):
+    for _ in range(8 if len(spans) > 1 else 0):
         basis, slope, coefficients = _fit(t, x, frequency)
         size = float(np.linalg.norm(slope)) or 1.0
         step = float(_solve(np.column_stack([basis, slope / size]), x)[-1]) / size
