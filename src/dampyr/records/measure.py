@@ -4,8 +4,8 @@ Over the whole cycles the displacement is fitted by least squares with
 
 .. math:: x(t) = p_0 + p_1 t + p_2 t^2 + \sum_{k=1}^{7} a_k \cos 2\pi k f t + b_k \sin 2\pi k f t
 
-where f is found with Gauss-Newton from the cycles' mean duration. Over one cycle alone trend and harmonics are too much alike to
-tell its frequency: that is one over its duration then.
+where f is found with Gauss-Newton from the cycles' mean duration. Over one cycle alone, trend and harmonics are too much alike
+to tell its frequency: that is one over its duration then.
 """
 
 from __future__ import annotations
