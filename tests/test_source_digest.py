@@ -62,3 +62,13 @@ def test_a_card_and_a_page_carry_it(tmp_path: Path) -> None:
     )
     page = dp.report.write_response_page({"1.98 V": response}, tmp_path / "page.html")
     assert full_version() in Path(page).read_text("utf-8")
+
+
+def test_a_record_file_carries_it(tmp_path: Path) -> None:
+    import h5py
+
+    t = [0.1 * k for k in range(20)]
+    path = dp.records.write(dp.records.Record(t, t, t), tmp_path / "record.h5")
+    with h5py.File(path) as file:
+        assert file.attrs["written_by"] == f"dampyr {full_version()}"
+    assert dp.records.read(path).n == 20

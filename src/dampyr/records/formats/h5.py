@@ -44,6 +44,7 @@ from dampyr.records.new_file import new_file
 from dampyr.records.record import CHANNELS, GROUPS, MIN_SAMPLES, Label, Record, as_role
 from dampyr.records.record_files import Request
 from dampyr.records.self_contained import check_contained
+from dampyr.source_digest import full_version
 from dampyr.units import to_si
 
 TITLE, MEDIA_TYPE = "HDF5", "application/x-hdf5"
@@ -278,7 +279,7 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
     import h5py
 
     with new_file(path, reserved_bytes) as file:
-        file.attrs.update({"format": FORMAT, "schema": SCHEMA})
+        file.attrs.update({"format": FORMAT, "schema": SCHEMA, "written_by": f"dampyr {full_version()}"})
         first, until, sums = 0, -np.inf, Checksums()
         for record in pieces:
             if record.time[0] <= until:
