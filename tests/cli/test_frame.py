@@ -12,10 +12,10 @@ import click
 import pytest
 from click.testing import CliRunner, Result
 
-import dampyr
 from dampyr import registry
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, FileError, MissingData, RangeError
+from dampyr.source_digest import full_version
 
 Invoke = Callable[..., Result]
 COMMANDS = registry.names("dampyr.cli")
@@ -72,7 +72,7 @@ def test_help_loads_nothing_heavy() -> None:
 
 
 def test_version() -> None:
-    assert run("--version").output == f"dampyr {dampyr.__version__}\n"
+    assert run("--version").output == f"dampyr {full_version()}\n"
 
 
 @pytest.mark.parametrize(

@@ -9,11 +9,11 @@ pytest.importorskip("fastapi")
 from tests.identification.synthetic import sine
 
 from dampyr import identification, records
-from dampyr.models import Damper
+from dampyr.models import Constant, Damper
 from dampyr.studies import raminelli_2020
 
 VALI, ONE, OTHER = (f"labcontrol/ensaio.{name}.mat" for name in ("vali.1", "A.3", "A.4"))
-CARD = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 150.0, "dahl.rho": 3000.0})
+CARD = Damper("dahl", {"dahl.kx": Constant(900.0, 0.0, 0.0), "dahl.kw": 150.0, "dahl.rho": 3000.0})
 
 
 @pytest.fixture

@@ -9,13 +9,13 @@ import pytest
 from dampyr.errors import ExtrapolationWarning, InputError
 from dampyr.identification import Tolerance, accept, fit
 from dampyr.identification.acceptance import band
-from dampyr.models import Damper, published
+from dampyr.models import Constant, Damper, published
 from dampyr.records import Record, read_campaign
 from dampyr.studies import load_damper
 
 KX, KW, RHO = 900.0, 150.0, 3000.0
 A, HZ = 0.010, 1.0
-CARD = Damper("dahl", {"dahl.kx": KX, "dahl.kw": KW, "dahl.rho": RHO})
+CARD = Damper("dahl", {"dahl.kx": Constant(KX, 0.0, 0.0), "dahl.kw": KW, "dahl.rho": RHO})
 
 
 def measured(force, name="test", amplitude=A, hz=HZ, offset=0.0, voltage=0.0, current=None, seconds=6.3):
@@ -210,7 +210,7 @@ def test_published_dampers_judge_their_own_runs():
         (lambda: accept(run(), CARD, quantities=[]), "no quantity is given"),
         (lambda: accept(run(), CARD, Tolerance(0.0, force=9.0)), "band of the energy has no width"),
         (lambda: accept(run(), []), "neither a damper nor records"),
-        (lambda: accept(run(), "card.toml"), "neither a damper nor records"),
+        (lambda: accept(run(), "card.toml"), "reference is the text 'card.toml'; give a Damper"),
         (lambda: accept(run(), CARD, offset=float("nan")), "offset = nan N is not finite"),
     ],
 )

@@ -167,7 +167,7 @@ def test_what_a_band_says_as_numbers_text_and_figure(fitted: Fit, tmp_path: Path
     assert fitted.damper is not None
     record = unseen(2)
     band = prediction_band(fitted.damper, record, draws=40)
-    assert set(band.as_dict()) == {"level", "holds", "width", "peak", "energy", "session"}
+    assert set(band.as_dict()) == {"level", "holds", "width", "peak", "energy", "session", "prior"}
     assert "of a new session" in repr(band)
     inside = band.window.slice
     seen = (band.low <= record.force) & (record.force <= band.high)

@@ -7,7 +7,7 @@ from tests.identification.synthetic import sine
 from dampyr.errors import InputError
 from dampyr.identification import compare, score
 from dampyr.identification.scoring_window import scorable, scoring_window
-from dampyr.models import Damper
+from dampyr.models import Constant, Damper
 from dampyr.records import Record, motion_start
 
 DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
@@ -69,8 +69,9 @@ def test_a_window_without_samples_is_refused() -> None:
 
 def test_the_wrong_input_is_refused() -> None:
     record = sine(DAHL, 0.0).replace(note="", voltage=None, current=0.2)
+    over_voltage = Damper("dahl", {**DAHL.laws, "dahl.kx": Constant(900.0, 0.0, 3.0)})
     with pytest.raises(InputError, match="pass voltage="):
-        score(DAHL, record)
+        score(over_voltage, record)
 
 
 def test_the_force_is_measured_from_the_middle_of_its_range() -> None:

@@ -151,7 +151,7 @@ def test_labels_of_files_from_before_are_read(cubics: Damper, motions: list) -> 
         ([control_law("on_off", high=5.0)], {}, "5 V is outside the calibrated range"),
         ([control_law("on_off", high=1.0, period=0.0061234)], {}, "does not fit the motion's"),
         ([control_law("lyapunov", high=1.0, weights=(1.0, 2.0))], {}, "give 4 numbers"),
-        ([control_law("on_off", high=1.0), "a"], {}, "could not convert|must be finite numbers"),
+        ([control_law("on_off", high=1.0), "a"], {}, "is not a quantity|must be finite numbers"),
         ([control_law("on_off", high=1.0)], {"device": "gpu"}, "constant inputs only"),
     ],
 )

@@ -57,7 +57,7 @@ def test_its_error_without_dampers_is_what_it_says(tmp_path: Path) -> None:
     for name, (mine, other) in pairs.items():
         seen = float(np.max(np.abs(mine / other - 1.0)))
         assert getattr(truncation, name) == pytest.approx(seen, abs=2e-4), name
-    assert 0.0 < truncation.displacement < truncation.drift < truncation.acceleration < 0.05
+    assert 0.0 < truncation.displacement < truncation.drift < truncation.acceleration < 0.06
 
 
 def test_modes_alone_are_the_linear_response() -> None:

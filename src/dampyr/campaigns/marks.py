@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.records.cycles import cycles
+from dampyr.records.cycles import similar_cycles
 from dampyr.records.quality import flat_levels, motion_start
 from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.rig.interlock import RAIL
@@ -249,7 +249,7 @@ def _repeated_cycles(record: Record) -> list[tuple[int, int]]:
     Between two turning points of such a motion the table goes anywhere, and does not come back to where it began: the mean
     force over it holds hysteresis and stiffness, and the spring gives back what an earlier stretch put in.
     """
-    spans, x = cycles(record), record.displacement
+    spans, x = similar_cycles(record), record.displacement
     if not spans:
         return []
     strokes = np.array([np.ptp(x[first : last + 1]) for first, last in spans])

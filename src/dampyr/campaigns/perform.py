@@ -104,7 +104,9 @@ def perform(
         with closing(Journal(folder)) as journal:
             _enter(campaign_plan, rig, journal, folder)
             before = journal.said("origin")
-            journal.say({"origin": combined([rig.origin, *([as_origin(before)] if before else [])])})
+            origin = combined([rig.origin, *([as_origin(before)] if before else [])])
+            if origin != before:  # a complete campaign on a disk that takes nothing is read as it is
+                journal.say({"origin": origin})
             _reconcile(journal, folder)
             for path in moved:
                 journal.note("set aside", f"{path.name}: it cannot be read")

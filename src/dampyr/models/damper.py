@@ -555,9 +555,9 @@ class Damper(Representation):
         ``voltage`` a number or (n,) V, ``state0`` the hysteretic states at the start (0: no memory). Quantities and labelled
         arrays are converted from their units (`dampyr.units.in_si`). Between samples the path is straight. ``temperature`` in
         degC is that of a damper whose laws depend on it (see `at_temperature`). A motion beyond the calibrated displacement or
-        velocity gives one warning that names the limit; beyond 20 times either, or 1 m and 10 m/s where the card states none,
-        it is a :class:`~dampyr.errors.RangeError` that asks about the unit, unless ``allow_extrapolation``. Samples too far
-        apart for a part's friction (`dampyr.models.sampling_error`) give a warning that says by how much.
+        velocity gives one warning that names the limit; beyond 20 times either (1 m and 10 m/s where a card over an input
+        states none) it is a :class:`~dampyr.errors.RangeError` that asks about the unit, unless ``allow_extrapolation``.
+        Samples too far apart for a part's friction (`dampyr.models.sampling_error`) give a warning that says by how much.
 
         Examples
         --------
@@ -666,6 +666,8 @@ class Damper(Representation):
         for name, peak in peaks.items():
             unit, stated = RANGES[name], self.ranges.get(name)
             limit = np.inf if stated is None else stated[1]
+            if stated is None and not self.needs_input:
+                continue  # a textbook set, which may have no unit at all
             if peak > (UNLIKELY[name] if stated is None else FAR * limit) and not allow_extrapolation:
                 calibrated = (
                     f"and the card states no calibrated {name}, of which more than {UNLIKELY[name]:g} {unit} is unlikely"

@@ -143,8 +143,11 @@ def _window(record: Record, made: Cut, one: CutCycle, speed: Array) -> Indices:
     first = one.first
     if one.number == 1 and made.begins_in_the_middle and made.from_start:
         first = min(int(np.searchsorted(record.time, made.first_turn)), one.last)
+    if not np.any(speed[first : one.last + 1] > 0.0):  # an irregular motion may not move this way after its first turn
+        first = one.first
     part = speed[first : one.last + 1]
-    return first + np.flatnonzero(part >= WINDOW * np.max(part))
+    peak = float(np.max(part))
+    return first + np.flatnonzero(part >= (WINDOW * peak if peak > 0.0 else peak))
 
 
 def _noise(record: Record, windows: Sequence[Indices], level: Sequence[CutCycle]) -> float | None:

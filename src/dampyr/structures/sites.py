@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterable, Mapping
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -180,7 +181,10 @@ def _input(there: Any, damper: Any, voltage: Any, current: Any) -> Any:
         )
     if is_control_law(value):
         return value
-    value = in_si(value, kind, f"{INPUTS[kind]} {describe_place(there)}")
+    with (
+        suppress(InputError) if isinstance(value, str) else nullcontext()
+    ):  # a text that is no quantity may be meant as a law
+        value = in_si(value, kind, f"{INPUTS[kind]} {describe_place(there)}")
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise InputError(
             f"{INPUTS[kind]} = {value!r} {describe_place(there)} is not a finite number; write a constant in {kind}, or a "

@@ -120,7 +120,7 @@ def test_the_record_says_what_it_is(done):
 def test_a_page_of_it(done, tmp_path):
     result, _, _ = done
     text = write_hybrid_page(result, tmp_path / "page.html").read_text("utf-8")
-    assert "Hybrid test: heavy+el_centro" in text
+    assert "hybrid test: heavy+el_centro" in text.lower()
     assert "The peaks differ by up to" in text
 
 

@@ -9,7 +9,7 @@ from tests.invariants.test_every_part import MAIN, SERIES, run_c, typical
 
 from dampyr.errors import InputError
 from dampyr.export import export
-from dampyr.models import Damper, Interpolation, Polynomial, available_parts, part
+from dampyr.models import Constant, Damper, Interpolation, Polynomial, available_parts, part
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is missing: the C export cannot be compiled")
 
@@ -83,7 +83,8 @@ def test_unknown_kinds_are_named(tmp_path) -> None:
 @needs_gcc
 def test_two_dampers_fit_in_one_c_program(tmp_path) -> None:
     export(everything(), "c", tmp_path, name="front")
-    export(Damper("dahl", {"dahl.kx": 1.0, "dahl.kw": 9.0, "dahl.rho": 100.0}), "c", tmp_path, name="rear")
+    laws = {"dahl.kx": Constant(1.0, 0.0, 3.0), "dahl.kw": 9.0, "dahl.rho": 100.0}
+    export(Damper("dahl", laws), "c", tmp_path, name="rear")
     (tmp_path / "both.c").write_text(
         '#include "front.h"\n#include "rear.h"\nint main(void) { return rear_in_range(9.0); }\n'
     )
