@@ -218,7 +218,7 @@ def test_what_lies_between_two_turns_of_an_earthquake_is_no_cycle() -> None:
     """The mean force over it holds stiffness and hysteresis: it wanders as the motion does."""
     measured = aperiodic(narrow=True)
     record = Record(measured.time, measured.displacement, measured.force)
-    assert len(similar_cycles(record)) > 3
+    assert similar_cycles(record)
     assert not list(drifting_zero(measured))
     assert not list(created_energy(measured))
     drifting = read_by_board(measured.time, measured.displacement, measured.force + 20.0 * measured.time)

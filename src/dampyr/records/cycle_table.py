@@ -142,7 +142,7 @@ def _window(record: Record, made: Cut, one: CutCycle, speed: Array) -> Indices:
     """The samples of a cycle at which ``speed`` is above 95 % of its peak."""
     first = one.first
     if one.number == 1 and made.begins_in_the_middle and made.from_start:
-        first = min(int(np.searchsorted(record.time, made.first_turn)), one.last)
+        first = int(np.clip(np.searchsorted(record.time, made.first_turn), one.first, one.last))
     if not np.any(speed[first : one.last + 1] > 0.0):  # an irregular motion may not move this way after its first turn
         first = one.first
     part = speed[first : one.last + 1]
