@@ -165,3 +165,14 @@ def test_a_motion_over_5_g_asks_about_its_unit() -> None:
 @pytest.mark.parametrize("name", dp.models.published.available_sets())
 def test_a_published_set_states_what_its_source_moved(name: str) -> None:
     assert "no calibrated displacement or velocity is stated" in dp.models.published.damper(name).provenance["motion"]
+
+
+def test_a_computed_motion_is_not_asked_about() -> None:
+    """What a plan, a data sheet or a building moves was not typed: it warns only, also far beyond what was calibrated."""
+    far = 100.0 * X
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)
+        computed = calibrated().force_of_motion(T, far)
+        assert np.array_equal(computed, calibrated().force(T, far, allow_extrapolation=True))
+    with pytest.warns(DampyrWarning, match="calibrated up to"):
+        calibrated().force_of_motion(T, far)

@@ -84,9 +84,9 @@ def course(drive: Drive, rig: RigSettings, damper: Damper | None) -> Course:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", DampyrWarning)
         if damper.input == "V":
-            force = damper.force(t, x, velocity=v, voltage=u)
+            force = damper.force_of_motion(t, x, velocity=v, voltage=u)
         else:
-            force = damper.force(t, x, velocity=v, current=u / rig.supply.resistance)
+            force = damper.force_of_motion(t, x, velocity=v, current=u / rig.supply.resistance)
     notes = tuple(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, DampyrWarning)))
     return Course(t, x, v, a, force, notes)
 

@@ -65,7 +65,7 @@ def peak_to_peak(damper: Damper, speed: float, value: float) -> float:
         warnings.simplefilter(
             "ignore", DampyrWarning
         )  # faster and farther than it was calibrated: that is the question
-        force = damper.force(
+        force = damper.force_of_motion(
             t, STROKE * np.sin(omega * t), velocity=speed * np.cos(omega * t), voltage=voltage, current=current
         )
     return float(np.ptp(force[-SAMPLES:]))

@@ -570,21 +570,43 @@ class Damper(Representation):
         >>> force.shape, round(float(force.max()))
         ((801,), 510)
         """
+        time, displacement = _path(t, x)
+        speed = self._velocity(time, displacement, velocity)
+        if not allow_extrapolation:
+            self._check_units(displacement, speed)
+        return self.force_of_motion(
+            time, displacement, voltage, current, speed, state0, allow_extrapolation, temperature
+        )
+
+    def force_of_motion(
+        self,
+        t: ArrayLike,
+        x: ArrayLike,
+        voltage: ArrayLike | None = None,
+        current: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        state0: ArrayLike | None = None,
+        allow_extrapolation: bool = False,
+        temperature: float | None = None,
+    ) -> Array:
+        """`force` along a motion that was computed, such as that of a building: however far it is beyond the calibrated
+        displacement or velocity, it gives a warning and asks nothing about units.
+        """
         from dampyr.models.path_integration import along, delayed
         from dampyr.models.sampling_error import sampling_words
 
         if temperature is not None and self.temperatures is not None:
             fixed = self.at_temperature(temperature, allow_extrapolation)
-            return fixed.force(t, x, voltage, current, velocity, state0, allow_extrapolation)
+            return fixed.force_of_motion(t, x, voltage, current, velocity, state0, allow_extrapolation)
         t, x = _path(t, x)
         u = self._input_along(self.pick_input(voltage, current), t)
         v = self._velocity(t, x, velocity)
-        self._check_motion(x, v, allow_extrapolation)
+        self._warn_outside(x, v)
         values = self.values(self._behind(t, u), allow_extrapolation=allow_extrapolation)
         start = self._state0(state0)
         undelayed = along(self.composition, t, x, v, values, start)
         if words := sampling_words(self.composition, t, x, v, values, start):
-            warnings.warn(words, DampyrWarning, stacklevel=2)
+            warnings.warn(words, DampyrWarning, stacklevel=3)
         k = self.composition.delay
         return undelayed if k is None else delayed(t, undelayed, np.asarray(values[..., k]))
 
@@ -660,29 +682,37 @@ class Damper(Representation):
                 raise InputError(f"the initial state {name} = {value:g} must lie between {low:g} and {high:g}")
         return s
 
-    def _check_motion(self, x: Array, v: Array, allow_extrapolation: bool) -> None:
-        """Warn of a motion beyond what was calibrated; far beyond, ask whether its unit is right."""
+    def _reached(self, x: Array, v: Array) -> list[tuple[str, float, float | None]]:
+        """Name, what a motion reaches of it, and the calibrated limit or None, of displacement and velocity."""
         peaks = {"displacement": 0.5 * float(np.ptp(x)), "velocity": float(np.abs(v).max())}
-        for name, peak in peaks.items():
-            unit, stated = RANGES[name], self.ranges.get(name)
-            limit = np.inf if stated is None else stated[1]
-            if stated is None and not self.needs_input:
+        limits = {name: self.ranges[name][1] if name in self.ranges else None for name in peaks}
+        return [(name, peak, limits[name]) for name, peak in peaks.items()]
+
+    def _check_units(self, x: Array, v: Array) -> None:
+        """Ask whether the unit of a path is right that is far beyond what was calibrated."""
+        for name, peak, limit in self._reached(x, v):
+            if limit is None and not self.needs_input:
                 continue  # a textbook set, which may have no unit at all
-            if peak > (UNLIKELY[name] if stated is None else FAR * limit) and not allow_extrapolation:
+            if peak > (UNLIKELY[name] if limit is None else FAR * limit):
+                unit = RANGES[name]
                 calibrated = (
                     f"and the card states no calibrated {name}, of which more than {UNLIKELY[name]:g} {unit} is unlikely"
-                    if stated is None
+                    if limit is None
                     else f"{peak / limit:.0f} times what the damper was calibrated on, {limit:.4g} {unit}"
                 )
                 raise RangeError(
                     f"{name} reaches {peak:.4g} {unit}, {calibrated}; is the path in mm? Give it in m, or as a quantity with "
                     "its unit; for what is meant so, pass allow_extrapolation=True"
                 )
-            if peak > 1.01 * limit:
+
+    def _warn_outside(self, x: Array, v: Array) -> None:
+        for name, peak, limit in self._reached(x, v):
+            if limit is not None and peak > 1.01 * limit:
+                unit = RANGES[name]
                 warnings.warn(
                     f"{name} reaches {peak:.4g} {unit}; the damper was calibrated up to {limit:.4g} {unit}",
                     DampyrWarning,
-                    stacklevel=3,
+                    stacklevel=4,
                 )
 
     def draws(self, n: int, seed: int, levels: bool = True) -> list[Damper]:

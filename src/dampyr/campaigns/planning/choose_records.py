@@ -124,7 +124,7 @@ def _like_motion(record: Record) -> Array:
 def _with_force_of(record: Record, damper: Damper) -> Record:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
-        force = damper.force(
+        force = damper.force_of_motion(
             record.time,
             record.displacement,
             record.voltage,

@@ -180,7 +180,7 @@ def expected_record(drive: Drive, damper: Damper, rig: RigSettings, name: str) -
     given: float | Array = u if np.ptp(u) else float(u[0])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # of motions beyond the card's: the check before motion says it
-        force = damper.force(t, x, voltage=given, velocity=v)
+        force = damper.force_of_motion(t, x, voltage=given, velocity=v)
     return Record(time=t, displacement=x, force=force, velocity=v, voltage=given, name=name)
 
 

@@ -236,8 +236,8 @@ class Hybrid:
         how: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # as above
-            fast = damper.force(t, x, velocity=rate, **how)
-            slow = damper.force(t * self.clock, x, velocity=rate / self.clock, **how)
+            fast = damper.force_of_motion(t, x, velocity=rate, **how)
+            slow = damper.force_of_motion(t * self.clock, x, velocity=rate / self.clock, **how)
         return float(np.abs(slow - fast).max() / np.ptp(fast) * 2.0)
 
 
