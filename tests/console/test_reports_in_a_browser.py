@@ -9,9 +9,9 @@ import pytest
 from click.testing import CliRunner
 from tests.console.printed_pages import page_texts
 
-import dampyr
 from dampyr.cli import cli
 from dampyr.report import FigureBlock, Section, Table, Text, Verdict, history, made_by, page, write_page
+from dampyr.source_digest import full_version
 
 CAMPAIGN = """
 name = "sines"
@@ -163,7 +163,7 @@ def test_a_report_on_paper_is_light_and_cuts_nothing(report, show, name):
         assert f"page{number}of{len(texts)}" in text
     date = page.locator("header time").inner_text()
     assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d[+-]\d\d:\d\d", date)
-    assert f"{date}dampyr{dampyr.__version__}" in texts[0]
+    assert f"{date}dampyr{full_version()}" in texts[0]
     assert f"commanddampyr{name}" in "".join(texts[-2:])
     for digits in page.locator(".files code").all_text_contents():
         assert re.fullmatch("[0-9a-f]{64}", digits)
@@ -200,7 +200,7 @@ def test_headings_stand_on_every_page_of_a_table_and_every_page_has_its_number(l
 def test_a_printed_page_says_where_it_comes_from(long_page, show):
     texts = printed(show(long_page))
     digits = hashlib.sha256(b"x").hexdigest()
-    assert f"dampyr{dampyr.__version__}specimenno.7" in texts[0]
+    assert f"dampyr{full_version()}specimenno.7" in texts[0]
     assert "commanddampyrvalidate'mycard.toml'a.h5" in texts[-1]
     assert f"card.toml{digits[:12]}" in texts[-1]
     assert digits not in texts[-1]
