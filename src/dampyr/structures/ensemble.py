@@ -23,7 +23,7 @@ from dampyr.structures.building import Building
 from dampyr.structures.ensemble_accuracy import doubts
 from dampyr.structures.ensemble_batches import Shard, run_shard
 from dampyr.structures.ensemble_grid import Cases, cases
-from dampyr.structures.sites import warn_of_parts
+from dampyr.structures.sites import dampers_of, warn_of_parts
 from dampyr.structures.store import Store
 
 AT_LIMIT = 1.01  # times the calibrated displacement: what rounding and peaks between samples add is none
@@ -151,9 +151,7 @@ def outside_words(what: Cases, dataset: Any) -> str:
         return ""
     cases, beyond, worst, limits = 0, 0, 0.0, set()
     for number, placed in enumerate(what.placements):
-        dampers = [
-            each for entry in placed.values() for each in (entry if isinstance(entry, list | tuple) else (entry,))
-        ]
+        dampers = dampers_of(placed)
         calibrated = np.array([each.ranges.get("displacement", (0.0, np.inf))[1] for each in dampers])
         if not np.any(np.isfinite(calibrated)):
             continue

@@ -100,6 +100,11 @@ def placement(dampers: Any) -> Mapping[Any, Any]:
     return {1: dampers}
 
 
+def dampers_of(placed: Mapping[Any, Any]) -> list[Any]:
+    """All dampers of a placement, in the order of their sites."""
+    return [each for entry in placed.values() for each in (entry if isinstance(entry, list | tuple) else (entry,))]
+
+
 def _is_damper(value: Any) -> bool:
     return all(hasattr(value, needed) for needed in ("values", "composition"))
 

@@ -20,6 +20,7 @@ from dampyr.structures.building import Building
 from dampyr.structures.control_law import describe_law, is_control_law
 from dampyr.structures.ensemble_batches import Shard
 from dampyr.structures.ensemble_grid import AXES, Cases
+from dampyr.structures.sites import dampers_of
 
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"
@@ -84,7 +85,7 @@ class Labels:
             [motion.pga for motion in what.motions],
             [[_sa(motion, period) for motion in what.motions] for period in periods],
             [_input_name(u, UNIT_OF[what.kind]) for u in what.inputs],
-            combined(damper.origin for placement in what.placements for damper in placement.values()),
+            combined(damper.origin for placed in what.placements for damper in dampers_of(placed)),
         )
 
     @property
