@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from packaging.version import Version
 
 import dampyr
 from dampyr.cli import cli
@@ -81,9 +82,14 @@ def test_the_wheel_runs_from_a_folder_of_its_own(built: Path, tmp_path: Path) ->
     assert (tmp_path / "damper.c").is_file()
 
 
-def test_the_citation_names_this_version() -> None:
+def test_the_citation_names_the_last_release() -> None:
+    """Between releases the version is a development version of the next one, so that no two codes have the same."""
     text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    assert re.findall(r"^version: (.*)$", text, re.MULTILINE) == [dampyr.__version__]
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    last = re.findall(r"^## \[(\d+\.\d+\.\d+)\] - \d{4}-\d\d-\d\d$", changes, re.MULTILINE)[0]
+    assert re.findall(r"^version: (.*)$", text, re.MULTILINE) == [last]
+    version = Version(dampyr.__version__)
+    assert version == Version(last) or (version.is_devrelease and version > Version(last))
     assert "license: MIT" in text
 
 
