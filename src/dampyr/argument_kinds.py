@@ -20,7 +20,7 @@ RECORDS = "give records, such as dampyr.records.read_campaign('folder') or [damp
 MOTION = "give a GroundMotion, such as dampyr.ground_motions.read('motion.AT2') or GroundMotion(acceleration, dt)"
 BUILDING = "give a Building, such as dampyr.structures.two_storey() or dampyr.structures.load('frame.toml')"
 MODEL = "give the name of a model, such as 'dahl', or a Damper"
-LONGEST = 40  # characters of a text that a message repeats
+MAX_SHOWN = 40  # characters of a text that a message repeats
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def described(value: Any) -> str:
     """What a value is, in words."""
     if isinstance(value, str | Path):
         text = str(value)
-        return f"the text {text[:LONGEST] + '...' if len(text) > LONGEST else text!r}"
+        return f"the text {text[:MAX_SHOWN] + '...' if len(text) > MAX_SHOWN else text!r}"
     if isinstance(value, list | tuple) and value:
         return f"a {type(value).__name__} that holds {described(value[0])}"
     return "missing (None)" if value is None else f"of the type {type(value).__name__}"

@@ -121,7 +121,7 @@ def test_a_damper_that_is_weak_at_its_design_amplitude_does_not_pass(tmp_path: P
     assert "wrong acceptance" in page
     write(ladder(THREE), tmp_path / "good.csv")
     assert run("raminelli_2020", tmp_path / "good.csv").exit_code == 0
-    told = CliRunner().invoke(cli, ["records", str(tmp_path / "weak.csv")]).stdout
-    assert "3 levels, 9 whole cycles of 9, 4 to 16 mm peak to peak" in told
-    assert "smoothed" not in told
-    assert "no repeating cycle" not in told
+    message = CliRunner().invoke(cli, ["records", str(tmp_path / "weak.csv")]).stdout
+    assert "3 levels, 9 whole cycles of 9, 4 to 16 mm peak to peak" in message
+    assert "smoothed" not in message
+    assert "no repeating cycle" not in message

@@ -158,9 +158,9 @@ def test_fast_motions_have_no_leaps():
     walk = np.cumsum(rng.normal(0.0, 1e-4, t.size))
     for x in (square, walk, 0.01 * np.abs((2.0 * t) % 2.0 - 1.0), 0.01 * np.sin(2 * np.pi * 15.0 * t)):
         assert not quality(Record(t, x, np.gradient(x, t) * 1e3)).leaps
-    kept = np.r_[0:600, 640 : t.size]
+    selected = np.r_[0:600, 640 : t.size]
     x = 0.01 * np.sin(2 * np.pi * t)
-    assert not quality(Record(t[kept], x[kept], x[kept])).leaps
+    assert not quality(Record(t[selected], x[selected], x[selected])).leaps
 
 
 @pytest.mark.parametrize("step", [0.0, 0.2])

@@ -138,11 +138,11 @@ def test_a_common_window_is_told_in_s_before_samples_before_periods(recognised, 
         f"r{k}": shown_window(n, dt, hz) if hz else Recognised("force", n, n * dt, None, 12.0, 9.0)
         for k, (n, dt, hz) in enumerate(recognised)
     }
-    found = common_windows(named)
-    assert {window: len(names) for window, names in found.items()} == windows or (
-        len(recognised) == 1 and {len(names) for names in found.values()} == {1}
+    common = common_windows(named)
+    assert {window: len(names) for window, names in common.items()} == windows or (
+        len(recognised) == 1 and {len(names) for names in common.values()} == {1}
     )
-    for window, names in found.items():  # what is told is read as a declaration, and undoes them
+    for window, names in common.items():  # what is told is read as a declaration, and undoes them
         declared = Declaration.of(window)
         for name in names:
             one = named[name]

@@ -56,8 +56,8 @@ class CommandGroup(click.Group):
         sys.exit(_guarded(lambda: super(CommandGroup, self).main(args, **extra)))
 
 
-def _print_version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
-    if asked:
+def _print_version(ctx: click.Context, _: click.Parameter, is_set: bool) -> None:
+    if is_set:
         click.echo(f"dampyr {full_version()}")
         ctx.exit()
 
