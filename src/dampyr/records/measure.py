@@ -95,15 +95,11 @@ def measure(record: Record) -> Measured:
     >>> t = np.linspace(0.0, 4.0, 801)
     >>> x = 0.008 * np.sin(2 * np.pi * t)
     >>> record = dp.records.Record(t, x, damper.force(t, x, voltage=1.98), voltage=1.98)
-    >>> dp.records.measure(record)
-    <Measured>
-      motion      1 Hz, 16 mm peak to peak
-      peak speed  50.26 mm/s
-      energy      15.32 J per cycle
-      mean force  -2.842e-14 N
-      drift       9.49e-17 mm/s
-      harmonics   2: 2.4e-14 %, 3: 1.2e-14 %, 4: 1.8e-15 %, 5: 7.4e-15 %, 6: 6.9e-15 %, 7: 3.7e-15 %; di …
-      cycles      3, from 0 s
+    >>> measured = dp.records.measure(record)
+    >>> print(f"{measured.frequency_hz:.4g} Hz, {1e3 * measured.peak_to_peak_m:.4g} mm, {measured.energy_per_cycle:.4g} J")
+    1 Hz, 16 mm, 15.32 J
+    >>> measured.cycles
+    3
     """
     spans = require_cycles(record, "a measurement")
     frequency, amplitudes, distortion = _harmonics(record, spans)
