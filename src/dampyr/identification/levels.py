@@ -40,6 +40,7 @@ PRIOR_RECORD = 0.05  # of single records at each input, which cannot tell: as th
 SEEN = 0.05  # singular value of I - H below which a contrast of levels is rounding
 GRID = 80  # values of each standard deviation
 SPAN = (1e-3, 1.0)  # of the standard deviation between sessions on the grid
+NOTHING = 1e-3  # of the measured force: a model below it does not describe the record
 NEIGHBOURS = 5  # samples, of whose median a false one stands out, and slow noise or a corner of the loop does not
 FALSE = 12.0  # medians of how far samples are from that, eight standard deviations of white noise: a false sample is none of it
 STANDS_OUT = 6.0  # medians of the whole residual, four standard deviations: corners of the loop stand out by less
@@ -228,7 +229,9 @@ class _Level:
             level = float(F[true] @ M[true]) / square if square > 0.0 else 1.0
             if level <= 0.0:  # a record that the fit describes upside down: its level is no factor
                 level = 1.0
-            scale = max(math.sqrt(square / int(true.sum())), 1e-300)
+            # A fit may give nothing where its records contradict one another: its error is then that of the measured force.
+            least = NOTHING * math.sqrt(float(F[true] @ F[true]) / int(true.sum()))
+            scale = max(math.sqrt(square / int(true.sum())), least, 1e-300)
             residual = (F - level * M) / (level * scale)
             shape = np.asarray(np.linalg.lstsq(basis[true], residual[true], rcond=None)[0], dtype=float)
             rest = residual - basis @ shape
