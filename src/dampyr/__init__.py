@@ -13,7 +13,7 @@ The packages are loaded on first access, so ``import dampyr`` is quick::
 from importlib import import_module
 from types import ModuleType
 
-__version__ = "0.3.0"
+__version__ = "0.4.0.dev0"
 
 _PACKAGES = (
     "records", "models", "identification", "ground_motions", "structures",
