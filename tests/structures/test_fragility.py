@@ -159,6 +159,20 @@ def test_motions_are_the_unit_and_draws_belong_to_them() -> None:
     assert len(fragility(ten, "drift", 1.0, "scale", by="damper", draws=0).curves) == 10
 
 
+def test_motions_scaled_to_one_peak_have_one_intensity_whatever_the_rounding() -> None:
+    """A peak of 3.0000000000000004 and one of 3 are those of motions scaled to 3 m/s2: the same curve and band as of 3."""
+    capacity, exact = drawn(20), np.full(20, 3.0)
+    rounded = exact * (1.0 + np.finfo(float).eps * np.random.default_rng(4).integers(-2, 3, 20))
+    coarse = np.linspace(0.3, 4.5, 8)
+    a, b = (made(capacity, coarse, pga=pga) for pga in (exact, rounded))
+    for one, other in zip(fragility(a, "drift", 1.0).curves, fragility(b, "drift", 1.0).curves):
+        assert one.levels.size == other.levels.size == 8
+        assert one.theta == pytest.approx(other.theta, rel=1e-12)
+        assert one.no_band == other.no_band
+        np.testing.assert_allclose(one.draws, other.draws, rtol=1e-9)
+    assert [incremental(each, "drift").sweeps[0].levels.size for each in (a, b)] == [8, 8]
+
+
 def test_seeds() -> None:
     data = made(drawn(20))
     one, same, other = (fragility(data, "drift", 1.0, "scale", draws=50, seed=s).curves[0].draws for s in (1, 1, 2))

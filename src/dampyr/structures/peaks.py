@@ -17,6 +17,7 @@ from dampyr.structures.store import ALONG, BARE
 
 Array = NDArray[np.float64]
 DIMS = ("building", "damper", "input")
+SAME_LEVEL = 1e-9  # of an intensity: nearer ones are one level
 INTENSITIES = {"pga": "m/s^2", "sa": "m/s^2", "scale": ""}
 
 
@@ -113,7 +114,17 @@ def intensities(dataset: Any, intensity: str | ArrayLike) -> Array:
             if bad.size
             else "a scale of 0 has no intensity; leave it out"
         )
-    return np.array(unscaled[:, :, None] * factor)
+    return _levels(unscaled[:, :, None] * factor)
+
+
+def _levels(intensity: Array) -> Array:
+    """The same intensities with one value where they differ by rounding only.
+
+    Motions scaled to one peak do so on one machine and not on another, and a curve may hang on which of them is greater."""
+    sizes, place = np.unique(intensity, return_inverse=True)
+    begins = np.diff(sizes, prepend=-np.inf) > SAME_LEVEL * sizes
+    level: Array = sizes[begins][np.cumsum(begins) - 1][place]
+    return level.reshape(intensity.shape)
 
 
 def _one_number(dataset: Any, quantity: str, storey: str | int, height: ArrayLike | None) -> Array:
