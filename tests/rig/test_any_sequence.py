@@ -353,8 +353,9 @@ class Bench(RuleBasedStateMachine):
     def begin_fault(self, event: Event) -> None:
         """Plan a fault, from now on."""
         if isinstance(event, FaultPlan):
-            usual, signed = KINDS[event.kind].amount, event.kind not in ("lost-bytes", "late-samples")
-            amount = None if usual is None else usual * (event.share if signed else abs(event.share))
+            kind = KINDS[event.kind]
+            share = event.share if kind.signed else abs(event.share)
+            amount = None if kind.amount is None else kind.amount * share
             begin = round(self.simulator.time + 0.001 + event.delay, 4)
             self.simulator.faults = (
                 *self.simulator.faults,

@@ -19,10 +19,11 @@ class Kind:
     amount: float | None = None
     unit: str = ""
     high: float = math.inf
+    signed: bool = True  # whether the number may be negative
 
 
 KINDS: dict[str, Kind] = {
-    "lost-bytes": Kind("each byte of the serial wire, both ways, is lost with this probability", 0.1, "", 1.0),
+    "lost-bytes": Kind("each byte of the serial wire, both ways, is lost with this probability", 0.1, "", 1.0, False),
     "unplugged-serial": Kind("nothing passes the serial wire"),
     "restarted-uno": Kind("the Uno restarts (power, watchdog)"),
     "stuck-encoder": Kind("neither the Uno nor the board sees the encoder's pulses"),
@@ -38,7 +39,7 @@ KINDS: dict[str, Kind] = {
     "shunted-cell": Kind(
         "a shunt across the load cell's bridge is switched in: before its filter the force is more by this", 200.0, "N", 5e3
     ),
-    "cell-clip": Kind("the load cell's amplifier saturates: its signal ends at this force, either way", 250.0, "N", 1e5),
+    "cell-clip": Kind("the load cell's amplifier saturates: its signal ends at this force, either way", 250.0, "N", 1e5, False),
     "dead-supply": Kind("the supply gives no voltage, whatever it is commanded"),
     "open-coil": Kind("the coil's wire is broken: no current flows"),
     "stalled-motor": Kind("the motor does not turn"),
@@ -46,7 +47,7 @@ KINDS: dict[str, Kind] = {
     "thermocouple-stuck": Kind("the thermocouple's reading stands where it is, whatever the specimen's temperature"),
     "board-timeout": Kind("the board's samples do not arrive: DAQmx error -200284"),
     "board-overrun": Kind("the board's buffer overflows: DAQmx error -200279"),
-    "late-samples": Kind("each read of the board is delayed by this time on the wall clock", 0.5, "s", 60.0),
+    "late-samples": Kind("each read of the board is delayed by this time on the wall clock", 0.5, "s", 60.0, False),
 }  # fmt: skip
 EXAMPLE = "write such as 'stuck-encoder@12.5s for 3s' or 'lost-bytes=0.1@2s'"
 _FORM = re.compile(r"\s*(?P<kind>[\w-]+)\s*(=\s*(?P<amount>[^@]+?))?\s*@\s*(?P<at>.+?)(\s+for\s+(?P<time>.+?))?\s*")
@@ -79,7 +80,7 @@ class FaultSpec:
             raise InputError(
                 f"fault {self.kind} = {self.amount:g} {fault_kind.unit} is not allowed; give at most {fault_kind.high:g}"
             )
-        if self.kind in ("lost-bytes", "late-samples", "cell-clip") and self.size < 0.0:
+        if self.size < 0.0 and not fault_kind.signed:
             raise InputError(f"fault {self.kind} = {self.size:g} must be 0 or more")
 
     @property
