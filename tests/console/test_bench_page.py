@@ -148,7 +148,7 @@ def test_a_campaign_is_started_paused_and_aborted(address, new_page, accessible,
     page.keyboard.press("Escape")
     page.get_by_text(re.compile("the table is braked and the coil is off")).wait_for()
     runs(page, "aborted")
-    page.get_by_role("cell", name="aborted: by page 1", exact=True).wait_for()
+    page.get_by_role("cell", name="aborted: by A. Operator, page 1", exact=True).wait_for()
     page.get_by_text("it was aborted; arm to go on").wait_for()
     assert sorted(each.name for each in (data / "runs" / "sines").glob("*.h5")) == [
         "01-sine-4mm-1Hz-0V.h5",
@@ -452,7 +452,7 @@ def test_the_first_page_shows_the_rig_the_runs_and_the_disk(address, new_page, a
     page.locator("#stop:enabled").click()
     runs(page, "stopped")
     page.goto(f"{address}#/")
-    page.get_by_role("cell", name="first", exact=True).wait_for()
+    page.get_by_role("cell", name="first simulated", exact=True).wait_for()
     page.get_by_role("cell", name="interrupted").wait_for()
     page.get_by_text(re.compile(r"GB free|TB free|MB free")).wait_for()
     page.get_by_text("shaking table, UTFPR 2020, simulated").wait_for()
