@@ -216,6 +216,16 @@ def test_half_cycles_are_kept_as_such_and_a_record_that_begins_in_full_motion_sa
     assert cut_cycles(record.replace(note="at rest", displacement=np.zeros(record.n))).cycles == ()
 
 
+@pytest.mark.parametrize(("begins", "from_start"), [(0.0, True), (0.1, False)])
+def test_a_record_that_begins_in_full_motion_says_so_where_it_turns_to_another_level_later(begins, from_start):
+    """At 3 s the table goes on the other way, from where it stands: the second stretch has a start that is seen."""
+    t = np.linspace(begins, 6.0, round((6.0 - begins) * 200) + 1)
+    x = np.where(t < 3.0, 0.008, -0.004) * np.sin(2 * np.pi * t)
+    made = cut_cycles(Record(t - t[0], x, x))
+    assert len(made.levels) > 1
+    assert made.from_start == from_start
+
+
 def test_cycles_of_a_run_in_are_counted_and_belong_to_no_level(make_sine):
     record = make_sine(rest=1.0, duration=16.0)
     ramp = np.clip((record.time - 1.0) / (3.0 / FREQUENCY), 0.0, 1.0)

@@ -43,16 +43,12 @@ HALTED = 0.4  # of a leg's duration near its middle: there the motion pauses
 NEAR_MIDDLE, AT_MIDDLE = 0.05, 0.01  # of a leg: the zone in which a pause is looked for, and its ends
 HALF_LEG = 0.7  # of the leg beyond: two such legs in a row meet where one level ends in the middle and the next begins
 SAME_STROKE, SAME_PERIOD = 0.1, 0.2  # relative: cycles of one level
-RISING, RANGE, IN_ORDER = (
-    4,
-    2.0,
-    0.9,
-)  # cycles, of the largest over the smallest stroke, rank correlation: rising strokes
+# Rising strokes: so many cycles at least, the largest stroke over the smallest, and the rank correlation.
+RISING, RANGE, IN_ORDER = 4, 2.0, 0.9
 SHOWN = 5  # levels in a summary
 RUN_IN_TO = 3  # cycles of a level: single cycles that grow up to it, or fall from it, are its run-in or run-out
-_cache: WeakKeyDictionary[Record, Indices] = (
-    WeakKeyDictionary()
-)  # records never change, and every package needs their cycles
+# Records never change, and every package needs their cycles.
+_cache: WeakKeyDictionary[Record, Indices] = WeakKeyDictionary()
 _cuts: WeakKeyDictionary[Record, Cut] = WeakKeyDictionary()
 
 
@@ -314,17 +310,16 @@ def _cut(record: Record) -> Cut:
     x = record.displacement
     start, stop = _rest_ends(x, points)
     bounds = [0, *_meetings(x, points), len(points)]
-    edges: list[tuple[float, float]] = []  # where a half cycle stops, and where the next one starts
     halves: list[tuple[float, float]] = []
     from_start, in_the_middle = True, False
     for k, (low, high) in enumerate(pairwise(bounds)):
         own = points[low:high]
         begins = start if k == 0 else _left(x, int(points[low - 1]), int(own[0]))
         ends = stop if high == len(points) else _reached(x, int(own[-1]), int(points[high]))
-        edges, from_start, middle = _edges(record, own, begins, ends, k > 0)
+        edges, start_is_seen, in_middle = _edges(record, own, begins, ends, k > 0)
         halves += [(a[1], b[0]) for a, b in pairwise(edges)]
-        if k == 0:
-            from_start, in_the_middle = from_start, middle
+        if k == 0:  # a later stretch begins where the one before it has ended
+            from_start, in_the_middle = start_is_seen, in_middle
     legs = np.abs(np.diff(x[np.r_[start, points, stop]]))
     return _counted(record, halves, from_start, float(np.max(legs)), in_the_middle, float(record.time[points[0]]))
 
@@ -374,7 +369,6 @@ def _turns_within(x: Array, low: int, high: int, floor: float, neighbour: float 
 
 def _rest_ends(x: Array, points: Indices) -> tuple[int, int]:
     """The last sample at rest before the motion and the first one after it, or the record's ends."""
-
     noise = rest_tolerance(x)
 
     def start(values: Array, first: int) -> int:

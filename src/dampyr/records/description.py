@@ -22,9 +22,8 @@ from dampyr.records.smoothing_recognition import Recognised, recognise_smoothing
 
 SAME_WINDOW = 0.02  # of the window: as well as the zeros of a short record tell it
 FEW = 3  # notes of one kind that a record has one by one
-_findings_by_record: WeakKeyDictionary[Record, tuple[Finding, ...]] = (
-    WeakKeyDictionary()
-)  # records never change, and every result that is made of them repeats what is found
+# Records never change, and every result that is made of them repeats their findings.
+_findings_by_record: WeakKeyDictionary[Record, tuple[Finding, ...]] = WeakKeyDictionary()
 
 
 def describe(record: Record) -> dict[str, Any]:

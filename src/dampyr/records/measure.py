@@ -26,9 +26,8 @@ from dampyr.records.velocity import default_bandwidth, differentiate
 from dampyr.representation import Representation, Summary
 
 ORDERS = 7  # harmonics of the motion: those of a distorted sine fall off, and higher ones lie in the noise
-_fundamentals: WeakKeyDictionary[Record, tuple[float, float]] = (
-    WeakKeyDictionary()
-)  # records never change, and a description asks six times
+# Records never change, and a description needs it six times.
+_fundamentals: WeakKeyDictionary[Record, tuple[float, float]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, repr=False)

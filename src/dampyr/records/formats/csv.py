@@ -32,7 +32,7 @@ def write(record: Record, path: Path) -> Path:
     columns = [np.broadcast_to(values, record.n) for values in held.values()]
     text = io.StringIO()
     header = ",".join(f"{name} [{CHANNELS[name]}]" for name in held)
-    comments = [f"# {name}: {text}\n" for name, text in stated(record).items()]
+    comments = [f"# {name}: {words}\n" for name, words in stated(record).items()]
     np.savetxt(text, np.column_stack(columns), delimiter=",", header=header, comments="", fmt="%.17g")
     write_whole(path, "".join(comments) + text.getvalue())
     return path
