@@ -1,6 +1,7 @@
 """A quantity or a labelled array is converted or refused at every door of Python, and a path in mm is asked about."""
 
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -137,7 +138,7 @@ def test_up_to_20_times_the_calibrated_path_is_a_warning() -> None:
     ]  # fmt: skip
 
 
-def test_a_building_that_moves_far_is_a_note_with_the_share_of_cases() -> None:
+def test_a_building_that_moves_far_is_a_note_with_the_share_of_cases(tmp_path: Path) -> None:
     near = dp.models.Damper(
         "dahl", {"dahl.kx": 1000.0, "dahl.kw": 20.0, "dahl.rho": 1000.0}, ranges={"displacement": (0.0, 1e-3)}
     )
@@ -152,6 +153,8 @@ def test_a_building_that_moves_far_is_a_note_with_the_share_of_cases() -> None:
         f"in {beyond} of 3 cases ({100 * beyond / 3:.0f} %) a damper's stroke leaves the 1 mm"
     )
     assert f"by up to {strokes.max() / 1e-3:.1f} times" in peaks.attrs["outside"]
+    dp.structures.ensemble(BUILDING, MOTION, near, scales=[0.01, 0.5, 1.0], out=tmp_path / "peaks.h5")
+    assert dp.structures.read_ensemble(tmp_path / "peaks.h5").attrs["outside"] == peaks.attrs["outside"]
 
 
 def test_a_motion_over_5_g_asks_about_its_unit() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -41,6 +42,16 @@ def test_parts_are_the_whole(cubics: Damper, folder: Path, tmp_path: Path) -> No
     assert collected.attrs["cases"] == whole.attrs["cases"]
     assert collected.attrs["judged"] >= whole.attrs["judged"]
     assert read_ensemble(tmp_path / "all.h5").identical(collected)
+
+
+def test_parts_say_how_many_cases_leave_the_calibrated_displacement(cubics: Damper, tmp_path: Path) -> None:
+    near = replace(cubics, ranges={"displacement": (0.0, 5e-3)})
+    given = two_storey(), [el_centro()], [None, near], (0.0, 1.0), SCALES
+    whole = ensemble(*given[:3], voltages=given[3], scales=given[4])
+    assert "of 10 cases" in whole.attrs["outside"]
+    for part in (1, 2, 3):
+        write_part(cases(*given), part, 3, tmp_path)
+    assert collect(tmp_path).attrs["outside"] == whole.attrs["outside"]
 
 
 def test_small_shards_in_a_part_are_the_same(

@@ -13,7 +13,6 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from dampyr.errors import DampyrWarning
@@ -23,10 +22,9 @@ from dampyr.structures.building import Building
 from dampyr.structures.ensemble_accuracy import doubts
 from dampyr.structures.ensemble_batches import Shard, run_shard
 from dampyr.structures.ensemble_grid import Cases, cases
-from dampyr.structures.sites import dampers_of, warn_of_parts
+from dampyr.structures.sites import warn_of_parts
 from dampyr.structures.store import Store
 
-AT_LIMIT = 1.01  # times the calibrated displacement: what rounding and peaks between samples add is none
 IN_FLIGHT = 4  # shards per worker that wait or run at a time: bounds the memory, and no worker waits for the next
 Progress = Callable[[int, int], None]
 
@@ -80,13 +78,13 @@ def ensemble(
     Peaks are those of the motion itself, between steps too. ``attrs`` hold the measured error, of all peaks
     (``error_estimate``) and of those above the sizes above (``error_estimate_moving``), on how many cases it was measured
     (``judged``: the hardest, and others at random), how many grew without bound (their peaks are NaN), and in ``outside`` how
-    many leave the calibrated displacement of a damper. A reduced
-    structure is taken as `respond` takes it, and ``truncation_error``, ``truncation_error_acceleration`` and
-    ``truncation_error_force`` are how far displacements and drifts, accelerations and forces of the judged cases lie from those
-    with half as many coordinates. A
-    :class:`~dampyr.errors.DampyrWarning` tells of an error above the bound of the accuracy. Raises
-    :class:`~dampyr.errors.InputError` for a wrong argument before anything runs. Warns of dampers
-    with a part that is not for buildings.
+    many leave the calibrated displacement of a damper. A reduced structure is taken as `respond` takes it, and
+    ``truncation_error``, ``truncation_error_acceleration`` and ``truncation_error_force`` are how far displacements and drifts,
+    accelerations and forces of the judged cases lie from those with half as many coordinates.
+
+    Raises :class:`~dampyr.errors.InputError` for a wrong argument before anything runs. Warns
+    (:class:`~dampyr.errors.DampyrWarning`) of an error above the bound of the accuracy, and of dampers with a part that is not
+    for buildings.
 
     Examples
     --------
@@ -136,38 +134,8 @@ def run(
         if own:
             pool.shutdown(cancel_futures=True)
     dataset = store.dataset()
-    if words := outside_words(what, dataset):
-        dataset.attrs["outside"] = words
     warn_of(dataset)
     return dataset
-
-
-def outside_words(what: Cases, dataset: Any) -> str:
-    """How many cases leave the displacement that their dampers were calibrated on, and by how much; "" for none.
-
-    A note and no error: strong motion takes most dampers beyond the strokes of their tests. Velocities are not among the peaks.
-    """
-    if "stroke" not in dataset:
-        return ""
-    cases, beyond, worst, limits = 0, 0, 0.0, set()
-    for number, placed in enumerate(what.placements):
-        dampers = dampers_of(placed)
-        calibrated = np.array([each.ranges.get("displacement", (0.0, np.inf))[1] for each in dampers])
-        if not np.any(np.isfinite(calibrated)):
-            continue
-        strokes = dataset.stroke.isel(damper=number, site=slice(len(dampers))).transpose(..., "site").values
-        times = np.max(np.nan_to_num(strokes, nan=np.inf) / calibrated, axis=-1)
-        cases, beyond = cases + times.size, beyond + int(np.sum(times > AT_LIMIT))
-        if np.any(finite := times[np.isfinite(times)]):
-            worst = max(worst, float(finite.max()))
-        limits |= {float(limit) for limit in calibrated[np.isfinite(calibrated)]}
-    if not beyond:
-        return ""
-    span = " to ".join(dict.fromkeys(f"{1e3 * limit:.3g}" for limit in (min(limits), max(limits))))
-    return (
-        f"in {beyond} of {cases} cases ({100 * beyond / cases:.0f} %) a damper's stroke leaves the {span} mm that it was "
-        f"calibrated on, by up to {worst:.1f} times: the force there is extrapolated"
-    )
 
 
 def completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> Iterator[Shard]:

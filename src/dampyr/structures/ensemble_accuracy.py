@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 # Of a peak displacement or drift above 0.1 mm and 1 % of the largest of its case. The largest errors of 466 random dampers,
@@ -27,6 +27,21 @@ def truncation_in_words(attributes: Mapping[str, Any]) -> str:
     listed = ", ".join(f"{words} {100 * value:.2g} %" for words, value in changes.items())
     judge = "half as many coordinates, with the dampers"
     return f"reduced structure: beside {judge}, peaks of the judged cases differ by at most: {listed}"
+
+
+def outside_words(beyond: int, cases: int, times: float, limits: Sequence[float]) -> str:
+    """How many of the ``cases`` with calibrated dampers leave the displacement [m] that these were calibrated on, one of
+    ``limits``, and by how much; "" for none.
+
+    A note and no error: strong motion takes most dampers beyond the strokes of their tests. Velocities are not among the peaks.
+    """
+    if not beyond:
+        return ""
+    span = " to ".join(dict.fromkeys(f"{1e3 * limit:.3g}" for limit in (min(limits), max(limits))))
+    return (
+        f"in {beyond} of {cases} cases ({100 * beyond / cases:.0f} %) a damper's stroke leaves the {span} mm that it was "
+        f"calibrated on, by up to {times:.1f} times: the force there is extrapolated"
+    )
 
 
 def doubts(attributes: Mapping[str, Any]) -> list[str]:

@@ -28,9 +28,9 @@ from dampyr.structures.batch.gpu import engine as gpu_engine
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.ensemble_grid import STEPS, STEPS_IN_SERIES, STEPS_WITH_MEMORY, Cases
 from dampyr.structures.kernel_run import runner
-from dampyr.structures.modal_coordinates import refinements, relative_changes
-from dampyr.structures.response import Run
-from dampyr.structures.sites import Site, connections, laws_of
+from dampyr.structures.modal_coordinates import refinements
+from dampyr.structures.response import Run, relative_change
+from dampyr.structures.sites import Site, calibrated_displacements, connections, laws_of
 from dampyr.structures.step_size import (
     ACCURACIES,
     difference_slopes,
@@ -50,6 +50,7 @@ LEFT_OUT = {"displacement": "truncation", "drift": "truncation", "acceleration":
 # the relative error has none that a fixed step could hold.
 MOVING, MOVING_SHARE = 1e-4, 0.01  # m; of the largest of the case
 SEED = 15  # of the choice of the cases that are judged; any
+AT_LIMIT = 1.01  # times the calibrated displacement: what rounding and peaks between samples add is none
 JUDGED_ONE_BY_ONE = 4  # at most, of the cases of a kind that no engine can run: each costs two more
 
 
@@ -60,9 +61,11 @@ class Shard:
     ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases, twice that where the step
     counts to first order; ``moving`` the same of peaks above 0.1 mm and 1 % of the largest of the case; ``unbounded`` counts
     cases that grew without bound; ``general`` counts those that no engine can run, ``unconverged`` those under control
-    laws whose step could not be made short enough. ``truncation`` is the largest relative
-    change of a peak displacement or drift of reduced structures beside half as many coordinates, among the judged cases, -1
-    where there is none; ``truncation_acceleration`` and ``truncation_force`` are those of accelerations and forces.
+    laws whose step could not be made short enough. ``truncation`` is the largest relative change of a peak displacement or
+    drift of reduced structures beside half as many coordinates, among the judged cases, -1 where there is none;
+    ``truncation_acceleration`` and ``truncation_force`` are those of accelerations and forces. ``calibrated`` counts the cases
+    of which a damper's card states the displacement that it was calibrated on, ``beyond`` those of them that leave it, by up to
+    ``beyond_times``.
     """
 
     number: int
@@ -77,6 +80,9 @@ class Shard:
     truncation: float = -1.0
     truncation_acceleration: float = -1.0
     truncation_force: float = -1.0
+    calibrated: int = 0
+    beyond: int = 0
+    beyond_times: float = 0.0
 
 
 def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
@@ -89,7 +95,22 @@ def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
             _one_by_one(cases, members, done)
         else:
             _in_blocks(cases, kind, members, done)
+    if "stroke" in done.values:
+        _count_beyond(cases, done)
     return done
+
+
+def _count_beyond(cases: Cases, done: Shard) -> None:
+    """Count the cases in which a stroke leaves the displacement that its damper was calibrated on."""
+    _, placements, _, _ = np.unravel_index(np.array(done.lines, dtype=np.int64), cases.shape[:-1])
+    for k, placed in enumerate(cases.placements):
+        limits = np.array(calibrated_displacements(placed))
+        if np.any(np.isfinite(limits)):
+            strokes = done.values["stroke"][placements == k, :, : len(limits)]
+            times = np.max(np.nan_to_num(strokes, nan=np.inf) / limits, axis=-1)
+            done.calibrated += times.size
+            done.beyond += int(np.sum(times > AT_LIMIT))
+            done.beyond_times = max(done.beyond_times, float(np.max(times, initial=0.0, where=np.isfinite(times))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -297,8 +318,7 @@ def _judge_truncation(fewer: dict[str, Array] | None, peaks: dict[str, Array], b
             setattr(done, name, max(getattr(done, name), 0.0 if exact else np.inf))
         elif fewer is not None and quantity in peaks:
             good = np.isfinite(fewer[quantity]).all(axis=1) & np.isfinite(peaks[quantity]).all(axis=1)
-            pairs = zip(fewer[quantity][good], peaks[quantity][good], strict=True)
-            changes = [relative_changes([a], [b])[0] for a, b in pairs]
+            changes = map(relative_change, fewer[quantity][good], peaks[quantity][good])
             setattr(done, name, max(getattr(done, name), *changes, 0.0))
 
 

@@ -23,7 +23,7 @@ from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.batch.gpu import missing
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.control_law import gains, is_control_law, parts, spelled
-from dampyr.structures.sites import Site, make_sites, placement
+from dampyr.structures.sites import Site, make_sites, placement, places_and_dampers
 from dampyr.units import in_si
 
 Array = NDArray[np.float64]
@@ -78,12 +78,12 @@ class Cases:
     @cached_property
     def sites(self) -> int:
         """The most dampers of a placement."""
-        return max(len(_dampers_of(placement)) for placement in self.placements)
+        return max(len(places_and_dampers(placement)) for placement in self.placements)
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
         """The worst finding of each damper, each once."""
-        dampers = (damper for placement in self.placements for _, damper in _dampers_of(placement))
+        dampers = (damper for placement in self.placements for _, damper in places_and_dampers(placement))
         return worst_first(one for damper in dampers for one in damper.inherited())
 
     def width(self, quantity: str) -> int:
@@ -133,15 +133,9 @@ def _left_out(building: Building) -> tuple[Any, ...]:
     return () if whole is None else (whole.M, whole.C, whole.K, whole.influence, whole.retained)
 
 
-def _dampers_of(placement: Mapping[Any, Any]) -> list[tuple[Any, Any]]:
-    """Each damper of a placement and where it stands."""
-    several = ((where, entry if isinstance(entry, list | tuple) else (entry,)) for where, entry in placement.items())
-    return [(where, damper) for where, dampers in several for damper in dampers]
-
-
 def _plain(placement: Mapping[Any, Any]) -> list[Any]:
     """A placement in words and numbers, for the digest."""
-    return [(where, damper.input, repr(damper.all_laws)) for where, damper in _dampers_of(placement)]
+    return [(where, damper.input, repr(damper.all_laws)) for where, damper in places_and_dampers(placement)]
 
 
 def cases(
@@ -206,7 +200,7 @@ def _check(grid: Cases) -> None:
 
 def _check_law(law: Any, building: Building, grid: Cases) -> None:
     """Check that a law has gains wherever a damper stands, and decides at the ends of steps of every motion."""
-    for where in {each for entry in grid.placements for each, _ in _dampers_of(entry)}:
+    for where in {each for entry in grid.placements for each, _ in places_and_dampers(entry)}:
         gains(law, building, building.connection(where))
     for dt in {motion.dt for motion in grid.motions}:
         parts((law,), dt)

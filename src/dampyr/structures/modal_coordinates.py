@@ -40,13 +40,14 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, resampled
 from dampyr.representation import Summary
 from dampyr.structures.building import Building, Condensed, Whole, reduced
-from dampyr.structures.response import Truncation
+from dampyr.structures.response import Truncation, relative_change
 
 Array = NDArray[np.float64]
 
 MORE = 20  # modes with the floors held that a response adds at least, where a structure has so many
 FINE = 0.005  # s, between the points at which peaks of all modes are taken at most
 STATIC, FLOORS_EACH = 2, 5  # static vectors at most, and one for each so many floors
+INDEPENDENT = 1e-8  # of the squares of unit vectors: what a new shape must have of its own
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,21 +90,12 @@ class ModalBuilding(Condensed):
         missing += float(self.influence @ self.M @ direct)  # beside the modes' accelerations, not the floors'
         mine = _peaks_of(x, acceleration + np.outer(direct[:n], a), shear + missing * a)
         whole = _peaks_of(*modal_response(self.shapes, self.squares, self.ratios, self.pushes, motion))
-        return Truncation(self.n, len(self.squares), "all modes, without dampers", *relative_changes(mine, whole))
+        return Truncation(self.n, len(self.squares), "all modes, without dampers", *map(relative_change, mine, whole))
 
 
 def _peaks_of(x: Array, acceleration: Array, shear: Array) -> list[Array]:
     drifts = np.diff(x, axis=0, prepend=0.0)
     return [np.max(np.abs(each), axis=-1) for each in (x, drifts, acceleration, shear)]
-
-
-def relative_changes(mine: Sequence[Any], judge: Sequence[Any]) -> list[float]:
-    """The largest relative change of each kind of peak against those of ``judge``; 0 where there is no peak."""
-    changes = []
-    for own, other in zip(mine, judge, strict=True):
-        size = np.maximum(np.abs(other), 1e-9 * np.max(np.abs(other), initial=0.0) + 1e-300)
-        changes.append(float(np.max(np.abs(own - other) / size, initial=0.0)))
-    return changes
 
 
 def refined(building: Building, places: Sequence[Any] = ()) -> Building:
@@ -174,9 +166,6 @@ def _modes_with_floors_held(whole: Whole) -> tuple[Array, bool]:
     modes = np.zeros((len(whole.K), len(order)))
     modes[left] = shapes[:, order]
     return modes, damped
-
-
-INDEPENDENT = 1e-8  # of the squares of unit vectors: what a new shape must have of its own
 
 
 def _with_interior(building: Condensed, shapes: Array) -> Condensed:

@@ -23,10 +23,11 @@ from dampyr.structures.building import Building, Condensed
 from dampyr.structures.control_law import describe_law
 from dampyr.structures.kernel_run import runner
 from dampyr.structures.linear_response import peak_displacement
-from dampyr.structures.modal_coordinates import ModalBuilding, refinements, relative_changes
+from dampyr.structures.modal_coordinates import ModalBuilding, refinements
 from dampyr.structures.response import Energy, Output, Response, Run, Truncation
 from dampyr.structures.sites import Site, connections, describe_place, drifts, laws_of, make_sites, warn_of_parts
 from dampyr.structures.step_size import (
+    changes,
     given_steps_per_sample,
     halve_under_laws,
     halve_until_converged,
@@ -130,10 +131,9 @@ def _truncation(
     if not sites and isinstance(whole, ModalBuilding):
         return whole.truncation_errors(motion)
     other = runner(half, motion, sites)(round(motion.dt / best.step)).out
-    names = ("displacement_peak", "drift_peak", "acceleration_peak", "shear_peak", "force_peak")
-    changes = relative_changes(*([getattr(out, name) for name in names] for out in (other, best.out)))
+    changed = changes(other, best.out)
     words = f"{half.n} coordinates, {'with' if sites else 'without'} the dampers"
-    return Truncation(whole.n, degrees, words, *changes)
+    return Truncation(whole.n, degrees, words, **{name: changed.get(name, 0.0) for name in other.peaks})
 
 
 def _response(

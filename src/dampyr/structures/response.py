@@ -59,6 +59,17 @@ class Output(NamedTuple):
     rest_slopes: Any  # (N, 2): dF/dx and dF/dv at rest
     misfit: Any  # (3,): steps not solved to the tolerance, the largest relative misfit, iterations in all
 
+    @property
+    def peaks(self) -> dict[str, Any]:
+        """The peaks by the names of their quantities."""
+        return {
+            "displacement": self.displacement_peak,
+            "drift": self.drift_peak,
+            "acceleration": self.acceleration_peak,
+            "base_shear": self.shear_peak,
+            "force": self.force_peak,
+        }
+
     def of_floors(self, count: int) -> Output:
         """The peaks of the floors alone, the first ``count`` coordinates; histories stay those of all."""
         names = ("displacement_peak", "drift_peak", "acceleration_peak")
@@ -82,6 +93,12 @@ def output(samples: int, n: int, sites: int) -> Output:
         rest_slopes=np.zeros((sites, 2)),
         misfit=np.zeros(3),
     )
+
+
+def relative_change(values: Array, reference: Array) -> float:
+    """The largest change (k,) of ``values`` against ``reference``, relative; 0 where there are none."""
+    size = np.maximum(np.abs(reference), 1e-9 * np.max(np.abs(reference), initial=0.0) + 1e-300)
+    return float(np.max(np.abs(values - reference) / size, initial=0.0))
 
 
 class Truncation(NamedTuple):

@@ -100,9 +100,15 @@ def placement(dampers: Any) -> Mapping[Any, Any]:
     return {1: dampers}
 
 
-def dampers_of(placed: Mapping[Any, Any]) -> list[Any]:
-    """All dampers of a placement, in the order of their sites."""
-    return [each for entry in placed.values() for each in (entry if isinstance(entry, list | tuple) else (entry,))]
+def places_and_dampers(placed: Mapping[Any, Any]) -> list[tuple[Any, Any]]:
+    """Each damper of a placement after the place where it stands, in the order of their sites."""
+    several = ((where, entry if isinstance(entry, list | tuple) else (entry,)) for where, entry in placed.items())
+    return [(where, damper) for where, dampers in several for damper in dampers]
+
+
+def calibrated_displacements(placed: Mapping[Any, Any]) -> list[float]:
+    """The displacement [m] that each damper of a placement was calibrated on, infinite where its card has none."""
+    return [float(damper.ranges.get("displacement", (0.0, math.inf))[1]) for _, damper in places_and_dampers(placed)]
 
 
 def _is_damper(value: Any) -> bool:

@@ -25,7 +25,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import lag_of, parts
-from dampyr.structures.response import Output, Run
+from dampyr.structures.response import Output, Run, relative_change
 from dampyr.structures.sites import LEVELS, Site, connections, describe_place, laws_of
 
 Array = NDArray[np.float64]
@@ -194,18 +194,8 @@ def run_once(run: Any, m: int) -> Run:
 
 def changes(coarse: Output, fine: Output) -> dict[str, float]:
     """The largest relative change of the peaks of each quantity, and the largest change of a mean input in V or A."""
-    pairs = {
-        "displacement": (coarse.displacement_peak, fine.displacement_peak),
-        "drift": (coarse.drift_peak, fine.drift_peak),
-        "acceleration": (coarse.acceleration_peak, fine.acceleration_peak),
-        "base_shear": (coarse.shear_peak, fine.shear_peak),
-        "force": (coarse.force_peak, fine.force_peak),
-    }
-    changed = {}
-    for name, (a, b) in pairs.items():
-        if len(b):
-            size = np.maximum(np.abs(b), 1e-9 * np.max(np.abs(b)) + 1e-300)
-            changed[name] = float(np.max(np.abs(a - b) / size))
+    before = coarse.peaks
+    changed = {name: relative_change(before[name], peaks) for name, peaks in fine.peaks.items() if len(peaks)}
     if len(fine.mean_input):
         changed["mean_input"] = float(np.max(np.abs(coarse.mean_input - fine.mean_input)))
     return changed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -18,26 +18,25 @@ from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records.self_contained import check_contained
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import describe_law, is_control_law
+from dampyr.structures.ensemble_accuracy import outside_words
 from dampyr.structures.ensemble_batches import Shard
 from dampyr.structures.ensemble_grid import AXES, Cases
-from dampyr.structures.sites import dampers_of
+from dampyr.structures.sites import calibrated_displacements, places_and_dampers
 
 Array = NDArray[np.float64]
 FORMAT = "dampyr ensemble 1"
 MAPPED = 2**28  # bytes of a quantity from which it stays in the file: what a laptop's memory holds several times
-# files of before have the first four or five
+TRUNCATION = {
+    "truncation": "truncation_error",
+    "truncation_acceleration": "truncation_error_acceleration",
+    "truncation_force": "truncation_error_force",
+}
+# Of a shard, in the order of the columns of a file, of which older files have fewer.
 DIAGNOSTICS = (
-    "error",
-    "judged",
-    "unbounded",
-    "general",
-    "moving",
-    "unconverged",
-    "truncation",
-    "truncation_acceleration",
-    "truncation_force",
+    *("error", "judged", "unbounded", "general", "moving", "unconverged"),
+    *TRUNCATION,
+    *("calibrated", "beyond", "beyond_times"),
 )
-TRUNCATION = {name: name.replace("truncation", "truncation_error") for name in DIAGNOSTICS[6:]}
 BARE = "no damper"
 SA_DAMPING = 0.05  # ratio to critical, that of published spectra
 UNIT_OF = {"voltage": "V", "current": "A"}
@@ -56,7 +55,8 @@ ALONG = {
 class Labels:
     """Labels of each axis. ``sa`` is the pseudo-acceleration (building, motion) [m/s2] of each unscaled motion at the
     building's first ``period`` [s] and 5 % damping, ``pga`` (motion,) its peak [m/s2]. ``inputs`` are NaN where there is no
-    constant one, ``input_name`` says in words what there is."""
+    constant one, ``input_name`` says in words what there is. ``calibrated`` are the displacements [m] that dampers were
+    calibrated on, rising."""
 
     building: list[str]
     damper: list[str]
@@ -69,6 +69,7 @@ class Labels:
     sa: list[list[float]]
     input_name: list[str] = field(default_factory=list)
     damper_origin: Origin = NOT_STATED
+    calibrated: list[float] = field(default_factory=list)
 
     @classmethod
     def of(cls, what: Cases) -> Labels:
@@ -85,7 +86,10 @@ class Labels:
             [motion.pga for motion in what.motions],
             [[_sa(motion, period) for motion in what.motions] for period in periods],
             [_input_name(u, UNIT_OF[what.kind]) for u in what.inputs],
-            combined(damper.origin for placed in what.placements for damper in dampers_of(placed)),
+            combined(damper.origin for placed in what.placements for _, damper in places_and_dampers(placed)),
+            sorted(
+                {each for placed in what.placements for each in calibrated_displacements(placed) if np.isfinite(each)}
+            ),
         )
 
     @property
@@ -233,7 +237,15 @@ class Store:
     def dataset(self) -> Any:
         """All values with labels, and the measured errors."""
         what = self.what
-        made = attributes(self.diagnostics, what.accuracy, what.precision, what.size, what.after, what.findings)
+        made = attributes(
+            self.diagnostics,
+            what.accuracy,
+            what.precision,
+            what.size,
+            what.after,
+            what.findings,
+            self.labels.calibrated,
+        )
         return self.labels.dataset(dict(self.values), made)
 
 
@@ -270,13 +282,21 @@ def describe(file: Any, what: Cases, labels: Labels) -> None:
 
 
 def attributes(
-    diagnostics: Array, accuracy: str, precision: int, size: int, after: float = 0.0, findings: Iterable[object] = ()
+    diagnostics: Array,
+    accuracy: str,
+    precision: int,
+    size: int,
+    after: float = 0.0,
+    findings: Iterable[object] = (),
+    calibrated: Sequence[float] = (),
 ) -> dict[str, Any]:
     """Errors and counts, from the rows of `DIAGNOSTICS` of all shards; ``after_s`` where the motions have a rest, ``findings``
-    where the dampers have some."""
+    where the dampers have some, ``outside`` where a stroke leaves the displacements [m] that they were ``calibrated`` on."""
     sentences = list(map(str, findings))
     sums = dict(zip(DIAGNOSTICS, diagnostics.sum(axis=0)))
     largest = dict(zip(DIAGNOSTICS, diagnostics.max(axis=0, initial=0.0)))
+    beyond, with_limits = int(sums.get("beyond", 0)), int(sums.get("calibrated", 0))
+    outside = outside_words(beyond, with_limits, float(largest.get("beyond_times", 0.0)), calibrated)
     return {
         "error_estimate": float(largest["error"]),
         "judged": int(sums["judged"]),
@@ -294,6 +314,7 @@ def attributes(
             if name in largest and np.max(diagnostics[:, DIAGNOSTICS.index(name)], initial=-1.0) >= 0.0
         },
         **({"findings": sentences} if sentences else {}),
+        **({"outside": outside} if outside else {}),
     }
 
 
@@ -325,11 +346,12 @@ def read_ensemble(path: str | Path) -> Any:
         return labels.dataset(values, attributes(file["told"][:], *made_with(file, labels)))
 
 
-def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float, list[str]]:
-    """Accuracy, precision, number of cases, s of rest and findings of an ensemble, or of the whole that a part belongs to."""
+def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float, list[str], list[float]]:
+    """The arguments of `attributes` after the first, of an ensemble or of the whole that a part belongs to."""
     attrs, size = file.attrs, int(np.prod(labels.shape))
     findings = list(file["findings"].asstr()[:]) if "findings" in file else []
-    return str(attrs["accuracy"]), int(attrs["precision"]), size, float(attrs.get("after", 0.0)), findings
+    after, precision = float(attrs.get("after", 0.0)), int(attrs["precision"])
+    return str(attrs["accuracy"]), precision, size, after, findings, labels.calibrated
 
 
 def progress_of(path: str | Path) -> tuple[int, int]:
