@@ -4,7 +4,7 @@
 
     campaign = read("campaign.toml")
     planned = plan(campaign, rig, damper)     # every test with its duration, peaks and expected force
-    planned.refusals                        # what the rig cannot do, each with the largest value that it can
+    planned.refusals                          # what the rig cannot do, each with the largest value that it can
 
 A kind of step is one file in the package ``dampyr.campaigns.steps``; `available_steps` lists them.
 """

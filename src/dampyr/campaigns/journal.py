@@ -95,6 +95,11 @@ class Journal(Representation):
             raise FileError(self.path, self._reason(problem)) from problem
         self._opened = True
 
+    @property
+    def origin(self) -> Origin:
+        """Origin of the records, as the campaign was run."""
+        return as_origin(self.said("origin") or NOT_STATED)
+
     def to_dataframe(self) -> Any:
         """The tests in their order as a ``pandas.DataFrame``: state, attempt and reason."""
         entries = self.tests()
@@ -105,7 +110,7 @@ class Journal(Representation):
         states = Counter(entry.state for entry in self.tests())
         return f"Journal of {self.said('name')!r}", [
             ("folder", self.path.parent.name),
-            ("origin", self.said("origin") or NOT_STATED),
+            ("origin", self.origin),
             ("tests", ", ".join(f"{count} {state}" for state, count in states.items()) or "none"),
             ("events", str(len(self.events()))),
         ]
@@ -249,7 +254,7 @@ class Journal(Representation):
 def journal_origin(folder: str | Path) -> Origin:
     """Origin of the records of a campaign's folder, as its journal states it."""
     with closing(Journal(folder)) as journal:
-        return as_origin(journal.said("origin") or NOT_STATED)
+        return journal.origin
 
 
 def read_journal(folder: str | Path) -> tuple[list[Entry], list[Event]]:

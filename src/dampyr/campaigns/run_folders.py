@@ -13,7 +13,7 @@ from dampyr.campaigns.journal import NAME, Journal
 from dampyr.campaigns.plan import Plan
 from dampyr.campaigns.recorded_tests import entries_with_files, lost_words
 from dampyr.errors import DampyrError, FileError, InputError
-from dampyr.origin import NOT_STATED, Origin, as_origin
+from dampyr.origin import NOT_STATED, Origin
 
 RunState = Literal["complete", "interrupted", "running", "unreadable"]
 FolderState = Literal["new", "interrupted", "complete", "foreign", "running"]
@@ -41,7 +41,7 @@ def run_folder(folder: str | Path) -> RunFolder:
         with closing(Journal(folder)) as journal:
             entries, events = entries_with_files(journal.tests(), folder), journal.events()
             campaign, operator = journal.said("name"), journal.said("operator")
-            origin = as_origin(journal.said("origin") or NOT_STATED)
+            origin = journal.origin
     except DampyrError as problem:
         return RunFolder(folder.name, "", "", "unreadable", 0, 0, "", str(problem))
     complete = sum(entry.state == "complete" for entry in entries)
