@@ -263,18 +263,16 @@ def _print_specimens(specimens: Specimens) -> None:
 def _print_fit(fit: Fit, findings: Sequence[Finding], inseparable: Sequence[str]) -> None:
     """The verdict, what is to be said of the fit and its records, values, errors and goodness of fit; ``inseparable`` says what
     the records cannot separate, a line each."""
-    from dampyr.representation import counted, percent
+    from dampyr.representation import counted
 
-    said = fit.verdict.findings
-    notes = [fit.verdict.words, *(f"{one}." for one in findings if one not in said)]
+    notes = [fit.verdict.words, *(f"{one}." for one in fit.verdict.besides(findings))]
     notes += [f"Not separated: {line}." for line in inseparable]
     values = "value ± half of the 95 % interval"
     many = counted(len(fit.records), "record")
     print_table(f"{fit.problem.composition}, {many}: {values}", *fit.by_input(), notes=notes)
     if fit.levels is not None:
-        how = "estimated" if fit.levels.repeated else "stated, not measured"
-        level = f"a level that differs by {percent(fit.levels.session_sd)} between them ({how})"
-        print_table(f"The same between measurement sessions, with {level}: {values}", *fit.by_input(between="sessions"))
+        title = f"The same between measurement sessions, whose level differs by {fit.levels.spread_words}: {values}"
+        print_table(title, *fit.by_input(between="sessions"))
     print_table(
         "Standard errors (naive ones in parentheses, as if samples were independent)", *fit.by_input(errors=True)
     )

@@ -85,7 +85,7 @@ def _trend(
 
 
 def findings(residuals: Residuals) -> tuple[str, ...]:
-    """What was made, one sentence each, without its full stop."""
+    """What the residuals show, one sentence each, without its full stop."""
     return (
         _size(residuals),
         *_directions(residuals),

@@ -72,9 +72,8 @@ FINALISTS = 5  # each costs a fit and two cross-validations of all records
 PARTS = 5  # of the records, left out in turn
 BUDGET = 480.0  # counted s: two cores take four minutes for it, with what compiles and the last fits five
 SCREENING_SHARE = 0.85  # of the budget, after which no further add-on is tried
-TRIAL_SHARE = (
-    1 / 120
-)  # of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway
+# Of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway.
+TRIAL_SHARE = 1 / 120
 FINAL_SHARE = 1 / 16  # the same for a fit to all records
 LEAST_WORK = 5.0  # counted s that a fit to all records has however little is left
 

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from dampyr.identification.problem import Point, Problem
 from dampyr.identification.uncertainty import Uncertainty, record_groups
-from dampyr.models.prediction_error import PredictionError, ShapeError, assumed_words, phase_basis
+from dampyr.models.prediction_error import PredictionError, ShapeError, assumed_words, phase_basis, spread_words
 from dampyr.records import Record
 from dampyr.representation import Representation, Summary, Table, counted, listing, percent
 
@@ -75,6 +75,11 @@ class Levels(Representation):
     def sessions(self) -> tuple[str, ...]:
         """The sessions in the order in which they occur."""
         return tuple(dict.fromkeys(self.session.values()))
+
+    @property
+    def spread_words(self) -> str:
+        """How much the level differs between sessions, and whether it is estimated or stated."""
+        return spread_words(self.session_sd, self.repeated)
 
     def reach_between_sessions(self, number: int, error: float, freedom: float, level: float) -> float:
         r"""Half of the interval of a fitted number between sessions, from its standard error between records.

@@ -60,9 +60,9 @@ class Band(Representation):
 
     ``holds`` is the share of the window's samples inside, ``width`` half the mean width over the mean size of the force
     about the middle of its range (0.12 is ± 12 %). ``peak`` is half the range of the force in N without white noise of the
-    sensor, ``energy`` that of a
-    cycle in J, None where the window has no whole cycle. ``session`` is the fitted session that the record belongs to,
-    None where it counts as a new one; ``prior`` says what level between sessions is in it, and whether that is stated.
+    sensor, ``energy`` that of a cycle in J, None where the window has no whole cycle. ``session`` is the fitted session that
+    the record belongs to, None where it counts as a new one; ``prior`` says what level between sessions is in it, and whether
+    that is stated.
     """
 
     level: float

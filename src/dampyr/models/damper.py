@@ -38,9 +38,8 @@ Array = NDArray[np.float64]
 INPUTS = {"V": "voltage", "A": "current"}
 RANGES = {"displacement": "m", "velocity": "m/s", "frequency": "Hz"}
 SHOWN = 6  # parameters that a short text lists one by one
-FAR = (
-    20.0  # times the calibrated displacement or velocity: a path of a test is not there, and one in mm is at 1000 times
-)
+# Times the calibrated displacement or velocity: a path of a test is not there, and one in mm is at 1000 times.
+FAR = 20.0
 UNLIKELY = {"displacement": 1.0, "velocity": 10.0}  # m, m/s, where no calibrated range says what is usual
 SAME_TEMPERATURE = 0.5  # °C: less than one tells two temperatures of a damper apart by
 COLUMNS = 5  # inputs of a table where no law has knots

@@ -47,9 +47,8 @@ from dampyr.representation import percent
 Array = NDArray[np.float64]
 HARMONICS = 5  # of the phase: a loop's corners need three or more; higher ones count as noise
 AMPLITUDE_QUANTILE = 0.995  # of |x| and |v|: one false sample sets no amplitude
-CLEARANCE = (
-    1e-12  # of a polynomial's values, which its powers give back to rounding only: as near as it comes to a limit
-)
+# Of a polynomial's values, which its powers give back to rounding only: as near as it comes to a limit.
+CLEARANCE = 1e-12
 HALVINGS = 50  # of a polynomial's change: the last is its rounding
 
 
@@ -191,10 +190,15 @@ def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
     return made
 
 
+def spread_words(session_sd: float, estimated: bool) -> str:
+    """A standard deviation of the level between sessions, and whether the records have it."""
+    return f"{percent(session_sd)} ({'estimated' if estimated else 'stated, not measured'})"
+
+
 def session_words(error: PredictionError) -> str:
-    """How much sessions differ, in words."""
-    kind = "estimated" if error.session_estimated else "stated, not measured"
-    return f"levels of sessions differ by {100 * error.session_sd:.2g} % ({kind}), of records by {100 * error.record_sd:.2g} %"
+    """How much sessions and records differ."""
+    between = spread_words(error.session_sd, error.session_estimated)
+    return f"levels of sessions differ by {between}, of records by {percent(error.record_sd)}"
 
 
 def prior_words(error: PredictionError) -> str:
@@ -328,12 +332,12 @@ def _law_moved(law: Any, change: Array, low: float, high: float) -> Array:
 def _inside(values: Array, change: Array, low: float, high: float) -> Array:
     """The values after their change towards a limit, by what is left to it: the difference would lose the digits of that."""
     limit = np.where(change < 0.0, low, high)
-    room = np.abs(limit - values)
+    distance = np.abs(limit - values)
     with np.errstate(divide="ignore", invalid="ignore"):
-        r = np.where(room > 0.0, np.abs(change) / room, math.inf)
+        r = np.where(distance > 0.0, np.abs(change) / distance, math.inf)
         h = np.hypot(1.0, r)
-        left = np.where(room > 0.0, room / (h * (h + r)), 0.0)
-        return np.where(np.isinf(room), values + change, np.where(change < 0.0, limit + left, limit - left))
+        left = np.where(distance > 0.0, distance / (h * (h + r)), 0.0)
+        return np.where(np.isinf(distance), values + change, np.where(change < 0.0, limit + left, limit - left))
 
 
 def _powers(damper: Any) -> list[int]:

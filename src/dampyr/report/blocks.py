@@ -123,8 +123,8 @@ def _first_words(block: Block) -> str:
     return block.text if isinstance(block, Text) else block.caption
 
 
-def to_look_at(findings: Iterable[Finding]) -> list[Block]:
-    """The findings in words, a paragraph each; nothing where there are none."""
+def to_look_at(findings: Iterable[Finding | str]) -> list[Block]:
+    """The findings, or sentences such as theirs, a paragraph each; nothing where there are none."""
     texts = [sentence(str(one)) for one in findings]
     return [Text("\n\n".join(("Before you use the numbers:", *texts)))] if texts else []
 

@@ -10,7 +10,7 @@ import numpy as np
 from dampyr.findings import Finding
 from dampyr.identification import Fit, Identified, Validation, findings, identifiability
 from dampyr.report.best_and_worst import best_and_worst_sections, extremes
-from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, sentence
+from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, sentence, to_look_at
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks
 from dampyr.report.how_made import files_of, people_and_parts
 from dampyr.report.html_page import page, write_page
@@ -97,11 +97,8 @@ def _summary(fit: Fit, checks: Sequence[Validation], listed: Sequence[Finding], 
         rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])
     rows.append(["errors", f"by {fit.clusters}; {precision}"])
     blocks: list[Block] = [Table(("quantity", "result"), rows)]
-    warning_texts = [*(str(one) for one in listed if one not in fit.verdict.findings), *beyond]
-    if warning_texts:
-        blocks.append(Text("\n\n".join(("Before you use the numbers:", *map(sentence, warning_texts)))))
-    else:
-        blocks.append(Text(sentence(findings(fit.residuals)[0])))
+    warning_texts = [*map(str, fit.verdict.besides(listed)), *beyond]
+    blocks += to_look_at(warning_texts) or [Text(sentence(findings(fit.residuals)[0]))]
     return Section("In short", blocks)
 
 

@@ -16,7 +16,6 @@ from dampyr.identification import Fit, Score
 from dampyr.identification.law_panels import law_panels
 from dampyr.identification.score import group_by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text
-from dampyr.representation import percent
 
 PANELS = 6  # of laws in one figure: three rows of two, half of a printed page
 PAIRS = 8  # of parameters listed in words; the matrix shows all
@@ -36,8 +35,7 @@ def parameter_tables(fit: Fit) -> list[Table]:
     tables = []
     wanted = [(False, "records", "Value ± half of its 95 % interval."), (True, "records", _caption(fit))]
     if fit.levels is not None:
-        how = "estimated" if fit.levels.repeated else "stated, not measured"
-        level = f"whose level differs by {percent(fit.levels.session_sd)} ({how})"
+        level = f"whose level differs by {fit.levels.spread_words}"
         wanted.insert(1, (False, "sessions", f"The same between measurement sessions, {level}."))
     for errors, between, caption in wanted:
         heads, rows = fit.by_input(errors, between)

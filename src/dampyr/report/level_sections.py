@@ -21,10 +21,9 @@ def levels_section(fit: Fit) -> Section | None:
         own = np.array([levels.level[name] for name, of in levels.session.items() if of == session])
         spread = 100 * float(np.std(np.log(own), ddof=1)) if own.size > 1 else None
         rows.append([session, own.size, 100 * (float(np.exp(np.mean(np.log(own)))) - 1.0), spread])
-    how = "estimated" if levels.repeated else "stated, not measured"
     words = (
         "The level of a record is a factor on the fitted force, without its offset. Within a session records differ by "
-        f"{percent(levels.record_sd)}, sessions by {percent(levels.session_sd)} ({how}); standard deviations."
+        f"{percent(levels.record_sd)}, sessions by {levels.spread_words}; standard deviations."
     )
     table = Table(
         ("session", "records", "mean level", "spread"),

@@ -229,7 +229,6 @@ def _tests(demo: Demo) -> Section:
 
 def _identified(demo: Demo) -> Section:
     verdict = demo.fit.verdict
-    rest = [one for one in demo.fit.findings if one not in verdict.findings]
     return Section(
         "The identified damper",
         [
@@ -239,7 +238,7 @@ def _identified(demo: Demo) -> Section:
                 f"The card is in {demo.card.name}."
             ),
             *fit_blocks(demo.fit),
-            Text("\n\n".join((verdict.words, *(sentence(str(one)) for one in rest)))),
+            Text("\n\n".join((verdict.words, *(sentence(str(one)) for one in verdict.besides(demo.fit.findings))))),
         ],
     )
 

@@ -59,7 +59,7 @@ def _summarise(result: Identified) -> dict[str, Any]:
         "reason": fit.reason,
         "verdict": {"kind": fit.verdict.kind, "words": fit.verdict.words},
         "warnings_of_fit": [
-            *(in_page_words(str(one)) for one in result.findings if one not in fit.verdict.findings),
+            *(in_page_words(str(one)) for one in fit.verdict.besides(result.findings)),
             *result.beyond.values(),
         ],
         "findings": list(findings(fit.residuals)),
