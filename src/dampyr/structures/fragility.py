@@ -308,10 +308,11 @@ def fragility(
     >>> motions = [dp.ground_motions.kanai_tajimi(10.0, 0.01, seed=(7, k), pga=3.0) for k in range(1, 21)]
     >>> damper = dp.studies.raminelli_2020.damper()
     >>> building = dp.structures.two_storey()
-    >>> peaks = dp.structures.ensemble(building, motions, damper, [0.0, 1.98], scales=[0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+    >>> scales = [0.5, 0.6, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0]
+    >>> peaks = dp.structures.ensemble(building, motions, damper, [0.0, 1.98], scales=scales)
     >>> curves = dp.structures.fragility(peaks, "drift", limit=0.012, draws=0).curves
     >>> [(curve.name, round(curve.theta, 1)) for curve in curves]
-    [('0 V', 1.7), ('1.98 V', 3.8)]
+    [('0 V', 2.1), ('1.98 V', 3.9)]
     """
     if not (np.isfinite(limit) and limit > 0):
         raise InputError(f"limit = {limit!r} is not allowed; it must be greater than 0")
