@@ -296,6 +296,7 @@ def test_the_first_screen_holds_what_is_needed(address, new_page, accessible):
     started(page)
     assert page.evaluate(FIRST_SCREEN) == []
     tests = page.get_by_role("cell", name="01-sine-4mm-1Hz-0V", exact=True)
+    tests.wait_for()  # the table comes a moment after the run
     assert tests.bounding_box()["y"] < 900
     size = page.evaluate("parseFloat(getComputedStyle(document.querySelector('#readings dd')).fontSize)")
     assert size >= 28
