@@ -34,7 +34,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Workers do not know ``--endure`` when they are started: they would do a tenth, and the page would call it the whole."""
+    """Workers do not know ``--endure`` when they are started: they would do a part, and the page would call it the whole."""
     if config.getoption("--endure") and (
         getattr(config.option, "numprocesses", None) or hasattr(config, "workerinput")
     ):

@@ -16,13 +16,13 @@ _endured: list[tuple[str, str, str, str]] = []
 
 
 def count(in_full: int) -> int:
-    """How often, of so many times in full: a tenth of it, but for ``--endure``."""
-    return in_full if FULL else max(1, in_full // 10)
+    """How often, of so many times in full: a twentieth of it, but for ``--endure``."""
+    return in_full if FULL else max(1, in_full // 20)
 
 
 @dataclass
 class Endurance:
-    """How often a long campaign repeats what it does, and what it counted: with ``--endure`` in full, else a tenth of it."""
+    """How often a long campaign repeats what it does, and what it counted: in full with ``--endure``, else a twentieth."""
 
     name: str
     full: bool = FULL
@@ -52,7 +52,7 @@ def write_page(failed: Sequence[str]) -> None:
     page = (
         "# Endurance\n\n"
         "What `make endure` counted when each test was last run by hand: campaigns that are killed, rigs with faults, and\n"
-        "the bench in real time. `.ci/run` does a tenth of each, in simulated time. `make endure` writes this page.\n\n"
+        "the bench in real time. `.ci/run` does a twentieth of each, in simulated time. `make endure` writes this page.\n\n"
         "| what | seed | figures | test | commit, day, machine |\n|---|---|---|---|---|\n"
     )
     PAGE.write_text(

@@ -26,8 +26,8 @@ def test_a_run_replaces_the_rows_of_its_own_tests(tmp_path, monkeypatch) -> None
     ]
 
 
-@pytest.mark.parametrize(("full", "expected"), [(True, 400), (False, 40)])
-def test_a_run_that_is_not_by_hand_does_a_tenth(monkeypatch, full: bool, expected: int) -> None:
+@pytest.mark.parametrize(("full", "expected"), [(True, 400), (False, 20)])
+def test_a_run_that_is_not_by_hand_does_a_twentieth(monkeypatch, full: bool, expected: int) -> None:
     monkeypatch.setattr(endurance, "FULL", full)
     assert endurance.count(400) == expected
     assert endurance.count(3) == (3 if full else 1)

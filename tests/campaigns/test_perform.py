@@ -350,7 +350,7 @@ def test_a_file_that_may_not_become_so_long_ends_a_campaign_in_order(tmp_path: P
 @pytest.mark.parametrize("reserved", ["yes", "no"])
 def test_wherever_room_runs_out_a_campaign_ends_in_order(way: str, reserved: str, tmp_path: Path) -> None:
     """Without reserving, as where a file system promises what it does not hold, it runs out in the middle of every write."""
-    sizes = range(100, 1300, 50) if way == "disk" else range(20, 420, 10)  # forty limits of a file's length
+    sizes = range(100, 1300, 100) if way == "disk" else range(20, 420, 20)  # twenty limits of a file's length
     outcomes = check_free_space(way, reserved, tmp_path, sizes)
     assert len({words.split(": ")[-1] for words in outcomes.values()}) > 1
 

@@ -388,7 +388,7 @@ def test_whatever_goes_wrong_is_safe_and_no_wrong_record_is_good(tmp_path: Path,
     classes = [[name for name, holds in UNSEEN.items() if holds(trial)] for trial in trials if trial.wrong]
     assert all(classes), [str(trial) for trial in trials if trial.wrong and not any(h(trial) for h in UNSEEN.values())]
     unseen = Counter(each[0] for each in classes)
-    few = 0.0 if endurance.full else 2.0 * np.sqrt(UNSEEN_SHARE * count)  # what chance may add to a tenth
+    few = 0.0 if endurance.full else 2.0 * np.sqrt(UNSEEN_SHARE * count)  # what chance may add to a part
     assert sum(unseen.values()) < UNSEEN_SHARE * count + few, unseen
     medians = {
         channel: float(np.median([uncertainty for uncertainty, _ in each]) / np.median([rms for _, rms in each]))

@@ -126,15 +126,15 @@ def test_intervals_of_few_records_with_gains_of_their_own(
     endurance.report(
         f"95 % intervals, {counts[0]} records a voltage of {lengths} s", 0, f"{campaigns} campaigns: {held}"
     )
-    # The share of four intervals in 60 campaigns has a standard error of 0.014, in 600 of 0.004.
-    slack = 0.0 if endurance.full else 0.04
+    # The share of four intervals in 30 campaigns has a standard error of 0.02, in 600 of 0.004.
+    slack = 0.0 if endurance.full else 0.06
     assert min(by_name.values()) >= 0.90 - slack
     assert max(by_name.values()) <= 0.98 + slack
 
 
 @pytest.mark.prove
 def test_intervals_widen_as_records_become_fewer() -> None:
-    widths = [share_held((n,) * 4, 25)[1] for n in (3, 4, 6, 10)]
+    widths = [share_held((n,) * 4, 15)[1] for n in (3, 6, 10)]
     for name in LIKE_THE_RIG:
         each = [w[name] for w in widths]
         assert each == sorted(each, reverse=True), (name, each)
@@ -142,6 +142,6 @@ def test_intervals_widen_as_records_become_fewer() -> None:
 
 @pytest.mark.prove
 def test_a_voltage_of_two_records_gives_no_interval_and_spoils_no_other() -> None:
-    shares, _ = share_held((6, 6, 6, 2), 60)
+    shares, _ = share_held((6, 6, 6, 2), 20)
     assert not any("3.212" in label for label in shares)
-    assert np.mean(list(shares.values())) >= 0.89
+    assert np.mean(list(shares.values())) >= 0.87  # 0.95 less three standard errors of 20 campaigns of nine intervals

@@ -76,7 +76,7 @@ def test_bands_hold_the_peaks_of_another_session(each: int, repeated: bool, endu
         f"{campaigns} campaigns: peaks {held:.1f} %, energies {of_energy:.1f} %, samples {of_samples:.1f} %; without levels of "
         f"sessions {old:.1f} % of the peaks",
     )
-    slack = 0.0 if endurance.full else 5.0  # of 100 campaigns the share has a standard error of 3 %
+    slack = 0.0 if endurance.full else 8.0  # of 50 campaigns the share has a standard error of 4 %
     assert 85.0 - slack <= held <= 95.0 + slack
     assert 85.0 - slack <= of_energy <= 95.0 + slack
     assert 84.0 - slack <= of_samples <= 96.0 + slack

@@ -39,6 +39,10 @@ COMPLIANCE = Series(s=5e-7)
 PLAY = {FULL: Series(g=5e-4, fc=100.0), SMALL: Series(g=5e-6, fc=3.0)}
 NAMES = [name for name in available_parts() if name not in NO_FORCE]
 SIZES = pytest.mark.parametrize("size", [FULL, SMALL], ids=["10mm", "5um"])
+# The full size takes four times the samples; behind each element it is tried at every rate below too.
+LONG_SIZES = pytest.mark.parametrize(
+    "size", [pytest.param(FULL, marks=pytest.mark.by_hand), SMALL], ids=["10mm", "5um"]
+)
 
 
 def elements(size: float) -> dict[str, Series]:
@@ -204,7 +208,7 @@ MOVING = [name for name, each in EQUATIONS.items() if each.by_path != {}]  # tho
 
 
 @pytest.mark.prove
-@SIZES
+@LONG_SIZES
 @pytest.mark.parametrize("name", MOVING)
 def test_behind_each_element_the_equations_are_approached_at_first_order(name: str, size: float) -> None:
     each = reference_of(name, size)
@@ -375,7 +379,7 @@ def agree_in_a_building(
 @pytest.mark.filterwarnings(
     "ignore:the damper in storey .* fed"
 )  # hysteretic_biviscous and sigmoid may, as their pages say
-@SIZES
+@LONG_SIZES
 def test_every_part_on_a_brace_in_a_building(size: float) -> None:
     """One building with each part on a brace of its own in a storey of its own."""
     agree_in_a_building(BRACED, size, [20, 40, 80], 40, 61, 1e-5, True)
