@@ -21,7 +21,7 @@ help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
 	@echo "make test    the tests, without the long proofs"
 	@echo "make prove   the long proofs (fixed seeds)"
-	@echo "make endure  long campaigns and the bench in real time, for about an hour, on a machine with nothing else to do"
+	@echo "make endure  long campaigns and the bench in real time, for more than an hour, on a machine with nothing else to do"
 	@echo "make check   style, types, names, the layers of the packages, and no copyright notice of others"
 	@echo "make firmware   the Arduino Uno's program, out/firmware/dampyr-uno.hex, with its size (BAUD=115200, DIRECTION_PIN=1)"
 	@echo "make docs    the generated lists and pages of docs, written again"
