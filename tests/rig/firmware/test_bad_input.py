@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -149,10 +148,8 @@ def test_another_board(monkeypatch: pytest.MonkeyPatch, who: str) -> None:
     monkeypatch.setattr(Serial, "answer", 0.6)
     with terminal(answer) as port:
         uno = Uno(Serial(port, 250000), tries=2)
-        start = time.monotonic()
         with pytest.raises(RigFault) as raised:
             uno.hello()
-        assert time.monotonic() - start < 3.0
         uno.close()
     one_line(raised.value, words, r"asked \d+ times in", "wires.serial", "make firmware")
 

@@ -131,7 +131,8 @@ def test_a_host_goes_by_the_rigs_time(tmp_path: Path) -> None:
     assert first == pytest.approx(before - 0.25, abs=1e-6)
     assert host() == pytest.approx(first, abs=1e-6)
     shared.write(0.25, time.monotonic() - MAX_HOLD - 2.0)  # it has ended: whoever waits does not wait for ever
-    assert host() == pytest.approx(time.monotonic() - 0.25 - MAX_HOLD, abs=0.05)
+    before, now, after = time.monotonic(), host(), time.monotonic()
+    assert before <= now + 0.25 + MAX_HOLD <= after
 
 
 def stroke(start: float, seconds: float = 2.0) -> Drive:
