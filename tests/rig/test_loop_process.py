@@ -197,6 +197,18 @@ def test_a_refusal_that_is_here_before_the_reason_is_told_as_the_reason(
     assert ended.value.ring == "interlock"
 
 
+def test_a_fault_of_the_uno_since_the_last_block_is_told_where_the_host_asks_for_the_reason(served: Served) -> None:
+    with served.rig.armed():
+        loop = served.server.loop
+        assert loop is not None
+        with loop.lock:  # no block is read in between
+            served.inner.uno.abort()
+            assert loop.stopped is None
+            told = served.server.do_stopped()
+    assert told is not None
+    assert str(rebuilt(told)) == "the Uno stopped the table: it was aborted"
+
+
 def test_samples_that_never_come_stop_the_rig_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(acquisition, "SILENT", 0.3)
     made = Served()

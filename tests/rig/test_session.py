@@ -648,3 +648,22 @@ def test_a_rig_says_where_it_is() -> None:
         assert "simulated in this process" in repr(here)
         assert wired.origin == here.origin == "simulated"
         assert "simulated" not in wired.identity  # its board speaks as a real one does
+
+
+def test_a_request_that_the_uno_refuses_after_a_fault_of_its_own_names_the_fault() -> None:
+    """It trips after it has told its status for a block, and refuses what it is asked before the next."""
+
+    def requested(rig: Rig) -> None:
+        send = rig.uno.points
+
+        def late(first: int, points: list[int]) -> int:
+            rig.uno.abort()
+            return send(first, points)
+
+        with rig.armed() as table:
+            table.home(here=True)
+            rig.uno.points = late  # type: ignore[method-assign]
+            list(table.play(sine(0.004, 1.0, 2.0)))
+
+    with simulated(in_process=True) as rig, pytest.raises(RigFault, match="the Uno stopped the table: it was aborted"):
+        requested(rig)

@@ -59,6 +59,13 @@ def fault_in_words(faults: Fault) -> str:
     return " and ".join(words for fault, words in WORDS.items() if fault in faults) or "no reason given"
 
 
+def fault_of(status: Status) -> RigFault | None:
+    """The fault in which the Uno stands; None where it stands in none."""
+    if status.state is not State.FAULT:
+        return None
+    return RigFault(f"the Uno stopped the table: {fault_in_words(status.faults)}", "firmware")
+
+
 class Acquisition:
     """Blocks of samples from an armed rig; :class:`RigFault` is raised where a safety layer has acted."""
 
@@ -214,8 +221,8 @@ class Acquisition:
 
     def _judge(self, samples: Samples, waiting: float) -> None:
         self.warmth.take(samples)
-        if samples.status.state is State.FAULT:  # the cause; what the interlock sees then may be its consequence
-            raise RigFault(f"the Uno stopped the table: {fault_in_words(samples.status.faults)}", "firmware")
+        if fault := fault_of(samples.status):  # the cause; what the interlock sees then may be its consequence
+            raise fault
         if self.interlock is not None:
             self.interlock.judge(samples, waiting)
             trip = self.interlock.estimate(self.warmth.estimate, float(samples.time[-1]), self.warmth.doubt)
@@ -224,7 +231,10 @@ class Acquisition:
 
     def _feed(self, samples: Samples) -> None:
         if self.player:
-            self.player.feed(samples)
+            try:
+                self.player.feed(samples)
+            except RigFault as refused:
+                raise self.tripped() or refused from None
         if self._timed:
             n = self._ahead - len(self._command)
             volts = self.player.voltage(self.queued, n) if self.player else np.zeros(n)
@@ -303,7 +313,13 @@ class Acquisition:
 
     def reason(self, refused: RigFault) -> RigFault:
         """What has stopped the rig, which is why a request was refused; ``refused`` where nothing has."""
-        return self.stopped or refused
+        return self.stopped or self.tripped() or refused
+
+    def tripped(self) -> RigFault | None:
+        """The fault that the Uno has met since the last block, whose status would tell it; None where there is none."""
+        with suppress(RigFault), self.lock:  # an Uno that does not answer tells nothing more
+            return fault_of(self.uno.heartbeat())
+        return None
 
     def cut(self) -> None:
         """The coil to 0 V."""

@@ -173,8 +173,8 @@ class LoopServer:
         return described(self._loop().halt(rebuilt_fault(why)))
 
     def do_stopped(self) -> tuple[str, str, str, list[str]] | None:
-        """What has stopped the loop; None where nothing has."""
-        stopped = self._loop().stopped
+        """What has stopped the loop, or the Uno since the last block; None where nothing has."""
+        stopped = self._loop().stopped or self._loop().tripped()
         return None if stopped is None else described(stopped)
 
     def do_cut(self) -> None:
