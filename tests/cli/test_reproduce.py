@@ -55,7 +55,7 @@ def test_plants_are_of_the_other_study(tmp_path: Path) -> None:
     assert run("ramineli").exit_code == 2
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand  # tests/studies/test_vrths_2020.py makes the same table and page
 def test_the_hybrid_benchmark_is_a_table_and_a_page(data_root: Path, tmp_path: Path) -> None:
     result = run("vrths_2020", "--data", data_root / "vrths_2020", "--plants", "2", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr

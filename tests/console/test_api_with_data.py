@@ -183,7 +183,7 @@ def test_a_bench_in_control_takes_any_order_of_anything(full_console):
     wanted = operations(full_console, lambda path: "/bench" in path)
     got = []
     for each in wanted * 2:
-        got.append((each.path, exercise(full_console, each, 12)))
+        got.append((each.path, exercise(full_console, each, 8)))
         settled(full_console.client)
     full_console.client.post("/api/bench/abort", json={}, headers=HERE)
     bench_state = settled(full_console.client)

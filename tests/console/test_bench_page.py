@@ -469,6 +469,10 @@ def test_the_guide_step_by_step_twice_with_one_rig(address, new_page):
         page.locator("#home:enabled").click()
         page.locator("#bench-state", has_text="homing").wait_for()
         page.locator("#bench-state", has_text="armed").wait_for()
+        if k > 0:  # the second time the short way
+            started(page, f"run{k}")
+            runs(page, "2 of 2 complete")
+            break
         page.locator("#jog-out:enabled").dispatch_event("pointerdown")
         page.wait_for_timeout(1000)
         page.locator("#jog-out").dispatch_event("pointerup")

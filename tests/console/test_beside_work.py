@@ -228,8 +228,8 @@ def test_a_campaign_in_real_time_beside_plans_uploads_fits_and_two_pages(
         assert stopped < 0.150
 
 
-@pytest.mark.prove
 @pytest.mark.endure
+@pytest.mark.by_hand  # in real time; the guide of the bench, twice with one rig, is the proof that is always run
 def test_starts_of_a_campaign_in_a_row(data: Path, endurance: Endurance) -> None:
     starts = max(2, endurance.count(10))
     with served(data) as address, Bench(address) as bench:

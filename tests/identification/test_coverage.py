@@ -33,7 +33,7 @@ def campaign(seed: int, per_voltage: int) -> list[Record]:
 
 
 @pytest.mark.prove
-@pytest.mark.parametrize("per_voltage", [8, 10])
+@pytest.mark.parametrize("per_voltage", [8, pytest.param(10, marks=pytest.mark.by_hand)])
 def test_intervals_hold_the_truth_as_often_as_they_say(per_voltage: int) -> None:
     truth = np.concatenate([law.values for law in LAWS.values()])
     held, naive = np.zeros(truth.size), np.zeros(truth.size)
@@ -109,7 +109,11 @@ def share_held(
 @pytest.mark.endure
 @pytest.mark.parametrize(
     ("counts", "lengths"),
-    [((n,) * 4, (20.0,)) for n in (3, 4, 6, 10)] + [((n,) * 4, (8.0, 14.0, 40.0)) for n in (3, 6)],
+    [
+        *(((n,) * 4, (20.0,)) for n in (3, 4, 6)),
+        pytest.param((10,) * 4, (20.0,), marks=pytest.mark.by_hand),
+        *(((n,) * 4, (8.0, 14.0, 40.0)) for n in (3, 6)),
+    ],
     ids=str,
 )
 def test_intervals_of_few_records_with_gains_of_their_own(

@@ -249,12 +249,17 @@ def test_the_campaign_without_its_velocity(campaign_folder: Path, bandwidth: flo
 
 
 @pytest.mark.prove
-def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path) -> None:
+@pytest.mark.parametrize(
+    "models",
+    [("hyperbolic_tangent", "sigmoid", "dahl"), pytest.param(None, marks=pytest.mark.by_hand)],
+    ids=["of three", "of all"],
+)
+def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path, models: tuple[str, ...] | None) -> None:
     from multiprocessing import get_context
 
     records = read_campaign(campaign_folder)
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
-        best = leaderboard(records, executor=executor, budget=None).winner  # whatever the machine
+        best = leaderboard(records, models, executor=executor, budget=None).winner  # whatever the machine
     by_record, by_input = best.validations
     print(best.model, by_record.by_input, by_input.by_input)
     for voltage, floor in ((0.0, 8.0), (0.8712, 5.8), (1.98, 5.2), (3.212, 5.2)):

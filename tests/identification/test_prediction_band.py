@@ -53,7 +53,9 @@ def without_sessions(damper: Damper) -> Damper:
 
 @pytest.mark.prove
 @pytest.mark.endure
-@pytest.mark.parametrize("repeated", [False, True], ids=["a session a voltage", "sessions repeat"])
+@pytest.mark.parametrize(
+    "repeated", [pytest.param(False, marks=pytest.mark.by_hand), True], ids=["a session a voltage", "sessions repeat"]
+)
 @pytest.mark.parametrize("each", [6])
 def test_bands_hold_the_peaks_of_another_session(each: int, repeated: bool, endurance: Endurance) -> None:
     campaigns = endurance.count(1000)

@@ -5,6 +5,8 @@ The chapter prints 223.1413, 216.8413 and 201.5243 mm. Its own equations and num
 (first floor, inside the step; two independent schemes agree to 1e-6).
 """
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -67,14 +69,15 @@ def test_the_printed_bare_peak_is_a_scaled_one(damper):
 @pytest.mark.prove
 @pytest.mark.parametrize("voltage", [1.98, 3.6, *(pytest.param(u, marks=pytest.mark.by_hand) for u in (0.0, 3.21))])
 def test_peaks_equal_a_stiff_solver(damper, voltage):
-    """scipy's Radau on w' = rho (v - |v| w), sample by sample, over the whole record."""
+    """scipy's Radau on w' = rho (v - |v| w), sample by sample, over the 12 s in which the largest peak is."""
     from scipy.integrate import solve_ivp
 
     kx, kw, rho = damper.values(voltage, allow_extrapolation=True)
     building, motion = two_storey(), el_centro()
     minv = np.linalg.inv(building.M)
     y, top = np.zeros(5), 0.0
-    for a0, a1 in zip(motion.acceleration[:-1], motion.acceleration[1:], strict=True):
+    strong = motion.acceleration[: round(12.0 / motion.dt)]
+    for a0, a1 in pairwise(strong):
 
         def rhs(t: float, y: np.ndarray, a0: float = a0, a1: float = a1) -> np.ndarray:
             pull = -building.K @ y[:2] - building.C @ y[2:4]

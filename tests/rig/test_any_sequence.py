@@ -547,7 +547,7 @@ def test_any_sequence() -> None:
 @pytest.mark.prove
 @pytest.mark.endure
 def test_many_sequences(endurance: Endurance) -> None:
-    count = 2000 if endurance.full else 40
+    count = 2000 if endurance.full else 20
     run(Bench, count, 16)
     endurance.report(
         "what a person may do with a rig in random order, with faults between, from anywhere",
@@ -559,7 +559,7 @@ def test_many_sequences(endurance: Endurance) -> None:
 @pytest.mark.prove
 @pytest.mark.endure
 def test_many_sequences_over_the_wires(endurance: Endurance) -> None:
-    count = 100 if endurance.full else 5
+    count = 100 if endurance.full else 3
     run(WiredBench, count, 10)
     endurance.report(
         "the same over the wires of the simulated rig",

@@ -88,7 +88,7 @@ def test_no_output_is_stored(notebook: Path) -> None:
     assert not [each["id"] for each in code if each["outputs"] or each["execution_count"] is not None]
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand  # its cells are those of the page, which tests/test_docs.py runs
 def test_the_first_tutorial_runs_as_a_notebook(
     campaign_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

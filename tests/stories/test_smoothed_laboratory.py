@@ -85,7 +85,7 @@ def test_one_current_of_it(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand  # two minutes; one current of it, above, is the proof that is always run
 def test_thirty_sines_and_an_earthquake(tmp_path: Path) -> None:
     """Measured: 8.4 % unsmoothed, 36.2 % with the smoothing ignored, 9.4 % undone, 8.1 % put on the model's force."""
     raw = write_second_laboratory(tmp_path / "raw", False)
