@@ -212,7 +212,7 @@ def run(root: Path, data: Path | None, sections: list[str]) -> dict[str, Any]:
     """The results of the sections with the sources of ``root``."""
     dampyr = imported(root)
     folder = (data or root.parent / "shared" / "data").resolve()
-    results: dict[str, Any] = {"commit": commit(root), "environment": environment()}
+    results: dict[str, Any] = {"code": code(root), "environment": environment()}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the published damper outside its range of displacement, and the like
         for name in sections:
@@ -233,10 +233,11 @@ def imported(root: Path) -> Any:
     return dampyr
 
 
-def commit(root: Path) -> str:
-    """The commit of the checkout, with a mark where its files differ from it."""
+def code(root: Path) -> str:
+    """The checkout's commit, marked where its files differ from it, and the version with the digest of the sources."""
     words = ("git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12")
-    return subprocess.run(words, capture_output=True, text=True, check=False).stdout.strip()
+    described = subprocess.run(words, capture_output=True, text=True, check=False).stdout.strip()
+    return f"{described}, dampyr {importlib.import_module('dampyr.source_digest').full_version()}"
 
 
 def environment() -> dict[str, str]:
@@ -792,11 +793,13 @@ def leaves(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, 
 
 def compare(a: dict[str, Any], b: dict[str, Any]) -> int:
     """Print what differs between two results; 1 where anything does."""
-    print(f"{a.pop('commit', 'A')} and {b.pop('commit', 'B')}")
+    print(f"A: {a.pop('code', 'not stated')}\nB: {b.pop('code', 'not stated')}")
     first, second = a.pop("environment", {}), b.pop("environment", {})
     if first != second:
         print(f"note: the environments differ: {first}, {second}")
-    left, right = dict(leaves(a)), dict(leaves(b))
+    for section in sorted({*a} ^ {*b}):
+        print(f"{section}: only in {'A' if section in a else 'B'}, not compared")
+    left, right = ({path: value for path, value in leaves(each) if path[0] in {*a} & {*b}} for each in (a, b))
     different = [
         path for path in {**left, **right} if path not in left or path not in right or left[path] != right[path]
     ]
