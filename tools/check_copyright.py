@@ -40,6 +40,7 @@ ALLOWED = {
     ("src/dampyr/records/datasets/vrths_2020.toml", "mequiroz"): "the same, of its ground motions",
     ("docs/reference/datasets.md", "Labcontrol"): "the page made from these files",
     ("docs/reference/datasets.md", "mequiroz"): "the page made from these files",
+    ("tools/fingerprints/0.3.0.txt", "Labcontrol"): "what the data set says of itself",
 }
 NOTICE = re.compile(
     r"(?:\bcopyright|\u00a9)\W{0,12}(?:\(c\)|\u00a9|by\b|(?:19|20)\d\d)|\(c\)\s*(?:19|20)\d\d", re.IGNORECASE
