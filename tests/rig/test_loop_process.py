@@ -204,9 +204,9 @@ def test_a_fault_of_the_uno_since_the_last_block_is_told_where_the_host_asks_for
         with loop.lock:  # no block is read in between
             served.inner.uno.abort()
             assert loop.stopped is None
-            failure = served.server.do_stopped()
-    assert failure is not None
-    assert str(rebuilt(failure)) == "the Uno stopped the table: it was aborted"
+            refused = RigFault("the Uno refused JOG: it is in another state", "firmware")
+            reason = served.server.do_reason(described(refused))
+    assert str(rebuilt(reason)) == "the Uno stopped the table: it was aborted"
 
 
 def test_samples_that_never_come_stop_the_rig_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

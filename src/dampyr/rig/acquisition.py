@@ -234,7 +234,7 @@ class Acquisition:
             try:
                 self.player.feed(samples)
             except RigFault as refused:
-                raise self.tripped() or refused from None
+                raise self._cause(refused) from None
         if self._timed:
             n = self._ahead - len(self._command)
             volts = self.player.voltage(self.queued, n) if self.player else np.zeros(n)
@@ -313,13 +313,18 @@ class Acquisition:
 
     def reason(self, refused: RigFault) -> RigFault:
         """What has stopped the rig, which is why a request was refused; ``refused`` where nothing has."""
-        return self.stopped or self.tripped() or refused
+        return self.stopped or self._cause(refused)
 
-    def tripped(self) -> RigFault | None:
-        """The fault that the Uno has met since the last block, whose status would tell it; None where there is none."""
-        with suppress(RigFault), self.lock:  # an Uno that does not answer tells nothing more
-            return fault_of(self.uno.heartbeat())
-        return None
+    def _cause(self, refused: RigFault) -> RigFault:
+        """The fault for which the Uno refused a request, which the status of the last block did not show yet; else ``refused``.
+
+        An Uno that did not answer is not asked again: its silence must not delay the way to rest.
+        """
+        if refused.ring != "firmware":
+            return refused
+        with suppress(RigFault), self.lock:
+            return fault_of(self.uno.heartbeat()) or refused
+        return refused
 
     def cut(self) -> None:
         """The coil to 0 V."""

@@ -344,8 +344,8 @@ class RemoteLoop(Acquisition):
         """
         if not self.stopped:
             with suppress(RigFault):  # one that has ended does not answer, which is what `refused` says
-                failure = self.process.ask("stopped")
-                return refused if failure is None else self._stop(rebuilt_fault(failure))
+                reason = self.process.ask("reason", described(refused))
+                return refused if reason == described(refused) else self._stop(rebuilt_fault(reason))
         return self.stopped or refused
 
     def cut(self) -> None:

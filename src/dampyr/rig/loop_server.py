@@ -172,10 +172,9 @@ class LoopServer:
         """Brake and cut; the first reason."""
         return described(self._loop().halt(rebuilt_fault(why)))
 
-    def do_stopped(self) -> tuple[str, str, str, list[str]] | None:
-        """What has stopped the loop, or the Uno since the last block; None where nothing has."""
-        stopped = self._loop().stopped or self._loop().tripped()
-        return None if stopped is None else described(stopped)
+    def do_reason(self, refused: tuple[str, str, str, list[str]]) -> tuple[str, str, str, list[str]]:
+        """What has stopped the rig, which is why a request was refused; ``refused`` where nothing has."""
+        return described(self._loop().reason(rebuilt_fault(refused)))
 
     def do_cut(self) -> None:
         """The coil to 0 V."""
