@@ -16,13 +16,13 @@ sections and writes their results as JSON. Floats are written in hexadecimal (``
     final cost, the number of iterations, whether the search converged.
 ``laws``
     Fits of Dahl's model with a law of each kind: parameters, and the model at inputs between the measured ones.
-``seed``
+``dissertation_methods``
     The limit cycle and the plastic region of a record, the dissertation's own ways to a model.
 ``scores``
     What a card scores on records that it was fitted to and on the one kept apart: every number of a score, its prediction
     band, and a validation by parts.
 ``leaderboard``
-    A search over few models on made records: what was screened, the entries and their order.
+    A search over few models on synthetic records: what was screened, the entries and their order.
 ``evidence``
     The profile of a parameter, samples of the posterior, draws of a damper, and the spread of three specimens.
 ``acceptance``
@@ -104,10 +104,10 @@ CHANNELS = ("time", "displacement", "force", "velocity", "voltage", "current", "
 
 LAWS = ("constant", "interpolation", "polynomial:1", "polynomial:3", {"*": "polynomial:2", "dahl.rho": "constant"})
 BETWEEN = (0.4, 1.5, 2.7)  # V, inputs at which nothing was measured
-MADE = ((0.005, 1.0), (0.010, 0.5), (0.008, 0.8), (0.004, 1.6))  # m, Hz: the motions of made records
+SINES = ((0.005, 1.0), (0.010, 0.5), (0.008, 0.8), (0.004, 1.6))  # m, Hz: the motions of synthetic records
 NOISE = 8.0  # N
 SCORE = ("l1", "nrmse", "r2", "pointwise", "peak_force", "energy", "offset", "level", "relevelled_l1")
-BAND = ("level", "holds", "width", "prior")
+BAND = ("level", "holds", "width")
 POINT = (
     "cycle",
     "quantity",
@@ -313,10 +313,10 @@ class Calls:
         """What a campaign's file needs on the default rig: `planned`, later `plan`."""
         return getattr(self.dp.campaigns, "planned", self.dp.campaigns.plan)(path)
 
-    def propose(self, damper: Any, **options: Any) -> Any:
+    def propose(self, evidence: Any, **options: Any) -> Any:
         """The tests that are proposed next: of `campaigns`, later of `planning`."""
         package = self.dp.campaigns if hasattr(self.dp.campaigns, "propose") else self._package("planning")
-        return package.propose(damper, **options)
+        return package.propose(evidence, **options)
 
     @property
     def hybrid(self) -> Any:
@@ -375,7 +375,7 @@ def laws(dp: Any, data: Path) -> dict[str, Any]:
     return results
 
 
-def seed(dp: Any, data: Path) -> dict[str, Any]:
+def dissertation_methods(dp: Any, data: Path) -> dict[str, Any]:
     """The dissertation's own ways to a model: the loading branch of the published damper, and a record of each voltage."""
     import numpy as np
 
@@ -424,13 +424,15 @@ def scores(dp: Any, data: Path) -> dict[str, Any]:
     return results
 
 
-def made(dp: Any, voltages: tuple[float, ...] = (0.0, 1.0, 2.0), first: int = 0, factor: float = 1.0) -> list[Any]:
+def synthetic_records(
+    dp: Any, voltages: tuple[float, ...] = (0.0, 1.0, 2.0), first: int = 0, factor: float = 1.0
+) -> list[Any]:
     """Records of the published damper with noise, four motions at each voltage; its force ``factor`` times as large."""
     import numpy as np
 
     damper = dp.studies.raminelli_2020.damper()
     records = []
-    for k, (voltage, (amplitude, frequency)) in enumerate((u, motion) for u in voltages for motion in MADE):
+    for k, (voltage, (amplitude, frequency)) in enumerate((u, motion) for u in voltages for motion in SINES):
         t = np.arange(0.0, 6.0, 0.005)
         run = np.maximum(t - 0.5, 0.0)
         x = amplitude * np.minimum(run * frequency, 1.0) * np.sin(2 * np.pi * frequency * run)
@@ -446,9 +448,9 @@ def made(dp: Any, voltages: tuple[float, ...] = (0.0, 1.0, 2.0), first: int = 0,
 
 
 def leaderboard(dp: Any, data: Path) -> dict[str, Any]:
-    """A search over three models and two add-ons on made records."""
+    """A search over three models and two add-ons on synthetic records."""
     board = Calls(dp).leaderboard(
-        made(dp),
+        synthetic_records(dp),
         models=("dahl", "hyperbolic_tangent", "bingham"),
         add_ons=("spring", "delay"),
         finalists=3,
@@ -483,15 +485,12 @@ def evidence(dp: Any, data: Path) -> dict[str, Any]:
     import numpy as np
 
     calls = Calls(dp)
-    fit = calls.fit(made(dp), "dahl")
+    fit = calls.fit(synthetic_records(dp), "dahl")
     profile = dp.identification.profile(fit, "dahl.rho @ 1 V", points=11)
     posterior = dp.identification.sample_posterior(fit, steps=1500)
-    groups = {f"damper {n}": made(dp, (1.0,), 100 * (n + 1), 1.0 + 0.05 * n) for n in range(3)}
+    groups = {f"damper {n}": synthetic_records(dp, (1.0,), 100 * (n + 1), 1.0 + 0.05 * n) for n in range(3)}
     specimens = dp.identification.fit_specimens("dahl", groups)
-    drawn = [
-        dict(draw.at(1.0).parameters) if hasattr(draw.at(1.0), "parameters") else repr(draw)
-        for draw in fit.damper.draws(5, seed=3)
-    ]
+    draws = [{name: float(law(1.0)) for name, law in damper.all_laws.items()} for damper in fit.damper.draws(5, seed=3)]
     return {
         "profile": plain(
             profile, ("value", "standard_error", "freedom", "threshold", "values", "rise", "interval", "closed")
@@ -501,7 +500,7 @@ def evidence(dp: Any, data: Path) -> dict[str, Any]:
             "r_hat": plain(posterior.r_hat),
             "mean": {name: float(np.mean(values)) for name, values in posterior.samples.items()},
         },
-        "draws": drawn,
+        "draws": draws,
         "specimens": {name: plain(spread, SPECIMENS) for name, spread in specimens.spreads.items()},
     }
 
@@ -514,7 +513,7 @@ def acceptance(dp: Any, data: Path) -> dict[str, Any]:
     results: dict[str, Any] = {}
     judged = {
         "card": calls.accept(records[:2], fit.damper),
-        "records": calls.accept(made(dp, (1.0,), 500, 1.1), made(dp, (1.0,), 600)),
+        "records": calls.accept(synthetic_records(dp, (1.0,), 500, 1.1), synthetic_records(dp, (1.0,), 600)),
     }
     for name, accepted in judged.items():
         results[name] = {
@@ -535,8 +534,8 @@ def plan(dp: Any, data: Path) -> dict[str, Any]:
         path.write_text(CAMPAIGN_HEADER + "".join(STEPS), encoding="utf-8")
         planned = calls.plan(path)
         tests = {test.name: plain(test, PLANNED) for test in planned.tests}
-    damper = dp.studies.raminelli_2020.damper()
-    proposal = calls.propose(damper, tests=3, seconds=6.0, voltages=(0.0, 1.98))
+    fit = calls.fit(synthetic_records(dp), "dahl")
+    proposal = calls.propose(fit, tests=3, seconds=6.0, voltages=(0.0, 1.98))
     return {
         "tests": tests,
         "duration": float(planned.duration),
@@ -625,7 +624,7 @@ def hybrid(dp: Any, data: Path) -> dict[str, Any]:
 def exports(dp: Any, data: Path) -> dict[str, Any]:
     """The text files of each kind of export, and a record as text."""
     calls = Calls(dp)
-    fit = calls.fit(made(dp), "dahl + spring")
+    fit = calls.fit(synthetic_records(dp), "dahl + spring")
     results: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
@@ -641,7 +640,7 @@ def exports(dp: Any, data: Path) -> dict[str, Any]:
                 if path.is_file()
             }
         for kind in TEXT_RECORDS:
-            results[kind] = text_digest(Path(dp.records.write(made(dp)[0], folder / f"record.{kind}")))
+            results[kind] = text_digest(Path(dp.records.write(synthetic_records(dp)[0], folder / f"record.{kind}")))
     return results
 
 
@@ -717,7 +716,7 @@ def journal(folder: Path) -> dict[str, list[Any]]:
 SECTIONS: dict[str, Callable[[Any, Path], dict[str, Any]]] = {
     "fits": fits,
     "laws": laws,
-    "seed": seed,
+    "dissertation_methods": dissertation_methods,
     "scores": scores,
     "leaderboard": leaderboard,
     "evidence": evidence,
@@ -749,7 +748,9 @@ def plain(value: Any, names: tuple[str, ...] = ()) -> Any:
         return [plain(each) for each in value]
     if dataclasses.is_dataclass(value):
         return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-    return value if value is None or isinstance(value, bool | int | float | str) else str(value)
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise TypeError(f"{type(value).__name__} has no numbers that are known here; name its attributes")
 
 
 def numbers(values: Any) -> list[float]:

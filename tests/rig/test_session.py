@@ -670,22 +670,22 @@ def test_a_request_that_the_uno_refuses_after_a_fault_of_its_own_names_the_fault
 
 
 def test_an_uno_that_does_not_answer_is_not_asked_for_its_fault_before_the_way_to_rest() -> None:
-    asked: list[str] = []
+    requests: list[str] = []
 
     def requested(rig: Rig) -> None:
         heartbeat = rig.uno.heartbeat
 
         def silent(first: int, points: list[int]) -> int:
-            rig.uno.heartbeat = lambda: asked.append("heartbeat") or heartbeat()  # type: ignore[method-assign, func-returns-value]
-            raise RigFault("the Uno does not answer SETPOINTS, asked 3 times; check its cable and its power")
+            rig.uno.heartbeat = lambda: requests.append("heartbeat") or heartbeat()  # type: ignore[method-assign, func-returns-value]
+            raise RigFault("the Uno does not answer SETPOINTS, requests 3 times; check its cable and its power")
 
         with rig.armed() as table:
             table.home(here=True)
             cut = table.loop.cut
-            table.loop.cut = lambda: asked.append("cut") or cut()  # type: ignore[method-assign, func-returns-value]
+            table.loop.cut = lambda: requests.append("cut") or cut()  # type: ignore[method-assign, func-returns-value]
             rig.uno.points = silent  # type: ignore[method-assign]
             list(table.play(sine(0.004, 1.0, 2.0)))
 
     with simulated(in_process=True) as rig, pytest.raises(RigFault, match="does not answer SETPOINTS"):
         requested(rig)
-    assert asked[0] == "cut"
+    assert requests[0] == "cut"
