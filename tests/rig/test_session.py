@@ -677,7 +677,7 @@ def test_an_uno_that_does_not_answer_is_not_asked_for_its_fault_before_the_way_t
 
         def silent(first: int, points: list[int]) -> int:
             rig.uno.heartbeat = lambda: requests.append("heartbeat") or heartbeat()  # type: ignore[method-assign, func-returns-value]
-            raise RigFault("the Uno does not answer SETPOINTS, requests 3 times; check its cable and its power")
+            raise RigFault("the Uno does not answer SETPOINTS, asked 3 times; check its cable and its power")
 
         with rig.armed() as table:
             table.home(here=True)
