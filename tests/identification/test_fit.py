@@ -55,6 +55,17 @@ def test_a_joint_fit_gives_back_laws_over_the_voltage() -> None:
         np.testing.assert_allclose(fit_result.damper.all_laws[name].coefficients, law.coefficients, rtol=1e-5)
 
 
+def test_voltages_that_differ_by_rounding_share_a_value_of_the_law_and_each_is_modelled() -> None:
+    truth = Damper("dahl", TRUTH)
+    records = [
+        sine(truth, u, f"{k}", 0.005 + 0.001 * k, offset=0.0) for k, u in enumerate((0.0, 2.0, 2.0000004, 2.0, 0.0))
+    ]
+    fit_result = fit("dahl", records)
+    assert [label for label in fit_result.parameters if label.startswith("dahl.kw")] == ["dahl.kw @ 0 V", "dahl.kw @ 2 V"]
+    assert fit_result.parameters["dahl.kw @ 2 V"] == pytest.approx(380.0, rel=1e-5)
+    assert max(one.l1 for one in fit_result.scores.values()) < 1e-4
+
+
 def test_a_varying_voltage_gives_a_polynomial_law() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": Polynomial((60.0, 150.0), 0.0, 3.0), "dahl.rho": 2500.0})
     t = np.arange(0.0, 12.0, 0.005)
