@@ -61,7 +61,10 @@ def test_voltages_that_differ_by_rounding_share_a_value_of_the_law_and_each_is_m
         sine(truth, u, f"{k}", 0.005 + 0.001 * k, offset=0.0) for k, u in enumerate((0.0, 2.0, 2.0000004, 2.0, 0.0))
     ]
     fit_result = fit("dahl", records)
-    assert [label for label in fit_result.parameters if label.startswith("dahl.kw")] == ["dahl.kw @ 0 V", "dahl.kw @ 2 V"]
+    assert [label for label in fit_result.parameters if label.startswith("dahl.kw")] == [
+        "dahl.kw @ 0 V",
+        "dahl.kw @ 2 V",
+    ]
     assert fit_result.parameters["dahl.kw @ 2 V"] == pytest.approx(380.0, rel=1e-5)
     assert max(one.l1 for one in fit_result.scores.values()) < 1e-4
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from dampyr.findings import Finding
 from dampyr.identification.fit_data import Piece
+from dampyr.identification.optimum import Optimum
 from dampyr.identification.problem import Problem
 from dampyr.identification.residuals import Group, RecordResidual, Residuals
 from dampyr.identification.uncertainty import MIN_CYCLES, Uncertainty
@@ -242,14 +243,13 @@ def _share(group: Group) -> float:
     return (group.asymmetry / group.rms) ** 2 if group.rms > 0.0 else 0.0
 
 
-def notes(
-    problem: Problem, outcome: Outcome, uncertainty: Uncertainty, labels: list[str], within: Mapping[str, int]
-) -> list[Finding]:
+def notes(outcome: Outcome, uncertainty: Uncertainty, labels: list[str], within: Mapping[str, int]) -> list[Finding]:
     """The notes of a fit: on the parameters (``within``: those of one or two records alone), on the motion, and on
     single records. What the numbers are not determined by is a doubt."""
+    problem = outcome.optimum.problem
     doubts = [
-        *_of_parameters(problem, outcome, uncertainty, labels),
-        *_of_motion(problem, outcome),
+        *_of_parameters(outcome, uncertainty, labels),
+        *_of_motion(outcome.optimum),
         *_of_records(problem),
     ]
     notes = [
@@ -262,10 +262,9 @@ def notes(
     return [*(Finding("doubt", words) for words in doubts), *(Finding("note", words) for words in notes)]
 
 
-def _of_parameters(problem: Problem, outcome: Outcome, uncertainty: Uncertainty, labels: list[str]) -> list[str]:
-    notes = [
-        f"{labels[k]} stands at its limit ({_limit(problem, k)}); its error is not known" for k in outcome.at_limit
-    ]
+def _of_parameters(outcome: Outcome, uncertainty: Uncertainty, labels: list[str]) -> list[str]:
+    limits = [c.quantity.range_in_words() for c in outcome.optimum.problem.columns for _ in range(c.size)]
+    notes = [f"{labels[k]} stands at its limit ({limits[k]}); its error is not known" for k in outcome.at_limit]
     unidentifiable = [labels[k] for k in uncertainty.unidentifiable]
     if unidentifiable:
         notes.append(f"the records do not determine {', '.join(unidentifiable)} (infinite error)")
@@ -307,10 +306,6 @@ def _of_few_records(
     return notes
 
 
-def _limit(problem: Problem, k: int) -> str:
-    return [c.quantity.range_in_words() for c in problem.columns for _ in range(c.size)][k]
-
-
 def _of_twins(problem: Problem) -> list[str]:
     """Parameters of which only the sum is seen, and which of them was held."""
     by_name = {c.name: c for c in problem.columns}
@@ -327,11 +322,12 @@ def _of_buildings(problem: Problem) -> list[str]:
     return [problem.composition.not_for_buildings] if problem.composition.not_for_buildings else []
 
 
-def _of_motion(problem: Problem, outcome: Outcome) -> list[str]:
+def _of_motion(optimum: Optimum) -> list[str]:
     """Friction that never comes near its limit: only the slope of the loop is seen, the product of kw and rho."""
+    problem = optimum.problem
     stroke = max(float(np.ptp(one.x)) for one in problem.pieces)
     notes = []
-    values = dict(zip((c.name for c in problem.columns), outcome.point.of(problem), strict=True))
+    values = dict(zip((c.name for c in problem.columns), optimum.point.of(problem), strict=True))
     for part in problem.composition.parts:
         if not {"kw", "rho"} <= set(part.parameters) or values[f"{part.name}.rho"].size == 0:
             continue
@@ -395,8 +391,9 @@ def energy(one: Piece) -> float:
     return float(np.trapezoid(one.force - np.mean(one.force), one.x - np.mean(one.x)))
 
 
-def trouble_of(problem: Problem, outcome: Outcome) -> str:
+def trouble_of(outcome: Outcome) -> str:
     """Why the numbers are no damper although the search has ended; empty where they are one."""
+    problem = outcome.optimum.problem
     positive = np.concatenate([np.full(c.size, c.quantity.linear and c.quantity.low == 0) for c in problem.columns])
     friction = set(map(int, np.flatnonzero(positive)))
     if friction and friction <= set(outcome.at_limit) and all(energy(one) < 0 for one in problem.pieces):

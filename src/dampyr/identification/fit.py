@@ -156,12 +156,10 @@ def fit(
         point, agreed = (begin(problem, work), 1) if starts == 1 else best_of(problem, starts, seed, work)
         outcome = search(problem, point, progress, max_iterations=steps, work=work)
         if loss != "squares":
-            problem, outcome = iteratively_reweighted(problem, outcome, loss, progress, work)
+            outcome = iteratively_reweighted(outcome, loss, progress, work)
         outcome = replace(outcome, work=work.spent)
         search_notes = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
-        return build_fit(
-            problem, outcome, tuple(listed), bandwidth, search_notes, (starts, agreed), settling, session_prior
-        )
+        return build_fit(outcome, tuple(listed), bandwidth, search_notes, (starts, agreed), settling, session_prior)
 
 
 def check_model_and_records(call: str, model: Any, records: Any) -> None:

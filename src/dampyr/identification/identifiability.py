@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,8 @@ from dampyr.identification.candidate_motions import PEAK, Motion, candidate_moti
 from dampyr.identification.diagnostics import CONFOUNDED
 from dampyr.identification.fit_data import Piece
 from dampyr.identification.normal_equations import linearise, modelled_force
-from dampyr.identification.problem import Block, Point, Problem, independent_blocks
+from dampyr.identification.optimum import Optimum
+from dampyr.identification.problem import Point, Problem
 from dampyr.identification.profile_likelihood import scaled_inverse
 from dampyr.identification.residuals import motion
 from dampyr.identification.result import Fit
@@ -119,8 +119,8 @@ def _not_determined(fit: Fit) -> list[Finding]:
         names = f"{listing(limits, 4)} {'stands' if len(limits) == 1 else 'stand'} at the limit"
         test = "use a model without that part, or motions on which it acts"
         results.append(Finding("at a limit", tuple(limits), f"{names} of the allowed values", test, f"{names}: {test}"))
-    for block in independent_blocks(fit.problem):
-        own = [labels[place] for place in block.coefficients]
+    for block in fit.optimum.blocks:
+        own = [labels[place] for place in block.places]
         if any(math.isinf(fit.stderr[label]) for label in own):
             results += _directions(fit, block, own)
     few = list(fit.within_records)
@@ -134,10 +134,9 @@ def _not_determined(fit: Fit) -> list[Finding]:
     return results
 
 
-def _directions(fit: Fit, block: Block, own: list[str]) -> list[Finding]:
+def _directions(fit: Fit, block: Optimum, own: list[str]) -> list[Finding]:
     """The directions without information, by the numbers that take part in them."""
-    point = fit.outcome.point.in_block(block)
-    H = linearise(block.problem, point).reduced.matrix
+    H = block.information
     scale = np.sqrt(np.maximum(np.diag(H), 0.0))
     alone = [k for k in range(len(own)) if scale[k] <= math.sqrt(SINGULAR) * max(float(scale.max(initial=0.0)), 1e-300)]
     results = [_undetermined(fit, block, (own[k],)) for k in alone]
@@ -161,23 +160,19 @@ def _directions(fit: Fit, block: Block, own: list[str]) -> list[Finding]:
     return results
 
 
-def _undetermined(fit: Fit, block: Block, labels: tuple[str, ...]) -> Finding:
+def _undetermined(fit: Fit, block: Optimum, labels: tuple[str, ...]) -> Finding:
     """Numbers of which the records determine at most a combination, and the first motion that would determine them."""
     names = listing(list(labels), 4)
     combined = f"only a combination of {names} is determined"
     words = combined if len(labels) > 1 else f"the records do not determine {names}"
-    problem, point = block.problem, fit.outcome.point.in_block(block)
-    places = [block.coefficients.index(list(fit.parameters).index(label)) for label in labels]
-    H = linearise(problem, point).reduced.matrix
+    places = [block.places.index(list(fit.parameters).index(label)) for label in labels]
     for beyond in (1.0, *BEYOND):
-        tried = [
-            (one, u, _share(H + _information(problem, point, one, u), places))
-            for one, u in _candidates(problem, beyond)
-        ]
-        motion_, u, share = max(tried, key=lambda one: one[2])
+        (candidates,) = _candidates(fit.optimum, [block], beyond)
+        shares = [_share(block.information + candidate.information, places) for candidate in candidates]
+        best, share = max(zip(candidates, shares, strict=True), key=lambda pair: pair[1])
         if share > DETERMINED:
             more = "" if beyond == 1.0 else f", {beyond:g} times the stroke of these records,"
-            at = f"{motion_.in_words()} at {u:g} {problem.pieces[0].unit}{more}"
+            at = f"{best.motion.in_words()} at {best.input:g} {block.problem.pieces[0].unit}{more}"
             return Finding("not determined", labels, words, f"{at} would", f"{words}; test {at}")
     test = "none of the motions that were tried would: fix one of them (fixed=)"
     return Finding("not determined", labels, words, test, f"{words}; fix one of them")
@@ -193,20 +188,16 @@ def _share(information: Array, places: list[int]) -> float:
 
 def _pairs(fit: Fit) -> list[Finding]:
     """Pairs of numbers that trade against each other on these motions."""
-    labels = list(fit.parameters)
-    strong: list[tuple[float, _Looked, int, int]] = []
-    for block in independent_blocks(fit.problem):
-        usable = [k for k, place in enumerate(block.coefficients) if math.isfinite(fit.stderr[labels[place]])]
-        if len(usable) < 2:
-            continue
-        H = linearise(block.problem, fit.outcome.point.in_block(block)).reduced.matrix
-        r = _correlation(scaled_inverse(H[np.ix_(usable, usable)]))
-        looked = _Looked(block, fit.outcome.point.in_block(block), H, usable)
-        strong += [
-            (float(r[i, j]), looked, i, j) for j in range(len(usable)) for i in range(j) if abs(r[i, j]) >= ALIKE
-        ]
-    strong.sort(key=lambda one: -abs(one[0]))
-    return [_pair(fit, *one) for one in strong[:MAX_PAIRS]]
+    labels, pairs = list(fit.parameters), list[_Pair]()
+    for block in fit.optimum.blocks:
+        usable = [k for k, place in enumerate(block.places) if math.isfinite(fit.stderr[labels[place]])]
+        r = _correlation(scaled_inverse(block.information[np.ix_(usable, usable)]))
+        alike = [(i, j) for j in range(len(usable)) for i in range(j) if abs(r[i, j]) >= ALIKE]
+        pairs += [_Pair(block, usable, places, float(r[places])) for places in alike]
+    pairs = sorted(pairs, key=lambda pair: -abs(pair.correlation))[:MAX_PAIRS]
+    blocks = [block for block in fit.optimum.blocks if any(pair.block is block for pair in pairs)]
+    candidates = dict(zip(blocks, _candidates(fit.optimum, blocks), strict=True))
+    return [_finding(fit, pair, candidates[pair.block]) for pair in pairs]
 
 
 def _correlation(covariance: Array) -> Array:
@@ -215,32 +206,23 @@ def _correlation(covariance: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class _Looked:
-    """A block as pairs are looked for in it: its information ``H`` (G, G), of which the ``usable`` numbers have an error."""
+class _Pair:
+    """Two numbers of a block, their ``places`` among the ``usable`` ones, which have an error, and their ``correlation``."""
 
-    block: Block
-    point: Point
-    H: Array
+    block: Optimum
     usable: list[int]
-
-    @cached_property
-    def tried(self) -> list[tuple[Motion, float, Array]]:
-        """Motions, inputs, and the information that one record of each would add."""
-        problem = self.block.problem
-        return [(one, u, _information(problem, self.point, one, u)) for one, u in _candidates(problem)]
+    places: tuple[int, int]
+    correlation: float
 
 
-def _pair(fit: Fit, r: float, looked: _Looked, i: int, j: int) -> Finding:
-    labels, block, usable = list(fit.parameters), looked.block, looked.usable
-    a, b = usable[i], usable[j]
-    places = block.coefficients[a], block.coefficients[b]
+def _finding(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Finding:
+    labels, block, r = list(fit.parameters), pair.block, pair.correlation
+    a, b = (pair.usable[place] for place in pair.places)
+    places = block.places[a], block.places[b]
     one, other = (labels[place] for place in places)
     between = float(fit.correlation[places])
-    held = tuple(k for k in range(len(block.coefficients)) if k not in usable)
-    wider = [
-        _wider(fit, block, looked.point, (*held, fixed), k, labels[block.coefficients[k]])
-        for k, fixed in ((a, b), (b, a))
-    ]
+    held = tuple(k for k in range(len(block.places)) if k not in pair.usable)
+    wider = [_wider(fit, block, (*held, fixed), k) for k, fixed in ((a, b), (b, a))]
     alone = 1.0 / math.sqrt(max(1.0 - r**2, 1e-12))
     of_errors = f", {_signed(between)} by the records' scatter" if math.isfinite(between) else ""
     words = (
@@ -257,11 +239,12 @@ def _pair(fit: Fit, r: float, looked: _Looked, i: int, j: int) -> Finding:
     brief = (
         f"{one} and {other}: correlation {_signed(r)}, each interval {alone:.2g} times as wide as with the other known"
     )
-    best = _best_test(looked, (i, j))
+    best = _best_test(pair, candidates)
     if best is None:
         test = "no motion that was tried within the stroke and speed of these records would do more than a repeat"
         return Finding("pair", (one, other), words, test, brief, numbers)
-    tried, u, after, narrower, repeated = best
+    candidate, after, narrower, repeated = best
+    tried, u = candidate.motion, candidate.input
     at = f"{tried.in_words()} at {u:g} {block.problem.pieces[0].unit}"
     less, by_repeat = [f"{100 * (1 - each):.0f}" for each in narrower], f"{100 * (1 - repeated):.0f} %"
     test = (
@@ -281,10 +264,10 @@ def _pair(fit: Fit, r: float, looked: _Looked, i: int, j: int) -> Finding:
     return Finding("pair", (one, other), words, test, brief, numbers)
 
 
-def _wider(fit: Fit, block: Block, point: Point, held: tuple[int, ...], k: int, label: str) -> float:
-    """The fit's standard error of a number over what it would be with those ``held`` known."""
-    alone = float(np.sqrt(uncertainty(block.problem, point, held).covariance[k, k]))
-    return fit.stderr[label] / alone if alone > 0.0 else math.nan
+def _wider(fit: Fit, block: Optimum, held: tuple[int, ...], k: int) -> float:
+    """The fit's standard error of the number ``k`` of a block over what it would be with those ``held`` known."""
+    alone = float(np.sqrt(uncertainty(block, held).covariance[k, k]))
+    return fit.stderr[list(fit.parameters)[block.places[k]]] / alone if alone > 0.0 else math.nan
 
 
 def _signed(value: float) -> str:
@@ -292,28 +275,64 @@ def _signed(value: float) -> str:
 
 
 def _best_test(
-    looked: _Looked, pair: tuple[int, int]
-) -> tuple[Motion, float, float, tuple[float, float], float] | None:
-    """The motion that narrows both intervals most: it, its input, the correlation after it, what is left of both widths, and
-    what one more record like those at hand leaves."""
-    chosen, records = np.ix_(looked.usable, looked.usable), len(looked.block.problem.pieces)
-    before = np.sqrt(np.diag(scaled_inverse(looked.H[chosen])))
+    pair: _Pair, candidates: list[_Candidate]
+) -> tuple[_Candidate, float, tuple[float, float], float] | None:
+    """The test that narrows both intervals most: the correlation after it, what is left of both widths, and what one more
+    record like those at hand leaves; None where it narrows them little more than that."""
+    chosen, records = np.ix_(pair.usable, pair.usable), len(pair.block.problem.pieces)
+    before = np.sqrt(np.diag(scaled_inverse(pair.block.information[chosen])))
     repeated = math.sqrt(records / (records + 1.0))
-    best: tuple[float, Motion, float, float, tuple[float, float], float] | None = None
-    for tried, u, added in looked.tried:
-        after = scaled_inverse((looked.H + added)[chosen])
-        left = (np.sqrt(np.diag(after)) / before)[list(pair)]
+    best: tuple[float, _Candidate, float, tuple[float, float]] | None = None
+    for candidate in candidates:
+        after = scaled_inverse((pair.block.information + candidate.information)[chosen])
+        left = (np.sqrt(np.diag(after)) / before)[list(pair.places)]
         score = float(np.sqrt(left[0] * left[1]))
-        if tried.kind != "sine":  # every drive makes a sine
+        if candidate.motion.kind != "sine":  # every drive makes a sine
             score *= SIMPLER
         if best is None or score < best[0]:
-            best = score, tried, u, float(_correlation(after)[pair]), (float(left[0]), float(left[1])), repeated
+            best = score, candidate, float(_correlation(after)[pair.places]), (float(left[0]), float(left[1]))
     if best is None or best[0] >= WORTH * repeated:
         return None
-    return best[1:]
+    return *best[1:], repeated
 
 
-def _candidates(problem: Problem, beyond: float = 1.0) -> list[tuple[Motion, float]]:
+@dataclass(frozen=True)
+class _Candidate:
+    """A motion that could be tested at an ``input``, and the ``information`` (G, G) of one record of it on its block."""
+
+    motion: Motion
+    input: float
+    information: Array
+
+
+def _candidates(optimum: Optimum, blocks: Sequence[Optimum], beyond: float = 1.0) -> list[list[_Candidate]]:
+    """The tests that could be made for each of some blocks, linearised all together.
+
+    A record of each counts as those at hand do, its nuisances are eliminated. ``beyond`` as in `candidate_motions`.
+    """
+    tests = [(block, tried, u) for block in blocks for tried, u in _motions_and_inputs(block.problem, beyond)]
+    pieces = [_candidate_piece(block.problem, tried, u) for block, tried, u in tests]
+    if not pieces:
+        return []
+    problem = replace(optimum.problem, pieces=pieces)
+    start = Point(optimum.point.theta, np.zeros((len(pieces), problem.locals)))
+    forces = [modelled_force(problem, start, r) for r in range(len(pieces))]
+    spreads = [float(np.std(force)) for force in forces]
+    usable = [r for r, spread in enumerate(spreads) if math.isfinite(spread) and spread > 0.0]
+    information = np.zeros((len(pieces), problem.size, problem.size))
+    if usable:
+        weighted = [
+            replace(pieces[r], force=forces[r], spread=spreads[r], weight=pieces[r].weight / spreads[r]) for r in usable
+        ]
+        start = Point(start.theta, start.local[usable])
+        information[usable] = linearise(replace(problem, pieces=weighted), start).reduced.by_record
+    candidates: dict[Optimum, list[_Candidate]] = {block: [] for block in blocks}
+    for (block, tried, u), added in zip(tests, information, strict=True):
+        candidates[block].append(_Candidate(tried, u, added[np.ix_(block.places, block.places)]))
+    return list(candidates.values())
+
+
+def _motions_and_inputs(problem: Problem, beyond: float) -> list[tuple[Motion, float]]:
     """Motions and inputs that are tried for a block."""
     inputs = sorted({round(float(np.mean(one.u)), 6) for one in problem.pieces})
     if len(inputs) > INPUTS_TRIED:
@@ -323,32 +342,23 @@ def _candidates(problem: Problem, beyond: float = 1.0) -> list[tuple[Motion, flo
     return [(one, float(exact.get(u, u))) for u in inputs for one in motions]
 
 
-def _information(problem: Problem, point: Point, tried: Motion, u: float) -> Array:
-    """The information (G, G) that one record of a motion adds, counted as the records at hand are, its nuisances eliminated."""
-    like = problem.pieces[0]
-    n = tried.t.size
-    piece = Piece(
+def _candidate_piece(problem: Problem, motion: Motion, u: float) -> Piece:
+    """A motion as a record of a block whose force spreads by 1 N, with the median weight of the block's records."""
+    n = motion.t.size
+    whole = float(np.median([np.mean(one.weight**2) * one.spread**2 * one.count for one in problem.pieces]))
+    return Piece(
         name="candidate",
-        t=tried.t,
-        x=tried.x,
-        v=tried.v,
+        t=motion.t,
+        x=motion.x,
+        v=motion.v,
         force=np.zeros(n),
         u=u,
-        weight=np.ones(1),
+        weight=np.array([math.sqrt(whole / n)]),
         spread=1.0,
         cycle=np.zeros(n, dtype=np.int64),
-        unit=like.unit,
+        unit=problem.pieces[0].unit,
         temperature=float(np.mean([one.temperature for one in problem.pieces])),
     )
-    alone = replace(problem, pieces=[piece])
-    there = Point(point.theta, np.zeros((1, problem.locals)))
-    force = modelled_force(alone, there, 0)
-    spread = float(np.std(force))
-    if not (math.isfinite(spread) and spread > 0.0):
-        return np.zeros((problem.size, problem.size))
-    whole = float(np.median([np.mean(one.weight**2) * one.spread**2 * one.count for one in problem.pieces]))
-    weighted = replace(piece, force=force, spread=spread, weight=np.array([math.sqrt(whole / n) / spread]))
-    return linearise(replace(problem, pieces=[weighted]), there).reduced.matrix
 
 
 # ----------------------------------------------------------------------------------------------------------------- design

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dampyr.identification.problem import Point, Problem
+from dampyr.identification.optimum import Optimum
 from dampyr.models import Damper
 from dampyr.units import for_people
 
@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 CURVE = 200  # inputs of a law's curve
 
 
-def law_panels(
-    problem: Problem, point: Point, intervals: Mapping[str, tuple[float, float]], damper: Damper
-) -> list[Law]:
+def law_panels(optimum: Optimum, intervals: Mapping[str, tuple[float, float]], damper: Damper) -> list[Law]:
     """One panel for each parameter that was fitted, for `dampyr.figures.laws.parameters_against_input`."""
     from dampyr.figures.laws import Law
     from dampyr.figures.style import Axis
@@ -27,7 +25,7 @@ def law_panels(
     start, end = damper.range
     usual = damper.at_mean_temperature
     inputs = np.linspace(start, end, CURVE)
-    panels = []
+    panels, problem = [], optimum.problem
     short = [column.name.partition(".")[2] for column in problem.columns]
     for column, span in zip(problem.columns, problem.slices, strict=True):
         if not column.size:
@@ -36,7 +34,7 @@ def law_panels(
         name = column.name.partition(".")[2]
         spans = [intervals[label] for label in column.labels(damper.input)]
         errors = [0.5 * (high - low) for low, high in spans]
-        points = (np.tile(column.knots, column.size // len(column.knots)), point.theta[span])
+        points = (np.tile(column.knots, column.size // len(column.knots)), optimum.point.theta[span])
         if column.size == 1:
             points = (np.array([0.5 * (start + end)]), points[1])
         panels.append(

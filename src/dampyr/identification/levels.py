@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.problem import Point, Problem
+from dampyr.identification.optimum import Optimum
+from dampyr.identification.problem import Problem
 from dampyr.identification.uncertainty import Uncertainty, record_groups
 from dampyr.models.prediction_error import PredictionError, ShapeError, assumed_words, phase_basis, spread_words
 from dampyr.records import Record
@@ -128,22 +129,14 @@ def _or_none(value: float) -> float | None:
 
 
 def levels_and_error(
-    problem: Problem,
-    point: Point,
-    forces: Sequence[Array],
-    uncertainty: Uncertainty,
-    records: Sequence[Record],
-    to_laws: Array,
-    session_prior: float = PRIOR_SESSION,
+    optimum: Optimum, uncertainty: Uncertainty, records: Sequence[Record], session_prior: float = PRIOR_SESSION
 ) -> tuple[Levels, PredictionError]:
-    """The levels of the fitted records, and the prediction error that goes into the card.
-
-    ``forces`` are those of the fit along its pieces, ``to_laws`` (m, G) makes coefficients of the laws from those of the fit.
-    """
+    """The levels of the fitted records, and the prediction error that goes into the card."""
+    problem, to_laws = optimum.problem, optimum.law_matrix
     groups = record_groups(problem)
-    fitted = [_Level.of(problem, forces, name, pieces) for name, pieces in groups.items()]
+    fitted = [_Level.of(optimum, pieces) for pieces in groups.values()]
     session, named = _sessions(problem, records, groups)
-    gains = [point.nuisance(problem, pieces[0], "gain") for pieces in groups.values()]
+    gains = [optimum.point.nuisance(problem, pieces[0], "gain") for pieces in groups.values()]
     y = np.array([one.logarithm for one in fitted]) + np.log(gains)
     names = list(dict.fromkeys(session.values()))
     members = np.array([[session[name] == each for each in names] for name in groups], dtype=float)
@@ -218,9 +211,10 @@ class _Level:
     dt: float
 
     @classmethod
-    def of(cls, problem: Problem, forces: Sequence[Array], name: str, pieces: Sequence[int]) -> _Level:
+    def of(cls, optimum: Optimum, pieces: Sequence[int]) -> _Level:
         from scipy.ndimage import median_filter
 
+        problem, forces = optimum.problem, optimum.forces
         measured, model, bases = [], [], []
         for k in pieces:
             piece, seen = problem.pieces[k], problem.pieces[k].comparable

@@ -299,6 +299,7 @@ class Eliminated:
     target: Array
     own: Array
     by_theta: Array
+    by_record: Array  # (M, G, G) of which ``matrix`` is the sum
 
     def nuisances(self, theta: Array) -> Array:
         """The nuisances' best step (M, L) for a step of the coefficients."""
@@ -319,9 +320,10 @@ def eliminated(sums: Array, free: Bools, fixed: Array, damping: float = 0.0) -> 
     solved = np.linalg.solve(A, right) * scale[:, :, None] if L else right
     by_theta, own = solved[:, :, :-1], solved[:, :, -1]
     across = sums[:, L : L + G, :L]
-    matrix = np.sum(sums[:, L : L + G, L : L + G] - across @ by_theta, axis=0)
+    by_record = sums[:, L : L + G, L : L + G] - across @ by_theta
+    matrix = np.sum(by_record, axis=0)
     target = np.sum(b[:, L:] - np.einsum("mgl,ml->mg", across, own), axis=0)
-    return Eliminated(0.5 * (matrix + matrix.T), target, own + fixed, by_theta)
+    return Eliminated(0.5 * (matrix + matrix.T), target, own + fixed, by_theta, by_record)
 
 
 def with_curvature(H: Array, curvature: Array, least_part: float = 0.2, largest_part: float = 10.0) -> Array:
@@ -339,7 +341,11 @@ def with_curvature(H: Array, curvature: Array, least_part: float = 0.2, largest_
 
 def linearise(problem: Problem, point: Point) -> NormalEquations:
     """The normal equations around ``point``."""
-    sums = with_priors(problem, point, np.concatenate(products(problem, point)))
+    return of_sums(problem, point, with_priors(problem, point, np.concatenate(products(problem, point))))
+
+
+def of_sums(problem: Problem, point: Point, sums: Array) -> NormalEquations:
+    """The normal equations of the sums of products (M, K, K) of each record around ``point``, which are changed in place."""
     below, above = np.empty((2, problem.size))
     compile_cached(to_search_coordinates)(sums, point.theta, problem.is_logarithmic, *problem.limits, below, above)
     low, high = problem.local_limits

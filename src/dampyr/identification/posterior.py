@@ -27,9 +27,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.law_coefficients import admissible_damper
 from dampyr.identification.normal_equations import linearise, step_point
-from dampyr.identification.problem import Block, Point, independent_blocks, with_held
+from dampyr.identification.optimum import Optimum
+from dampyr.identification.problem import Point, with_held
 from dampyr.identification.profile_likelihood import coordinate_scale
 from dampyr.identification.result import Fit
 from dampyr.models import Damper
@@ -119,7 +119,7 @@ class Posterior(Representation):
         table = np.stack(list(self.samples.values()), axis=-1)
         for _ in range(100 * n):
             theta[places] = table[rng.integers(self.size)]
-            one = admissible_damper(self.fit.damper, self.fit.problem, theta)
+            one = self.fit.optimum.admissible_damper(self.fit.damper, theta)
             if one is not None:
                 dampers.append(one)
             if len(dampers) == n:
@@ -261,11 +261,11 @@ def sample_posterior(
         raise InputError(f"steps = {steps} is not allowed; give {CHUNK} or more")
     _check(fit)
     tell = progress or (lambda stage, done: None)
-    labels, blocks = list(fit.parameters), independent_blocks(fit.problem)
+    labels, blocks = list(fit.parameters), fit.optimum.blocks
     sampled, held, notes = [], dict[str, float](), list[str]()
     for number, block in enumerate(blocks):
         target = _Target(fit, block, tails, notes)
-        held |= {labels[block.coefficients[k]]: float(target.start.theta[k]) for k in target.at_limit}
+        held |= {labels[block.places[k]]: float(target.start.theta[k]) for k in target.at_limit}
         if target.size:
 
             def share(done: float, number: int = number) -> None:
@@ -320,10 +320,10 @@ def _check(fit: Fit) -> None:
 class _Target:
     """The density of one block, over the coordinates (p,) of its numbers that have an error."""
 
-    def __init__(self, fit: Fit, block: Block, tails: str, notes: list[str]) -> None:
+    def __init__(self, fit: Fit, block: Optimum, tails: str, notes: list[str]) -> None:
         labels = list(fit.parameters)
-        own = [labels[place] for place in block.coefficients]
-        self.problem, self.start = block.problem, fit.outcome.point.in_block(block)
+        own = [labels[place] for place in block.places]
+        self.problem, self.start = block.problem, block.point
         self.free = [k for k, label in enumerate(own) if math.isfinite(fit.stderr[label])]
         self.at_limit = [k for k in range(len(own)) if k not in self.free]
         self.labels = [own[k] for k in self.free]
@@ -334,13 +334,13 @@ class _Target:
         self.best = self.start.coordinates(self.problem)[self.free]
         low, high = (side[self.free] for side in self.problem.inner_limits)
         self.low, self.high = self._coordinates(low), self._coordinates(high)
-        self.by_theta = linearise(self.problem, self.start).reduced.by_theta
+        self.by_theta = block.equations.reduced.by_theta
         self.lowest = self._cost(self.best)
         errors = np.array([fit.stderr[label] for label in self.labels])
         places = [labels.index(label) for label in self.labels]
         errors = errors / coordinate_scale(self.problem, self.start)[self.free]
         covariance = fit.correlation[np.ix_(places, places)] * np.outer(errors, errors)
-        self.hessian = self._hessian(errors, notes)
+        self.hessian = self._hessian(block.information[np.ix_(self.free, self.free)], errors, notes)
         samples = sum(one.count - self.problem.locals for one in self.problem.pieces)
         naive = 2.0 * self.lowest / max(samples - self.problem.size, 1)
         records = len({one.cut_from or one.name for one in self.problem.pieces})
@@ -352,7 +352,7 @@ class _Target:
                 f"{listing(self.labels, 3)}: {records} records show no variance between them in {lacking} of {self.size} "
                 "directions, which have that of independent samples"
             )
-        if any(one.second_weight is not None for one in self.problem.pieces):
+        if block.is_robust:
             notes.append("the weights of the robust loss stay as they are at the optimum")
         self.freedom = min(fit.freedom[label] for label in self.labels) if tails == "t" else math.inf
 
@@ -385,8 +385,8 @@ class _Target:
             point = step_point(held, point, inner)
         return cost
 
-    def _hessian(self, errors: Array, notes: list[str]) -> Array:
-        """The Hessian of the cost at the optimum, by differences; that of the linear model where these are not convex."""
+    def _hessian(self, linear: Array, errors: Array, notes: list[str]) -> Array:
+        """The Hessian of the cost at the optimum, by differences; that of the ``linear`` model where these are not convex."""
         h = DIFFERENCE * errors
         h = np.minimum(h, 0.5 * np.minimum(self.best - self.low, self.high - self.best))
         p, H = self.size, np.empty((self.size, self.size))
@@ -400,14 +400,13 @@ class _Target:
                 same = self._cost(self.best + both) + self._cost(self.best - both)
                 other = self._cost(self.best + apart) + self._cost(self.best - apart)
                 H[i, j] = H[j, i] = (same - other) / (4.0 * h[i] * h[j])
-        linear = linearise(self.problem, self.start).reduced.matrix[np.ix_(self.free, self.free)]
         d = np.sqrt(np.diag(linear))
         if np.all(np.isfinite(H)) and float(np.linalg.eigvalsh(H / np.outer(d, d)).min()) > 0.0:
             return H
         notes.append(
             f"the objective is not convex at the optimum of {listing(self.labels, 3)}: the linear model's curvature serves"
         )
-        return np.asarray(linear)
+        return linear
 
     def log_density(self, coordinates: Array) -> float:
         """Of Student's t, or the normal one; minus infinity outside the allowed values."""

@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.normal_equations import linearise
-from dampyr.identification.problem import Block, Point, Problem, independent_blocks, with_held
+from dampyr.identification.optimum import Optimum
+from dampyr.identification.problem import Point, Problem, with_held
 from dampyr.identification.result import Fit
 from dampyr.identification.variable_projection import WARM_DAMPING, levenberg_marquardt
 from dampyr.origin import NOT_STATED, Origin
@@ -144,8 +144,8 @@ def profile(fit: Fit, label: str, level: float = 0.95, points: int = 21) -> Prof
     if points < 5:
         raise InputError(f"points = {points} is not allowed; give 5 or more")
     place = labels.index(label)
-    block = next(one for one in independent_blocks(fit.problem) if place in one.coefficients)
-    path = _Path(fit, block, block.coefficients.index(place), label)
+    block = next(block for block in fit.optimum.blocks if place in block.places)
+    path = _Path(fit, block, block.places.index(place), label)
     freedom = path.freedom
     threshold = _threshold(level, freedom)
     sides = [path.follow(side, math.sqrt(threshold), points // 2) for side in (-1.0, 1.0)]
@@ -185,9 +185,9 @@ def _threshold(level: float, freedom: float) -> float:
 class _Path:
     """The profile as it is followed: what was evaluated, by the coordinate of the coefficient, and the point there."""
 
-    def __init__(self, fit: Fit, block: Block, k: int, label: str) -> None:
+    def __init__(self, fit: Fit, block: Optimum, k: int, label: str) -> None:
         self.problem, self.k, self.notes = block.problem, k, list[str]()
-        start = fit.outcome.point.in_block(block)
+        start = block.point
         log = bool(self.problem.is_logarithmic[k])
         self.value_of: Callable[[float], float] = math.exp if log else float
         self.coordinate_of: Callable[[float], float] = math.log if log else float
@@ -199,7 +199,7 @@ class _Path:
         self.seen: dict[float, tuple[float, Point]] = {}
         self._evaluate(self.best, start)
         self._scale(fit, block, label)
-        if any(one.second_weight is not None for one in self.problem.pieces):
+        if block.is_robust:
             self.notes.append("the weights of the robust loss stay as they are at the optimum")
 
     def _evaluate(self, coordinate: float, near: Point | None = None) -> float:
@@ -214,9 +214,10 @@ class _Path:
             self.seen[coordinate] = end.cost, end.point
         return self.seen[coordinate][0]
 
-    def _scale(self, fit: Fit, block: Block, label: str) -> None:
+    def _scale(self, fit: Fit, block: Optimum, label: str) -> None:
         """``per_unit``: what the cost rises by where the adjusted rise is 1; ``error``: the error in the coordinate."""
-        ratios, freedoms, information = variance_ratios(fit, block)
+        ratios, freedoms = variance_ratios(fit, block)
+        information = block.information
         own, error = ratios.get(self.k), fit.stderr[label]
         if own is None and not ratios:
             raise InputError(
@@ -310,24 +311,20 @@ class _Path:
         return order, rise
 
 
-def variance_ratios(fit: Fit, block: Block) -> tuple[dict[int, float], dict[int, float], Array]:
+def variance_ratios(fit: Fit, block: Optimum) -> tuple[dict[int, float], dict[int, float]]:
     """For each coefficient of a block that has a standard error: its variance over that of the inverse information, and its
-    degrees of freedom; and the information (G, G), in the coordinates of the search."""
+    degrees of freedom."""
     labels = list(fit.parameters)
-    point = fit.outcome.point.in_block(block)
-    information = linearise(block.problem, point).reduced.matrix
-    finite = [k for k, place in enumerate(block.coefficients) if math.isfinite(fit.stderr[labels[place]])]
-    if not finite:
-        return {}, {}, information
-    inverse = np.diag(scaled_inverse(information[np.ix_(finite, finite)]))
-    scale = coordinate_scale(block.problem, point)
+    finite = [k for k, place in enumerate(block.places) if math.isfinite(fit.stderr[labels[place]])]
+    inverse = np.diag(scaled_inverse(block.information[np.ix_(finite, finite)]))
+    scale = coordinate_scale(block.problem, block.point)
     ratios, freedoms = {}, {}
     for k, variance in zip(finite, inverse, strict=True):
-        label = labels[block.coefficients[k]]
+        label = labels[block.places[k]]
         if variance > 0.0:
             ratios[k] = (fit.stderr[label] / float(scale[k])) ** 2 / float(variance)
             freedoms[k] = fit.freedom[label]
-    return ratios, freedoms, information
+    return ratios, freedoms
 
 
 def coordinate_scale(problem: Problem, point: Point) -> Array:

@@ -20,10 +20,9 @@ from dampyr.identification.data_sheet import SHEETS, contradictions
 from dampyr.identification.diagnostics import no_interval, notes, residual_findings, trouble_of
 from dampyr.identification.fit_data import Piece
 from dampyr.identification.fit_verdict import FitVerdict, fit_verdict
-from dampyr.identification.law_coefficients import law_matrix
 from dampyr.identification.law_panels import law_panels
 from dampyr.identification.levels import PRIOR_SESSION, Levels, levels_and_error
-from dampyr.identification.normal_equations import modelled_force
+from dampyr.identification.optimum import Optimum
 from dampyr.identification.problem import Problem
 from dampyr.identification.residuals import Residuals, Trace, analyse, motion
 from dampyr.identification.score import Score, compare
@@ -95,7 +94,7 @@ class FitPlots:
         fit, damper = self.fit, self.fit.damper
         if damper is None:
             raise InputError(f"this fit made no damper, so there are no laws to draw: {fit.reason}")
-        panels = law_panels(fit.problem, fit.outcome.point, fit.intervals(), damper)
+        panels = law_panels(fit.optimum, fit.intervals(), damper)
         axis = style.VOLTAGE if damper.input == "V" else style.CURRENT
         return style.in_pyplot(parameters_against_input, panels, damper.range, axis, origin=fit.origin)
 
@@ -148,7 +147,6 @@ class Fit(Representation):
     within_records: dict[str, int]
     nuisances: dict[str, Nuisance]
     iterations: int
-    problem: Problem = field(repr=False)
     outcome: Outcome = field(repr=False)
     records: tuple[Record, ...] = field(repr=False)
     starts: tuple[int, int] = (1, 1)
@@ -170,6 +168,16 @@ class Fit(Representation):
     def findings(self) -> tuple[Finding, ...]:
         """All that a reader should know of the fit and of its records, each once, the worst first."""
         return worst_first(self._of_damper, [Finding("note", words) for words in _level_notes(self.levels)])
+
+    @property
+    def optimum(self) -> Optimum:
+        """The end of the search: the point, the forces and the linearised problem there."""
+        return self.outcome.optimum
+
+    @property
+    def problem(self) -> Problem:
+        """What was solved: the records as arrays, and the layout of the unknowns."""
+        return self.optimum.problem
 
     @property
     def verdict(self) -> FitVerdict:
@@ -365,19 +373,17 @@ class Fit(Representation):
             "scores": self.scores,
         }
 
-    @cached_property
+    @property
     def forces(self) -> list[Array]:
         """The fitted force along each record from where its motion starts, with its own offset and initial states, N."""
-        return [modelled_force(self.problem, self.outcome.point, r) for r in range(len(self.records))]
+        return self.optimum.forces
 
     @cached_property
     def residuals(self) -> Residuals:
         """The analysis of the residual over all samples that were fitted: see `dampyr.identification.residuals`."""
         traces = [
-            Trace(
-                p.name, p.t[c], p.x[c], p.v[c], p.force[c], (p.force - force)[c], float(np.mean(p.u)), *motion(record)
-            )
-            for p, force, record in zip(self.problem.pieces, self.forces, self.records, strict=True)
+            Trace(p.name, p.t[c], p.x[c], p.v[c], p.force[c], residual[c], float(np.mean(p.u)), *motion(record))
+            for p, residual, record in zip(self.problem.pieces, self.optimum.residuals, self.records, strict=True)
             for c in (p.comparable,)
         ]
         return replace(analyse(traces, self.problem.pieces[0].unit), origin=self.origin)
@@ -407,7 +413,6 @@ def residuals(fit: Fit) -> Residuals:
 
 
 def build_fit(
-    problem: Problem,
     outcome: Outcome,
     records: tuple[Record, ...],
     bandwidth: float | None,
@@ -417,25 +422,23 @@ def build_fit(
     session_prior: float = PRIOR_SESSION,
 ) -> Fit:
     """The fit at the end of a search; ``search_notes`` are of what came before, ``starts`` how many there were and agreed."""
-    uncertainties = uncertainty(problem, outcome.point, outcome.at_limit)
+    optimum, problem = outcome.optimum, outcome.optimum.problem
+    uncertainties = uncertainty(optimum, outcome.at_limit)
     labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
     unit_of = [c.quantity.unit for c in problem.columns for _ in range(c.size)]
     stderr = _errors(labels, uncertainties.covariance, outcome.at_limit)
     few = zip(labels, uncertainties.within, uncertainties.records, strict=True)
     within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
-    damper, trouble = _damper(problem, outcome, uncertainties, records, bandwidth, tuple(within))
+    damper, trouble = _damper(optimum, uncertainties, records, bandwidth, tuple(within))
     levels = None
-    forces = [modelled_force(problem, outcome.point, r) for r in range(len(records))]
-    if damper is not None and all(np.all(np.isfinite(force)) for force in forces):
-        levels, error = levels_and_error(
-            problem, outcome.point, forces, uncertainties, records, law_matrix(problem), session_prior
-        )
+    if damper is not None and all(np.all(np.isfinite(force)) for force in optimum.forces):
+        levels, error = levels_and_error(optimum, uncertainties, records, session_prior)
         damper = replace(damper, prediction_error=error)
-    trouble = trouble or trouble_of(problem, outcome)
+    trouble = trouble or trouble_of(outcome)
     states = list(problem.composition.states)
     return Fit(
         bare=damper,
-        parameters=dict(zip(labels, map(float, outcome.point.theta), strict=True)),
+        parameters=dict(zip(labels, map(float, optimum.point.theta), strict=True)),
         stderr=stderr,
         naive_stderr=_errors(labels, uncertainties.naive, outcome.at_limit),
         units=dict(zip(labels, unit_of, strict=True)),
@@ -443,7 +446,7 @@ def build_fit(
         converged=outcome.converged and not trouble,
         reason=trouble or outcome.reason,
         remarks=(
-            *notes(problem, outcome, uncertainties, labels, within),
+            *notes(outcome, uncertainties, labels, within),
             *(Finding("note", words) for words in (*search_notes, *_short_notes(records, settling))),
             *(
                 Finding("doubt", words)
@@ -455,15 +458,14 @@ def build_fit(
         within_records=within,
         nuisances={
             p.name: Nuisance(
-                outcome.point.nuisance(problem, r, "offset"),
-                {states[k]: float(outcome.point.states(problem, r)[k]) for k in problem.composition.free_at_start},
-                outcome.point.nuisance(problem, r, "gain"),
-                outcome.point.nuisance(problem, r, "temperature"),
+                optimum.point.nuisance(problem, r, "offset"),
+                {states[k]: float(optimum.point.states(problem, r)[k]) for k in problem.composition.free_at_start},
+                optimum.point.nuisance(problem, r, "gain"),
+                optimum.point.nuisance(problem, r, "temperature"),
             )
             for r, p in enumerate(problem.pieces)
         },
         iterations=outcome.iterations,
-        problem=problem,
         outcome=outcome,
         records=records,
         starts=starts,
@@ -531,14 +533,14 @@ def _correlation(covariance: Array) -> Array:
 
 
 def _damper(
-    problem: Problem,
-    outcome: Outcome,
+    optimum: Optimum,
     uncertainty: Uncertainty,
     records: tuple[Record, ...],
     bandwidth: float | None,
     within: tuple[str, ...],
 ) -> tuple[Damper | None, str]:
     """The damper that the coefficients make, or None and why they make none."""
+    problem = optimum.problem
     inputs = np.concatenate([np.ravel(p.levels) for p in problem.pieces])
     low, high = float(inputs.min()), float(inputs.max())
     try:
@@ -546,11 +548,11 @@ def _damper(
             parts=problem.composition.names,
             laws={
                 c.name: problem.columns[k].law(theta, low, high)
-                for c, k, theta in zip(problem.columns, problem.owners, outcome.point.of(problem), strict=True)
+                for c, k, theta in zip(problem.columns, problem.owners, optimum.point.of(problem), strict=True)
             },
             input=problem.pieces[0].unit,
             ranges=_ranges(records, problem.pieces),
-            covariance=_law_covariance(problem, uncertainty.covariance),
+            covariance=_law_covariance(optimum.law_matrix, uncertainty.covariance),
             bandwidth=bandwidth,
             within_records=within,
             provenance=_provenance(records),
@@ -565,9 +567,8 @@ def _damper(
     return damper, ""
 
 
-def _law_covariance(problem: Problem, covariance: Array) -> Array:
-    """The covariance of the laws' own coefficients; fixed parameters are known."""
-    T = law_matrix(problem)
+def _law_covariance(T: Array, covariance: Array) -> Array:
+    """The covariance of the laws' own coefficients, which ``T`` makes of the fitted ones; fixed parameters are known."""
     finite = np.where(np.isfinite(covariance), covariance, 0.0)
     out = T @ finite @ T.T
     for place in np.flatnonzero(~np.isfinite(np.diag(covariance))):

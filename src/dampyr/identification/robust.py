@@ -33,8 +33,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.normal_equations import modelled_force
-from dampyr.identification.problem import Point, Problem
+from dampyr.identification.optimum import Optimum
+from dampyr.identification.problem import Problem
 from dampyr.identification.score import span
 from dampyr.identification.variable_projection import Outcome, search
 from dampyr.identification.work import Work
@@ -56,19 +56,18 @@ def check_loss(loss: str) -> None:
 
 
 def iteratively_reweighted(
-    problem: Problem,
     outcome: Outcome,
     loss: str,
     progress: Callable[[int, float], None] | None = None,
     work: Work | None = None,
-) -> tuple[Problem, Outcome]:
-    """From the least-squares fit to that of ``loss``: the problem with its weights, and how the last search ended."""
+) -> Outcome:
+    """From the least-squares fit to that of ``loss``: how the last search ended, its problem with the weights of the loss."""
     work = Work() if work is None else work
-    scales, before, steps = np.ones(len(problem.pieces)), np.inf, outcome.iterations
-    unweighted = problem
+    unweighted = outcome.optimum.problem
+    scales, before, steps = np.ones(len(unweighted.pieces)), np.inf, outcome.iterations
     for turn in range(MAX_ROUNDS):
-        residuals = _residuals(problem, outcome.point)
-        compared = [r[one.comparable] for r, one in zip(residuals, problem.pieces, strict=True)]
+        residuals = _relative_residuals(outcome.optimum)
+        compared = [r[one.comparable] for r, one in zip(residuals, unweighted.pieces, strict=True)]
         if turn < SCALING_ROUNDS:
             scales = np.array([max(NORMAL * float(np.median(np.abs(r))), 1e-12) for r in compared])
         shares = _shares(unweighted, scales, loss)
@@ -76,19 +75,18 @@ def iteratively_reweighted(
         total = float(shares @ sums)
         if turn > SCALING_ROUNDS and abs(before - total) <= ENOUGH * total:
             reason = f"{outcome.reason}; {turn} rounds of weights" if outcome.converged else outcome.reason
-            return _weighted(unweighted, residuals, scales, loss), replace(outcome, iterations=steps, reason=reason)
+            end = Optimum(_weighted(unweighted, residuals, scales, loss), outcome.point)
+            return replace(outcome, optimum=end, iterations=steps, reason=reason)
         before = total
-        problem = _weighted(unweighted, residuals, scales, loss, second=False)
-        outcome = search(problem, outcome.point, progress, tolerance=1e-9, work=work)
+        weighted = _weighted(unweighted, residuals, scales, loss, second=False)
+        outcome = search(weighted, outcome.point, progress, tolerance=1e-9, work=work)
         steps += outcome.iterations
         if work.stopped:
             break
     changes = f"did not converge: after {MAX_ROUNDS} rounds of weights the {loss} loss still changes"
     reason = work.stopped or changes
-    residuals = _residuals(problem, outcome.point)
-    return _weighted(unweighted, residuals, scales, loss), replace(
-        outcome, converged=False, reason=reason, iterations=steps
-    )
+    end = Optimum(_weighted(unweighted, _relative_residuals(outcome.optimum), scales, loss), outcome.point)
+    return replace(outcome, optimum=end, converged=False, reason=reason, iterations=steps)
 
 
 def _shares(problem: Problem, scales: Array, loss: str) -> Array:
@@ -111,9 +109,9 @@ def _weighted(problem: Problem, residuals: list[Array], scales: Array, loss: str
     return replace(problem, pieces=pieces)
 
 
-def _residuals(problem: Problem, point: Point) -> list[Array]:
+def _relative_residuals(optimum: Optimum) -> list[Array]:
     """Measured less modelled force, over each record's spread."""
-    return [(one.force - modelled_force(problem, point, r)) / one.spread for r, one in enumerate(problem.pieces)]
+    return [residual / one.spread for residual, one in zip(optimum.residuals, optimum.problem.pieces, strict=True)]
 
 
 def _weight(z: Array, loss: str) -> Array:

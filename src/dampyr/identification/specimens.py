@@ -29,8 +29,6 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.findings import Finding, Findings, worst_first
 from dampyr.identification.fit import check_model_and_records, fit
-from dampyr.identification.law_coefficients import admissible_damper, law_coefficients, law_matrix
-from dampyr.identification.problem import independent_blocks
 from dampyr.identification.profile_likelihood import variance_ratios
 from dampyr.identification.random_effects import MIN_GROUPS, RandomEffects, random_effects
 from dampyr.identification.result import Fit
@@ -190,9 +188,10 @@ class Specimens(Representation):
         Raises InputError where a number has no mean.
         """
         theta, scale = self._mean, self._scale
-        T = law_matrix(self._reference.problem) * scale
+        optimum = self._reference.optimum
+        T = optimum.law_matrix * scale
         dampers = [one.damper for one in self.fits.values() if one.damper is not None]
-        made = self._damper_of_reference.with_coefficients(law_coefficients(self._reference.problem, theta))
+        made = self._damper_of_reference.with_coefficients(optimum.law_coefficients(theta))
         return replace(
             made,
             covariance=T @ self._covariance @ T.T,
@@ -224,7 +223,7 @@ class Specimens(Representation):
         for _ in range(100 * n):
             width = math.sqrt(freedom / rng.chisquare(freedom))
             drawn = centre + width * (root @ rng.standard_normal(centre.size))
-            one = admissible_damper(mean, self._reference.problem, self._to_values(drawn))
+            one = self._reference.optimum.admissible_damper(mean, self._to_values(drawn))
             if one is not None:
                 dampers.append(one)
             if len(dampers) == n:
@@ -542,10 +541,10 @@ def _pooling_factors(fits: dict[str, Fit]) -> dict[tuple[str, str], float]:
     ratios: dict[str, dict[str, tuple[float, float]]] = {}
     for name, one in fits.items():
         labels = list(one.parameters)
-        for block in independent_blocks(one.problem):
-            own, freedoms, _ = variance_ratios(one, block)
+        for block in one.optimum.blocks:
+            own, freedoms = variance_ratios(one, block)
             for k, ratio in own.items():
-                label = labels[block.coefficients[k]]
+                label = labels[block.places[k]]
                 if not _why_not(one, label):
                     ratios.setdefault(label, {})[name] = ratio, freedoms[k]
     factors = dict[tuple[str, str], float]()

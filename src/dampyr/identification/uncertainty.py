@@ -19,13 +19,13 @@ clusters differ.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.normal_equations import modelled_force, products, with_priors
-from dampyr.identification.problem import Point, Problem
+from dampyr.identification.optimum import Optimum
+from dampyr.identification.problem import Problem
 from dampyr.models.prediction_error import force_power
 
 Array = NDArray[np.float64]
@@ -65,23 +65,22 @@ class Uncertainty:
     influence: Array
 
 
-def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> Uncertainty:
+def uncertainty(optimum: Optimum, held: tuple[int, ...] = ()) -> Uncertainty:
     """The covariance of the coefficients at the optimum; those ``held`` at a limit count as known."""
-    weighted = _by_cluster(problem, point)
-    curved = with_second_derivatives(problem)
-    second = weighted if curved is problem else _by_cluster(curved, point)
-    reduced = [_reduced(problem, sums, each, held) for sums, each in zip(weighted, second, strict=True)]
+    problem = optimum.problem
+    both = zip(optimum.cluster_sums, optimum.curvature_sums, strict=True)
+    reduced = [_reduced(problem, sums, curvature, held) for sums, curvature in both]
     information = _above_rounding(reduced, problem.size)
     samples = sum(one.count - problem.locals for one in problem.pieces)
     bread, unidentifiable = _inverse(information, held)
     squares = sum(one.squares for one in reduced) / max(samples - problem.size, 1)
-    naive = bread * (squares if curved is problem else _variance(problem, point, samples))
+    naive = bread * (_variance(optimum, samples) if optimum.is_robust else squares)
     reduced = _by_record(problem, reduced)
     whole = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
     records, cycles = _clusters(whole, information), _clusters(reduced, information)
     within = records.counts < MIN_RECORDS
     counts = np.where(within, cycles.counts, records.counts)
-    between = 0.5 * (records.freedom + _freedom_by_gains(problem, point, whole, bread, records.freedom))
+    between = 0.5 * (records.freedom + _freedom_by_gains(optimum, whole, bread, records.freedom))
     freedom = np.where(within, cycles.freedom, between)
     inflation = np.where(within, cycles.freedom, records.freedom)
     # One stack of influences, so that the matrix is positive semidefinite whatever each coefficient is clustered by: over the
@@ -102,7 +101,7 @@ def uncertainty(problem: Problem, point: Point, held: tuple[int, ...] = ()) -> U
         few,
         records.counts,
         within,
-        *_of_levels(problem, point, whole, bread),
+        *_of_levels(optimum, whole, bread),
         by_record * wide,
     )
 
@@ -115,15 +114,16 @@ def record_groups(problem: Problem) -> dict[str, list[int]]:
     return groups
 
 
-def _of_levels(problem: Problem, point: Point, parts: list[Reduced], bread: Array) -> tuple[Array, Array]:
+def _of_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Array, Array]:
     """``by_level`` and ``absorbed`` of `Uncertainty`."""
+    problem = optimum.problem
     static = problem.composition.static
     powers = [
         0 if k in static else force_power(column.quantity.unit)
         for k, column in enumerate(problem.columns)
         for _ in range(column.size)
     ]
-    b = np.array(powers, dtype=float) * point.theta
+    b = np.array(powers, dtype=float) * optimum.point.theta
     if (
         "gain" in problem.common
     ):  # the records' own gains have taken their part: the mean level at an input is the fit's
@@ -176,31 +176,12 @@ def _by_record(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
     ]
 
 
-def _by_cluster(problem: Problem, point: Point) -> list[Array]:
-    """The sums of products of each record by cluster; the priors of its nuisances go with the first."""
-    cluster_sums = products(problem, point, by_cluster=True)
-    first = with_priors(problem, point, np.stack([sums[0] for sums in cluster_sums]))
-    for sums, changed in zip(cluster_sums, first, strict=True):
-        sums[0] = changed
-    return cluster_sums
-
-
-def with_second_derivatives(problem: Problem) -> Problem:
-    """The problem weighted by the second derivative of its loss; itself where that is squares."""
-    if all(one.second_weight is None for one in problem.pieces):
-        return problem
-    return replace(
-        problem,
-        pieces=[replace(p, weight=p.weight if p.second_weight is None else p.second_weight) for p in problem.pieces],
-    )
-
-
-def _variance(problem: Problem, point: Point, samples: int) -> float:
+def _variance(optimum: Optimum, samples: int) -> float:
     """Of a loss that is not squares: the mean square of its first derivative over the mean of its second."""
-    first = second = 0.0
-    for r, one in enumerate(problem.pieces):
+    problem, first, second = optimum.problem, 0.0, 0.0
+    for one, residual in zip(problem.pieces, optimum.residuals, strict=True):
         assert one.second_weight is not None
-        slope = (one.weight * one.spread) ** 2 * (one.force - modelled_force(problem, point, r)) / one.spread
+        slope = (one.weight * one.spread) ** 2 * residual / one.spread
         first += float(slope[one.comparable] @ slope[one.comparable])
         second += float(np.sum((one.second_weight[one.comparable] * one.spread) ** 2))
     total = sum(one.count for one in problem.pieces)
@@ -270,14 +251,14 @@ def _clusters(parts: list[Reduced], information: Array) -> Clusters:
     return Clusters(scores, np.sum(shares > 1e-3, axis=0), np.maximum(np.minimum(effective, len(scores)), 1.5) - 1.0)
 
 
-def _freedom_by_gains(problem: Problem, point: Point, parts: list[Reduced], bread: Array, instead: Array) -> Array:
+def _freedom_by_gains(optimum: Optimum, parts: list[Reduced], bread: Array, instead: Array) -> Array:
     r"""The degrees of freedom (G,) where records differ by a gain; ``instead`` where no coefficient is a gain's.
 
     With the gains :math:`\gamma_h` of the records the scores are :math:`s_g = A_g b \gamma_g - A_g B \sum_h A_h b \gamma_h`, A
     the information of a record, B the bread, b the linear coefficients, which a gain multiplies. The variance of a coefficient
     is then a quadratic form Q of the gains, of which Satterthwaite's degrees of freedom are tr(Q)^2 / tr(Q^2).
     """
-    b = np.where(problem.is_linear, point.theta, 0.0)
+    b = np.where(optimum.problem.is_linear, optimum.point.theta, 0.0)
     A = np.stack([one.information.sum(axis=0) for one in parts])
     own = A @ b
     influence = -np.einsum("gij,hj->ghi", A @ bread, own)

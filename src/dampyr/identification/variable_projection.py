@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from dampyr.identification.fit_data import first_part
 from dampyr.identification.normal_equations import NormalEquations, Step, linearise, step_point
+from dampyr.identification.optimum import Optimum
 from dampyr.identification.problem import Point, Problem, independent_blocks
 from dampyr.identification.work import Work
 
@@ -42,15 +43,20 @@ FLAT = "converged: along a flat valley, where a step lowers the sum of squares b
 
 @dataclass(frozen=True)
 class Outcome:
-    """The end of a search, and its reason; ``work`` is what a fit has spent on it, counted s (`dampyr.identification.work`)."""
+    """How a search ended, and where: ``work`` is what a fit has spent on it, counted s (`dampyr.identification.work`)."""
 
-    point: Point
+    optimum: Optimum
     cost: float
     converged: bool
     reason: str
     iterations: int
     at_limit: tuple[int, ...]
     work: float = 0.0
+
+    @property
+    def point(self) -> Point:
+        """The point where it ended."""
+        return self.optimum.point
 
 
 def search(
@@ -81,7 +87,7 @@ def search(
     block, reported = (failed or outcomes)[0]
     where = f" (records at {np.mean(block.problem.pieces[0].u):g} {block.problem.pieces[0].unit})"
     return Outcome(
-        point=end,
+        optimum=Optimum(problem, end),
         cost=sum(outcome.cost for _, outcome in outcomes),
         converged=not failed,
         reason=reported.reason + (where if failed and len(outcomes) > 1 else ""),
@@ -142,7 +148,14 @@ def levenberg_marquardt(
     work = Work() if work is None else work
     point, here = solve_linear_parameters(problem, point, work)
     if not here.finite:
-        return Outcome(point, float("inf"), False, "did not begin: the model's force is not finite at the start", 0, ())
+        return Outcome(
+            Optimum(problem, point),
+            float("inf"),
+            False,
+            "did not begin: the model's force is not finite at the start",
+            0,
+            (),
+        )
     reason, converged = "", False
     curvature: Array | None = None
     rounding = ROUNDING * sum(one.t.size for one in problem.pieces)
@@ -188,7 +201,7 @@ def levenberg_marquardt(
             break
     else:
         reason = f"did not converge: {max_iterations} steps were not enough"
-    return Outcome(point, here.cost, converged, reason, iteration, _at_limit(problem, point))
+    return Outcome(Optimum(problem, point), here.cost, converged, reason, iteration, _at_limit(problem, point))
 
 
 def more_damping(here: NormalEquations, step: Step, damping: float) -> float:

@@ -97,7 +97,7 @@ def law_figures(fit: Fit, damper: Damper) -> list[Figure]:
 
     No figure is so high that it would fill a printed page by itself.
     """
-    panels = law_panels(fit.problem, fit.outcome.point, fit.intervals(), damper)
+    panels = law_panels(fit.optimum, fit.intervals(), damper)
     axis = VOLTAGE if damper.input == "V" else CURRENT
     count = -(-len(panels) // PANELS)
     each = -(-len(panels) // count)

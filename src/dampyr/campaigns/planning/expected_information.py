@@ -219,9 +219,9 @@ def _seen(fit: Fit, plan: Layout) -> list[_Seen]:
             raise InputError(
                 "the fit was made without offsets or states of its records; fit it with them to plan from it"
             )
-        point = Point(plan.theta, fit.outcome.point.local[[r], fit.problem.locals - own :])
+        point = Point(plan.theta, fit.optimum.point.local[[r], fit.problem.locals - own :])
         scale = one.spread * np.sqrt(one.count)
-        e = (one.force - fit.forces[r])[one.comparable] / scale
+        e = fit.optimum.residuals[r][one.comparable] / scale
         J = _eliminated(plan, problem, point)
         own_part = J @ (np.linalg.pinv(J.T @ J, rcond=1e-6, hermitian=True) @ (J.T @ e))
         dt = float(np.median(np.diff(one.t)))
