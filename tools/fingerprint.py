@@ -282,6 +282,11 @@ class Calls:
         """One model fitted; ``records`` and ``model`` changed places."""
         return self.identification.fit(records=records, model=model, **options)
 
+    def inseparable(self, fit: Any) -> Any:
+        """What the records of a fit cannot separate: ``findings``, later ``inseparable``."""
+        result = self.identification.identifiability(fit)
+        return result.inseparable if hasattr(result, "inseparable") else result.findings
+
     def leaderboard(self, records: list[Any], **options: Any) -> Any:
         """The search for a model: later `fit` without one."""
         if hasattr(self.identification, "leaderboard"):
@@ -341,7 +346,7 @@ def fits(dp: Any, data: Path) -> dict[str, Any]:
     for name, arguments in MODELS.items():
         steps: list[tuple[int, float]] = []
         fit = calls.fit(records, progress=lambda step, cost, steps=steps: steps.append((step, cost)), **arguments)
-        pairs = dp.identification.identifiability(fit).findings
+        pairs = calls.inseparable(fit)
         results[name] = {
             "parameters": dict(fit.parameters),
             "stderr": dict(fit.stderr),

@@ -10,7 +10,8 @@
     └── RigFault                      the rig does not answer, or stopped: why, and what to look at
 
     DampyrWarning (UserWarning)
-    └── ExtrapolationWarning          a result leaves the calibrated range; the caller asked for it by name
+    ├── ExtrapolationWarning          a result leaves the calibrated range; the caller asked for it by name
+    └── FindingWarning                something to look at, which is among the ``findings`` of the result, too
 
 Each message is one sentence for a person. The command line prints it without a traceback and exits with 2.
 A fit that does not converge is no error: it is a value with a reason (``fit.converged``, ``fit.reason``).
@@ -60,6 +61,10 @@ class DampyrWarning(UserWarning):
 
 class ExtrapolationWarning(DampyrWarning):
     """A result leaves the calibrated range; the caller asked for it by name."""
+
+
+class FindingWarning(DampyrWarning):
+    """Something to look at, which is among the ``findings`` of the result, too."""
 
 
 def install_line(extra: str) -> str:

@@ -55,20 +55,30 @@ class Representation:
         """A figure, made when it is shown, so that objects that are never shown never load matplotlib."""
         return None
 
-    def _with_notice(self) -> Summary:
-        """The summary, before it what an ``origin`` of the object that is not measured says."""
+    def _whole_summary(self) -> Summary:
+        """The summary, before it what an ``origin`` that is not measured says, and the worst of the ``findings``."""
         title, rows = self._summary()
         text = notice(getattr(self, "origin", NOT_STATED))
-        return title, [("origin", text), *rows] if text else rows
+        origin = [("origin", text)] if text else []
+        return title, [*origin, *findings_row(getattr(self, "findings", ())), *rows]
 
     def __repr__(self) -> str:
-        return as_text(*self._with_notice())
+        return as_text(*self._whole_summary())
 
     def _repr_html_(self) -> str:
         figure = self._small_figure()
         if figure is not None:
             stamp(figure, getattr(self, "origin", NOT_STATED))
-        return as_html(*self._with_notice(), table=self._table(), figure=figure)
+        return as_html(*self._whole_summary(), table=self._table(), figure=figure)
+
+
+def findings_row(findings: Sequence[Any]) -> Rows:
+    """The worst of some `dampyr.findings` as a row, and one on how many more there are; no row where there are none."""
+    if not findings:
+        return []
+    more = len(findings) - 1
+    worst = ("note" if findings[0].severity == "note" else "look at", str(findings[0]))
+    return [worst, ("", f"and {counted(more, 'more finding')}")] if more else [worst]
 
 
 def as_text(title: str, rows: Rows) -> str:
@@ -178,6 +188,13 @@ def listing(items: Sequence[str], limit: int = 4) -> str:
     """Items separated by commas, those beyond the first few counted."""
     more = len(items) - limit
     return ", ".join(items[:limit]) + (f" and {more} more" if more > 0 else "")
+
+
+def sentence(text: str) -> str:
+    """A clause, such as a finding or a note, with a capital and a full stop; a name at its head keeps its letters."""
+    first = text.partition(" ")[0]
+    head = text if {".", "_", "@"} & set(first) else text[:1].upper() + text[1:]
+    return f"{head}."
 
 
 def counted(number: int, noun: str) -> str:

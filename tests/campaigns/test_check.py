@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampyr import campaigns
-from dampyr.campaigns import findings, kind, largest
+from dampyr.campaigns import kind, largest, violations_of
 from dampyr.campaigns.check import STROKE_MARGIN, repairs
 from dampyr.campaigns.force_prediction import course, envelope, original_fit
 from dampyr.models import Damper
@@ -29,11 +29,11 @@ def rig(**parts):
 
 
 def limits(step, settings=RIG, damper=None):
-    return [each.limit for each in findings(step, settings, damper)]
+    return [each.limit for each in violations_of(step, settings, damper)]
 
 
 def test_a_sine_that_the_rig_can_do_passes():
-    assert findings(SINE(0.008, 1.0, 1.98), RIG) == ()
+    assert violations_of(SINE(0.008, 1.0, 1.98), RIG) == ()
 
 
 def test_the_speed_at_which_a_dashpot_stops_it_is_the_closed_form():
@@ -53,7 +53,7 @@ def test_the_lag_of_the_motor_takes_its_share():
     largest_amplitude = largest(SINE(0.010, 2.0, taper=6, period=0.002), "amplitude", settings)
     assert 2 * pi * 2.0 * largest_amplitude == pytest.approx(0.078 / share, rel=0.01)
     assert largest(SINE(0.010, 2.0, taper=1, period=0.002), "amplitude", settings) < largest_amplitude
-    [finding] = findings(SINE(0.98 * 0.078 / (4 * pi), 2.0), settings)
+    [finding] = violations_of(SINE(0.98 * 0.078 / (4 * pi), 2.0), settings)
     assert "with what its lag takes" in finding.words
 
 
@@ -69,7 +69,7 @@ def test_a_refusal_says_what_is_needed_what_there_is_and_what_would_do():
         r"lower the amplitude to ([\d.]+ mm) or the frequency to ([\d.]+ Hz)$", text
     ).groups()
     for step in (SINE(parse(amplitude, "m"), 2.0), SINE(0.020, parse(frequency, "Hz"))):
-        assert findings(step, RIG) == ()
+        assert violations_of(step, RIG) == ()
 
 
 @pytest.mark.parametrize("damper", [None, raminelli_2020.damper()], ids=["envelope", "card"])
@@ -92,10 +92,10 @@ def test_a_refusal_says_what_is_needed_what_there_is_and_what_would_do():
     ids=lambda value: value if isinstance(value, str) else type(value).__name__,
 )
 def test_the_value_that_is_proposed_passes_and_one_per_cent_more_does_not(step, field, damper):
-    assert findings(step, RIG, damper)
+    assert violations_of(step, RIG, damper)
     value = largest(step, field, RIG, damper)
-    assert findings(replace(step, **{field: value}), RIG, damper) == ()
-    assert findings(replace(step, **{field: 1.01 * value}), RIG, damper)
+    assert violations_of(replace(step, **{field: value}), RIG, damper) == ()
+    assert violations_of(replace(step, **{field: 1.01 * value}), RIG, damper)
 
 
 def test_nothing_is_proposed_where_lowering_it_does_not_help():
@@ -142,10 +142,13 @@ def test_a_warm_up_to_a_temperature_needs_a_thermocouple_and_a_limit_above_it():
 def test_force_and_speed_have_limits_of_their_own():
     assert limits(SINE(0.008, 1.0, 1.98), rig(limits={"force": 300.0})) == ["force"]
     fast = rig(limits={"speed": 0.04})
-    [finding] = findings(SINE(0.008, 1.0), fast)
+    [finding] = violations_of(SINE(0.008, 1.0), fast)
     assert finding.words == "reaches 50.27 mm/s, the limit is 40 mm/s"
     assert limits(kind("reversals")(0.2, duty=1.0), fast) == ["speed"]
-    assert "may meet, by a conservative envelope," in findings(SINE(0.008, 1.0), rig(limits={"force": 200.0}))[0].words
+    assert (
+        "may meet, by a conservative envelope,"
+        in violations_of(SINE(0.008, 1.0), rig(limits={"force": 200.0}))[0].words
+    )
 
 
 def test_reversals_go_as_far_as_an_unloaded_actuator_does():

@@ -83,7 +83,7 @@ def test_a_record_without_a_cycle_is_still_listed(tmp_path: Path, table: Path) -
     assert result.exit_code == 0, result.stderr
     (row,) = json.loads(result.stdout)["records"]
     assert row["measured"] is None
-    assert "cycle" in row["notes"][0]
+    assert "cycle" in row["findings"][0]["words"]
 
 
 @pytest.mark.parametrize(
@@ -118,9 +118,9 @@ def test_the_campaign_is_listed_with_its_disagreement_and_its_missing_rows(campa
     output = json.loads(result.stdout)
     assert len(output["records"]) == 39
     assert [each["name"] for each in output["records"] if each["role"] == "validation"] == ["ensaio.vali.1"]
-    noted = {each["name"]: each["notes"] for each in output["records"] if each["notes"]}
+    noted = {each["name"]: each["findings"] for each in output["records"] if each["findings"]}
     assert list(noted) == ["ensaio10.2.2"]
-    assert "labelled 0.8474 Hz" in noted["ensaio10.2.2"][0]
+    assert "labelled 0.8474 Hz" in noted["ensaio10.2.2"][0]["words"]
     assert output["rows_without_file"] == [{"table": "4.4", "row": 2}, {"table": "4.4", "row": 4}]
 
 

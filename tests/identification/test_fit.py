@@ -151,7 +151,7 @@ def test_what_the_records_do_not_determine_has_an_infinite_error() -> None:
     assert fit_result.stderr["dahl.kx"] == np.inf
     assert fit_result.stderr["hyperbolic_tangent.c"] == np.inf
     assert np.isfinite(fit_result.stderr["dahl.kw"])
-    assert any("do not determine" in note for note in fit_result.notes)
+    assert any("do not determine" in note for note in map(str, fit_result.findings))
 
 
 def test_of_two_dashpots_one_is_held_and_the_note_says_which() -> None:
@@ -161,7 +161,9 @@ def test_of_two_dashpots_one_is_held_and_the_note_says_which() -> None:
     assert "hyperbolic_tangent.c" not in fit_result.parameters
     assert fit_result.parameters["dahl.kx"] == pytest.approx(900.0, rel=0.02)
     assert np.isfinite(fit_result.stderr["dahl.kx"])
-    assert any(note.startswith("hyperbolic_tangent.c is held at 0, as dahl.kx") for note in fit_result.notes)
+    assert any(
+        note.startswith("hyperbolic_tangent.c is held at 0, as dahl.kx") for note in map(str, fit_result.findings)
+    )
 
 
 def test_what_has_the_same_effect_is_seen_from_the_formulas() -> None:
@@ -196,7 +198,7 @@ def test_a_record_that_settling_takes_most_of_is_scored_from_its_start_and_the_n
     short = sine(truth, 0.0, "short", seconds=2.7)
     fit_result = fit("dahl", short)
     assert fit_result.scores["short"].window.start == pytest.approx(0.5, abs=0.02)
-    assert any("short: too short for a settling of 2 s" in note for note in fit_result.notes)
+    assert any("short: too short for a settling of 2 s" in note for note in map(str, fit_result.findings))
     assert fit("dahl", short, settling=0.5).scores["short"].window.start == pytest.approx(1.0, abs=0.02)
     with pytest.raises(
         InputError, match=r"its motion lasts 2.19 s and settling takes the first 2 s of it, so 0.19 s \(3\d"
@@ -219,7 +221,7 @@ def test_an_inverted_force_is_told() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
     record = sine(truth, 0.0)
     fit_result = fit("dahl", record.replace(note="turned round", force=-record.force))
-    assert any("sign inverted" in note for note in fit_result.notes)
+    assert any("sign inverted" in note for note in map(str, fit_result.findings))
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from tests.identification.synthetic import sine
 from tests.identification.test_profile_likelihood import DAMPER, noisy_records
 
 import dampyr as dp
-from dampyr.identification import Finding, Fit, Identified, fit, identifiability
+from dampyr.identification import Fit, Identified, Inseparable, fit, identifiability
 from dampyr.identification.candidate_motions import Envelope, candidate_motions, envelope_of
 from dampyr.identification.fit_data import piece
 from dampyr.models import Damper, Interpolation
@@ -46,8 +46,8 @@ def records(
     return made
 
 
-def of_kind(fitted: Fit, kind: str) -> list[Finding]:
-    return [one for one in identifiability(fitted).findings if one.kind == kind]
+def of_kind(fitted: Fit, kind: str) -> list[Inseparable]:
+    return [one for one in identifiability(fitted).inseparable if one.kind == kind]
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_amplitude_and_frequency_that_go_together_are_named(alike: Fit) -> None:
 
 def test_motions_that_differ_leave_neither() -> None:
     wide = fit("dahl", records(WIDE, sessions=("a", "a")))
-    assert identifiability(wide).findings == ()
+    assert identifiability(wide).inseparable == ()
     assert repr(identifiability(wide)).startswith("<Identifiability: 0 findings>")
 
 
@@ -120,7 +120,7 @@ def test_a_repeated_test_ties_the_sessions() -> None:
 
 def test_a_combination_and_the_stroke_that_would_part_it() -> None:
     tiny = fit("dahl", noisy_records(amplitude=(1e-7, 3e-7), count=4))
-    kinds = identifiability(tiny).findings
+    kinds = identifiability(tiny).inseparable
     about = [one for one in kinds if {"dahl.kw", "dahl.rho"} <= set(one.labels)]
     assert about, identifiability(tiny).lines
 
@@ -166,7 +166,7 @@ def test_it_stands_in_json_page_and_text(alike: Fit, tmp_path: Path) -> None:
 def test_on_the_campaign_it_names_what_is_known_of_it(campaign_folder: Path) -> None:
     fitted = fit("dahl", [r for r in dp.records.read_campaign(campaign_folder) if r.role == "fit"])
     first = identifiability(fitted)
-    pairs = {one.labels: one for one in first.findings if one.kind == "pair"}
+    pairs = {one.labels: one for one in first.inseparable if one.kind == "pair"}
     one = pairs["dahl.kx @ 3.212 V", "dahl.kw @ 3.212 V"]
     assert one.numbers["correlation"] == pytest.approx(-0.82, abs=0.02)
     assert min(one.numbers[f"wider {label}"] for label in one.labels) > 1.5
@@ -175,5 +175,5 @@ def test_on_the_campaign_it_names_what_is_known_of_it(campaign_folder: Path) -> 
         assert all(0.675 <= each.numbers[f"narrower {label}"] <= 0.865 for label in labels)
         assert 0.935 <= each.numbers["narrower by a repeat"] <= 0.955
         assert 0.9e-3 <= each.numbers["amplitude"] <= 2.1e-3
-    assert {each.kind for each in first.findings} == {"pair", "amplitude and frequency", "input and session"}
+    assert {each.kind for each in first.inseparable} == {"pair", "amplitude and frequency", "input and session"}
     assert identifiability(fitted) == first

@@ -65,7 +65,7 @@ def test_repeated_sessions_give_their_spread(repeated: Fit) -> None:
     assert math.isfinite(levels.session_freedom)
     assert "estimated from 3 sessions" in levels.words
     assert levels.settles == ""
-    assert levels.words in repeated.notes
+    assert levels.words in map(str, repeated.findings)
 
 
 def test_a_session_a_voltage_is_said_to_be_unknown() -> None:
@@ -75,7 +75,7 @@ def test_a_session_a_voltage_is_said_to_be_unknown() -> None:
     assert not levels.repeated
     assert levels.session_sd == PRIOR_SESSION
     assert math.isnan(levels.session_reml)
-    [note] = [note for note in done.notes if "cannot be told apart" in note]
+    [note] = [note for note in map(str, done.findings) if "cannot be told apart" in note]
     assert "no voltage was measured in two sessions" in note
     assert "8 %" in note
     assert "repeat one test" in note
@@ -231,7 +231,9 @@ def test_a_varying_input_counts_at_every_input_that_it_passes() -> None:
 
 def test_the_published_campaign_is_told_that_level_and_voltage_cannot_be_told_apart(campaign_folder: Path) -> None:
     done = fit("dahl", read_campaign(campaign_folder))
-    assert any("level and voltage cannot be told apart" in note and "0.8712 V" in note for note in done.notes)
+    assert any(
+        "level and voltage cannot be told apart" in note and "0.8712 V" in note for note in map(str, done.findings)
+    )
     assert done.damper is not None
     assert done.damper.prediction_error is not None
     assert not done.damper.prediction_error.session_estimated

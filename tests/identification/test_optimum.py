@@ -59,7 +59,7 @@ def test_a_page_of_a_fit_linearises_nothing_but_the_tests_that_it_proposes(
     tmp_path: Path, calls: dict[str, list[int]]
 ) -> None:
     fitted = fit("bouc_wen", campaign(LOOP, noise=10.0, per_voltage=3))
-    assert any(one.kind == "pair" for one in identifiability(fitted).findings)
+    assert any(one.kind == "pair" for one in identifiability(fitted).inseparable)
     for some in calls.values():
         some.clear()
     write_fit_page(fitted, tmp_path / "fit.html")

@@ -101,7 +101,7 @@ def test_a_number_at_its_limit_has_one_side(records: list[Record]) -> None:
     assert one.closed == (False, True)
     assert one.interval[0] == 0.0
     assert one.interval[1] > 0.0
-    assert any("at its limit" in note for note in one.notes)
+    assert any("its rise is scaled" in finding.words for finding in one.findings)
 
 
 def test_one_or_two_records_give_a_curve_and_no_interval(records: list[Record]) -> None:
@@ -110,13 +110,14 @@ def test_one_or_two_records_give_a_curve_and_no_interval(records: list[Record]) 
     assert one.within
     assert all(map(math.isnan, one.interval))
     assert one.values.size > 10
-    assert "no interval" in one.notes[-1]
+    assert "no interval" in one.findings[-1].words
 
 
 def test_the_fit_that_stopped_early_is_named(records: list[Record]) -> None:
     early = fit("dahl", records, steps=1)
     assert not early.converged
-    notes = profile(early, "dahl.rho").notes
+    notes = [finding.words for finding in profile(early, "dahl.rho").findings]
+    assert "the search did not converge" in notes[0]
     assert any("had not ended at its lowest point" in note for note in notes), notes
 
 

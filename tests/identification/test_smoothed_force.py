@@ -88,7 +88,7 @@ def test_the_parameters_behind_a_smoothed_force_and_those_of_a_fit_that_ignores_
     assert {k.partition(" @")[0]: v for k, v in fitted.parameters.items()} == pytest.approx(truth, rel=1e-5)
     assert max(one.l1 for one in fitted.scores.values()) < 1e-5
     assert fitted.residuals.whole.rms < 1e-4
-    [note] = [note for note in fitted.notes if "moving average" in note]
+    [note] = [note for note in map(str, fitted.findings) if "moving average" in note]
     assert note.startswith("the measured force of 0, 1, 2 is smoothed")
     ignored = fit("dahl", [smoothed(record).replace(note="", smoothed=None) for record in made])
     values = {k.partition(" @")[0]: v for k, v in ignored.parameters.items()}
@@ -209,7 +209,7 @@ def test_cross_validation_and_acceptance_compare_like_with_like() -> None:
 def test_a_smoothed_displacement_is_told_in_the_notes() -> None:
     made = [smoothed(record, motion=True) for record in records(1.0)]
     fitted = fit("dahl", made)
-    [note] = [note for note in fitted.notes if "less sharp" in note]
+    [note] = [note for note in map(str, fitted.findings) if "less sharp" in note]
     assert "is smoothed (over up to 0.105 s) and that is not undone" in note
 
 

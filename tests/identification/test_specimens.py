@@ -169,7 +169,7 @@ def test_the_table_is_relative_where_a_parameter_is_positive(five: Specimens) ->
     assert len(heads) == len(rows[0])
     assert rows[1][4].endswith(" %")
     assert list(five.to_dataframe().index) == list(five.spreads)
-    assert five.notes == (five.about_sessions,)
+    assert [one.words for one in five.findings if one.severity == "note"] == [five.about_sessions]
 
 
 def test_pooled_errors_share_what_records_differ_by_and_not_the_motions(five: Specimens) -> None:
@@ -227,15 +227,15 @@ def test_it_says_whether_sessions_are_in_the_spread() -> None:
     rng = np.random.default_rng(11)
     groups = {f"damper {n}": specimen(f"damper {n}", TRUTH, rng, 4) for n in range(3)}
     own = in_sessions(groups, {name: f"day of {name}" for name in groups})
-    assert "test one specimen in the sessions of others" in own.notes[-1]
+    assert "test one specimen in the sessions of others" in own.findings[-1].words
     assert own.damper().prediction_error.session_sd == 0.0
     shared = in_sessions(groups, dict.fromkeys(groups, "Monday"))
-    assert (
-        "every specimen was tested in Monday, so the spread between specimens contains none of sessions" in shared.notes
+    assert shared.findings[-1].words == (
+        "every specimen was tested in Monday, so the spread between specimens contains none of sessions"
     )
     assert shared.damper().prediction_error.session_sd == pytest.approx(0.08)
     unnamed = in_sessions(groups, dict.fromkeys(groups))
-    assert "the records do not say in which measurement session each specimen was tested" in unnamed.notes[-1]
+    assert "the records do not say in which measurement session each specimen was tested" in unnamed.findings[-1].words
 
 
 @pytest.mark.prove
@@ -282,7 +282,8 @@ def test_specimens_and_numbers_that_cannot_be_used_are_named() -> None:
     for one in result.spreads.values():
         assert one.left_out == {"damper 3": "between-record variance is not estimated from 2 records"}
         assert set(one.estimates) == {"damper 0", "damper 1", "damper 2"}
-    assert len(result.notes) == 5  # the last one says what of sessions is in the spread
+    notes = [one for one in result.findings if one.severity == "note"]
+    assert len(notes) == 5  # the last one says what of sessions is in the spread
     few = {name: some[:2] for name, some in groups.items() if name != "damper 0"}
     with pytest.raises(InputError, match="no number is determined in 3 specimens"):
         fit_specimens("dahl", few)

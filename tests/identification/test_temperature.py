@@ -124,7 +124,7 @@ def test_records_at_one_temperature_an_input_do_not_determine_it() -> None:
     fit_result = fit("dahl", together, laws=LAWS)
     assert not np.isfinite(fit_result.stderr["dahl.kx @ 0 V, 45 °C"])
     assert not np.isfinite(fit_result.stderr["dahl.kx @ 2 V, 15 °C"])
-    assert any("do not determine" in note or "at its limit" in note for note in fit_result.notes)
+    assert any("do not determine" in note or "at its limit" in note for note in map(str, fit_result.findings))
 
 
 def test_a_law_of_temperature_is_checked() -> None:

@@ -50,7 +50,7 @@ def test_three_records_are_enough_for_errors_by_record(count: int) -> None:
     assert error == pytest.approx(kw * 0.03 / np.sqrt(count), rel=0.6)
     low, high = fit_result.intervals()["dahl.kw"]
     assert high - low == pytest.approx(2.0 * t.ppf(0.975, fit_result.freedom["dahl.kw"]) * error)
-    assert not any("between-record" in note for note in fit_result.notes)
+    assert not any("between-record" in note for note in map(str, fit_result.findings))
 
 
 @pytest.mark.parametrize(("count", "words"), [(1, "1 record:"), (2, "2 records:")])
@@ -61,7 +61,7 @@ def test_of_one_or_two_records_the_error_says_that_it_holds_within_them_only(cou
     assert {fit_result.error_holds(name) for name in fit_result.parameters} == {"within these records only"}
     assert all(0.0 < error < np.inf for error in fit_result.stderr.values())
     assert np.all(np.isnan(list(fit_result.intervals().values())))
-    [note] = [note for note in fit_result.notes if "between-record variance" in note]
+    [note] = [note for note in map(str, fit_result.findings) if "between-record variance" in note]
     assert note == (
         f"between-record variance is not estimated from {words} the errors hold within these records only and give no 95 % "
         "interval; record 3 or more at this voltage"
@@ -75,7 +75,7 @@ def test_each_coefficient_has_clusters_of_its_own(mixed: Fit) -> None:
     assert mixed.error_holds("dahl.rho") == "between records"
     wide = {name for name, (low, high) in mixed.intervals().items() if np.isfinite(low) and np.isfinite(high)}
     assert wide == {"dahl.kx @ 0 V", "dahl.kw @ 0 V", "dahl.rho"}
-    [note] = [note for note in mixed.notes if "between-record variance" in note]
+    [note] = [note for note in map(str, mixed.findings) if "between-record variance" in note]
     assert "the errors of dahl.kx @ 2 V, dahl.kw @ 2 V hold within" in note
     assert note.endswith("record 3 or more at each voltage")
 
@@ -126,8 +126,8 @@ def test_what_stands_at_a_limit_or_is_not_determined_is_not_labelled_twice() -> 
 def test_too_few_cycles_are_not_told_as_records_that_determine_nothing() -> None:
     fit_result = fit("dahl", sine(TRUTH, 2.0, frequency=0.6, noise=1.0, seconds=4.0))
     assert all(np.isinf(list(fit_result.stderr.values())))
-    assert any("fewer than 3 cycles determine them" in note for note in fit_result.notes)
-    assert not any("do not determine" in note for note in fit_result.notes)
+    assert any("fewer than 3 cycles determine them" in note for note in map(str, fit_result.findings))
+    assert not any("do not determine" in note for note in map(str, fit_result.findings))
 
 
 def test_the_pieces_of_one_record_are_no_records_of_their_own() -> None:

@@ -104,7 +104,7 @@ def test_laws_and_card_end_at_the_command_and_the_notes_say_so(command: str) -> 
     tolerance = COMMANDS[command][1]
     assert result.damper.range == pytest.approx((0.0, 2.25), abs=tolerance)
     assert result.problem.columns[1].knots == result.damper.range
-    [note] = [note for note in result.notes if "has noise" in note]
+    [note] = [note for note in map(str, result.findings) if "has noise" in note]
     assert note.startswith(f"the voltage of {command} 0, {command} 1 varies and has noise (up to 0.1")
     assert ("of its plateaus" in note) == (command != "sine")
     assert max(one.l1 for one in result.scores.values()) < 0.08
@@ -147,7 +147,7 @@ def test_a_fit_at_a_limit_is_saved_and_drawn_from(tmp_path: Path) -> None:
     record = Record(t, x, force + rng.normal(0.0, 1.0, t.size), velocity=v, voltage=u + rng.normal(0.0, NOISE, t.size))
     result = fit("dahl", record, laws="polynomial:1")
     assert result.damper is not None, result.reason
-    assert any("stands at its limit" in note for note in result.notes)
+    assert any("stands at its limit" in note for note in map(str, result.findings))
     assert min(result.damper.all_laws["dahl.kx"].extremes()) >= 0.0
     card = result.damper.save(tmp_path / "card.toml")
     assert Damper.load(card).all_laws == result.damper.all_laws

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dampyr.campaigns import available_steps, findings, kind
+from dampyr.campaigns import available_steps, kind, violations_of
 from dampyr.campaigns.check import STROKE_MARGIN
 from dampyr.campaigns.force_prediction import course
 from dampyr.campaigns.step import words
@@ -99,7 +99,7 @@ def test_it_says_what_it_is(name: str) -> None:
 def test_what_passes_the_check_stays_within_the_limits(name: str, data: st.DataObject) -> None:
     """By the definition of each limit, computed here from the set points alone."""
     step = drawn(name, data)
-    if step is None or findings(step, RIG, DAMPER):
+    if step is None or violations_of(step, RIG, DAMPER):
         return
     drive = step.drive(RIG)
     position, speed = numeric(drive)

@@ -102,7 +102,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "campaigns.VirtualRun": lambda made: hybrid.perform_virtual(made.hybrid, made.compensator, made.shake),
     "campaigns.Campaign": lambda made: made.campaign,
     "campaigns.Control": lambda made: dp.campaigns.Control(),
-    "campaigns.Finding": lambda made: dp.campaigns.Finding("voltage", "needs 9 V; the limit is 4.4 V"),
+    "campaigns.Violation": lambda made: dp.campaigns.Violation("voltage", "needs 9 V; the limit is 4.4 V"),
     "campaigns.Header": lambda made: made.campaign.header,
     "campaigns.Journal": lambda made: made.journal,
     "campaigns.Peak": lambda made: dp.campaigns.Peak(made.building, made.motion, 1.98),
@@ -137,7 +137,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Interval": lambda made: made.band.peak,
     "identification.Levels": lambda made: made.fit.levels,
     "identification.Entry": lambda made: made.board.entries[0],
-    "identification.Finding": lambda made: dp.identification.identifiability(made.fit).findings[0],
+    "identification.Inseparable": lambda made: dp.identification.identifiability(made.fit).inseparable[0],
     "identification.Fit": lambda made: made.fit,
     "identification.Fold": lambda made: made.validation.folds[0],
     "identification.Identified": lambda made: dp.identification.Identified(
@@ -220,7 +220,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "structures.Simulated": lambda made: made.simulated,
     "structures.StateSpace": lambda made: dp.structures.state_space(made.building),
     "structures.Sweep": lambda made: made.incremental.sweeps[0],
-    "studies.Finding": lambda made: made.study.findings[0],
+    "studies.ComparedValue": lambda made: made.study.compared[0],
     "studies.Published": lambda made: dp.studies.raminelli_2020.PUBLISHED,
     "studies.Study": lambda made: made.study,
 }
@@ -246,7 +246,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespace]:
     made.round = dp.campaigns.Round(1, Path("lab/round-01"), ("01-sine",), 20.0, halves, halves)
     made.journal = dp.campaigns.Journal(tmp_path_factory.mktemp("journal"))
     made.journal.plan("1234", [test.name for test in made.campaign.tests], {"name": "a notebook"})
-    finding = dp.studies.raminelli_2020.Finding("table 4.1", "kx", 0.802, 0.8017, "N s/mm", "agrees", "")
+    finding = dp.studies.raminelli_2020.ComparedValue("table 4.1", "kx", 0.802, 0.8017, "N s/mm", "agrees", "")
     made.study = Study((Part("a title", [finding], []),), None, ())
     with dp.rig.simulated(in_process=True) as made.rig, made.rig.armed() as made.table:
         yield made

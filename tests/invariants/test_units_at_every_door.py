@@ -144,7 +144,7 @@ def test_a_building_that_moves_far_is_a_note_with_the_share_of_cases(tmp_path: P
     )
     with pytest.warns(DampyrWarning, match="calibrated up to 0.001 m"):
         response = dp.structures.respond(BUILDING, MOTION, near)
-    assert response.outside
+    assert response.doubts
     peaks = dp.structures.ensemble(BUILDING, MOTION, near, scales=[0.01, 0.5, 1.0])
     strokes = peaks.stroke.values.ravel()
     beyond = int(np.sum(strokes > 1.01e-3))

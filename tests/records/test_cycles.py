@@ -279,11 +279,12 @@ def test_quasi_static_loops_of_rising_amplitude_get_no_hints_of_smoothing_or_noi
     )
     about = describe(loops)
     assert about["smoothing"] == ()
-    assert about["notes"] == [
+    assert [one.words for one in loops.findings] == [
         "strokes that rise or fall from cycle to cycle: 8 whole cycles of 8, 10 to 120 mm peak to peak"
     ]
     assert [each["cycles"] for each in about["levels"]] == [1] * 8
-    stepped = describe(in_levels(STEPS["rising"]))
-    assert "3 levels, 9 whole cycles of 9, 4 to 16 mm peak to peak" in stepped["notes"]
+    rising = in_levels(STEPS["rising"])
+    stepped = describe(rising)
+    assert "3 levels, 9 whole cycles of 9, 4 to 16 mm peak to peak" in [one.words for one in rising.findings]
     assert stepped["smoothing"] == ()
     assert [each["energy_per_cycle"] for each in stepped["levels"]] == pytest.approx([0.8, 1.6, 3.2], rel=0.02)

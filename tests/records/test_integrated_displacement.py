@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import DampyrWarning, FileError
-from dampyr.records import Record, describe, read
+from dampyr.records import Record, read
 
 OMEGA = 2.0 * np.pi * 0.8
 
@@ -36,7 +36,8 @@ def test_a_zero_error_of_the_velocity_is_taken_away_and_told(tmp_path: Path, zer
         assert f"drift of {zero:.3g} mm/s, {20 * zero:.3g} mm in all, removed" in record.provenance["displacement"]
     assert record.provenance["displacement"].startswith("integrated from the velocity; drift of")
     assert any(
-        note.startswith("displacement integrated from the velocity; drift of") for note in describe(record)["notes"]
+        note.startswith("displacement integrated from the velocity; drift of")
+        for note in [one.words for one in record.findings]
     )
     assert record.history[1:2] == ("displacement integrated from the velocity by trapezoids, 0 at the first sample",)
     assert record.history[2].endswith("removed from it and from the velocity")

@@ -5,7 +5,7 @@ import pytest
 from tests.stories.laboratory import earthquake, sine
 
 from dampyr.errors import InputError
-from dampyr.records import Record, describe, displacement_noise, read_campaign, with_lowpass
+from dampyr.records import Record, displacement_noise, read_campaign, with_lowpass
 from dampyr.records.lowpass import multiple_or_hz
 from dampyr.records.velocity import response
 
@@ -66,7 +66,7 @@ def test_noise_of_3_um_hides_the_direction_of_an_earthquake_and_the_proposed_low
     assert np.std(passed.displacement - x) == pytest.approx(noise.rms_after, rel=0.3)
     assert noise.rms_after < 1.1e-6
     [note] = noise.notes
-    assert note in describe(noisy)["notes"]
+    assert note in [one.words for one in noisy.findings]
     assert f"--lowpass {noise.lowpass_hz:.3g}" in note
     assert not displacement_noise(passed).hides_direction
     assert displacement_noise(record(x, t)).notes == ()

@@ -140,4 +140,4 @@ def test_the_bare_file_on_the_command_line(folder: Path) -> None:
     pieces = json.loads(CliRunner().invoke(cli, ["records", path, *said, *more]).stdout)["records"]
     assert [one["name"] for one in pieces] == ["bare_10A_1", "bare_10A_2", "bare_10A_3"]
     assert {(one["specimen"], one["measurement_session"]) for one in pieces} == {("no. 8", "day 2")}
-    assert all("force sign inverted?" in "; ".join(one["notes"]) for one in pieces)
+    assert all("force sign inverted?" in one["findings"][0]["words"] for one in pieces)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.stories.laboratory import MOTIONS, earthquake, sine
 
-from dampyr.records import Record, describe, measure, read_campaign, recognise_smoothing
+from dampyr.records import Record, measure, read_campaign, recognise_smoothing
 from dampyr.records.moving_average import Declaration, averaged, reach_of
 from dampyr.records.smoothing_recognition import Recognised, common_windows
 
@@ -26,7 +26,9 @@ def test_no_false_alarm_on_the_campaign(campaign):
     assert len(campaign) >= 39
     alarms = {record.name: recognise_smoothing(record) for record in campaign}
     assert sum(map(len, alarms.values())) == 0, alarms
-    assert not any("moving average" in note for record in campaign[::4] for note in describe(record)["notes"])
+    assert not any(
+        "moving average" in note for record in campaign[::4] for note in [one.words for one in record.findings]
+    )
 
 
 def test_a_tenth_of_the_period_on_the_campaign_to_the_sample(campaign):
@@ -89,7 +91,7 @@ def test_the_window_of_noisy_motions_within_a_sample(name, decimals):
     assert set(shown) == {"displacement", "force"}
     assert all(abs(one.samples - samples) <= 0.02 * samples for one in shown.values())
     assert all(one.sigmas > 6.0 for one in shown.values())
-    notes = [note for note in describe(record)["notes"] if "moving average" in note]
+    notes = [note for note in [one.words for one in record.findings] if "moving average" in note]
     assert len(notes) == 1
     assert notes[0].startswith("displacement and force smoothed? a moving average over")
     assert "standard errors: declare it, --smoothed" in notes[0]

@@ -91,7 +91,7 @@ def test_fits_and_scores_tell_of_it_too() -> None:
         score(stiff, coarse)
     with pytest.warns(DampyrWarning, match=r"test: .* within a sample"):
         result = fit("lugre", coarse, fixed={"lugre.vs": 1e-3, "lugre.rho": 2e4, "lugre.sigma1": 0.0})
-    assert any("within a sample" in note for note in result.notes)
+    assert any("within a sample" in note for note in map(str, result.findings))
 
 
 def test_at_constant_speed_one_step_is_exact() -> None:

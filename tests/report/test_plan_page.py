@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dampyr import campaigns
-from dampyr.campaigns import findings, kind
+from dampyr.campaigns import kind, violations_of
 from dampyr.report.plan_page import largest_amplitude, plan_notes, plan_rows, write_plan_page
 from dampyr.rig import RigSettings
 
@@ -56,4 +56,4 @@ def test_the_line_of_the_figure_is_where_the_check_refuses(frequency, lag):
     max_amplitude = float(largest_amplitude(rig, np.array(frequency), 0.0))
     for share, passes in ((0.99, True), (1.01, False)):
         step = kind("sine")(share * max_amplitude, frequency, taper=8, period=0.005)
-        assert (findings(step, rig) == ()) is passes
+        assert (violations_of(step, rig) == ()) is passes

@@ -144,6 +144,6 @@ def test_the_error_of_a_mixed_block_is_the_true_one(accuracy: str, strong_first:
     assert data.attrs["error_estimate_moving"] < BOUNDS[accuracy]
     assert data.attrs["judged"] == 64
     result = EnsembleResult(data, (), "pga")
-    assert "on halving the step" in result.notes[0]
-    assert result.notes[0] in str(result.as_dict()["notes"])
+    assert "on halving the step" in result.findings[0].words
+    assert result.as_dict()["findings"][0] == result.findings[0].as_dict()
     assert "on halving the step" in repr(result)

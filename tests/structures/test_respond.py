@@ -302,7 +302,7 @@ def test_motion_outside_the_calibrated_ranges_is_named(cubics):
     small = Damper("dahl", dict(cubics.laws), ranges={"displacement": (0.0, 0.001)})
     with pytest.warns(DampyrWarning, match=r"displacement of .* calibrated up to 0.001 m"):
         response = respond(two_storey(), short(3.0), {1: small}, voltage=0.0)
-    assert len(response.outside) == 1
+    assert len(response.doubts) == 1
 
 
 def test_as_a_dataset(cubics):

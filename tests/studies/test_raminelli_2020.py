@@ -9,12 +9,12 @@ import pytest
 
 from dampyr.errors import ExtrapolationWarning, MissingData, RangeError
 from dampyr.studies import raminelli_2020
-from dampyr.studies.raminelli_2020 import PUBLISHED, Finding
+from dampyr.studies.raminelli_2020 import PUBLISHED, ComparedValue
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
 from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1
 from dampyr.studies.raminelli_2020.chapter_5 import chapter_5
+from dampyr.studies.raminelli_2020.compared_value import Printed
 from dampyr.studies.raminelli_2020.cubics import equations
-from dampyr.studies.raminelli_2020.finding import Printed
 from dampyr.studies.raminelli_2020.study import Study
 from dampyr.studies.raminelli_2020.study_part import Part
 
@@ -51,10 +51,10 @@ def fifth() -> Part:
     return chapter_5(PUBLISHED)
 
 
-def one(source: Study | Part, artefact: str, start: str) -> Finding:
-    """The only finding of an artefact whose quantity begins so."""
-    matches = [f for f in source.findings if f.artefact == artefact and f.quantity.startswith(start)]
-    assert len(matches) == 1, [f.quantity for f in source.findings if f.artefact == artefact]
+def one(source: Study | Part, artefact: str, start: str) -> ComparedValue:
+    """The only value of an artefact whose quantity begins so."""
+    matches = [f for f in source.compared if f.artefact == artefact and f.quantity.startswith(start)]
+    assert len(matches) == 1, [f.quantity for f in source.compared if f.artefact == artefact]
     return matches[0]
 
 
@@ -87,8 +87,8 @@ class TestSection24:
         assert (round(float(sampled.ours), 1), sampled.verdict) == (4466.3, "agrees")
 
     def test_step_2(self, second: Part) -> None:
-        assert {f.verdict for f in second.findings if f.artefact == "Section 2.4, step 2"} == {"agrees"}
-        assert len([f for f in second.findings if f.artefact == "Section 2.4, step 2"]) == 5
+        assert {f.verdict for f in second.compared if f.artefact == "Section 2.4, step 2"} == {"agrees"}
+        assert len([f for f in second.compared if f.artefact == "Section 2.4, step 2"]) == 5
 
     def test_figure_2_2(self, second: Part) -> None:
         assert one(second, "Figure 2.2", "largest z").ours == pytest.approx(0.56512, abs=5e-6)
@@ -97,9 +97,9 @@ class TestSection24:
         exact = replace(PUBLISHED, example=replace(PUBLISHED.example, a=Printed("4457.6")))
         assert one(chapter_2(exact), "Section 2.4, steps 3 to 5", "a of Step 4, exact").verdict == "agrees"
         far = replace(PUBLISHED, example=replace(PUBLISHED.example, a=Printed("4600.0")))
-        finding = one(chapter_2(far), "Section 2.4, steps 3 to 5", "a of Step 4, exact")
-        assert "no phase" in finding.reason
-        assert "outside" in finding.reason
+        value = one(chapter_2(far), "Section 2.4, steps 3 to 5", "a of Step 4, exact")
+        assert "no phase" in value.reason
+        assert "outside" in value.reason
 
 
 class TestTable41AndCubics:
@@ -117,8 +117,8 @@ class TestTable41AndCubics:
         right = dict(PUBLISHED.table_4_1) | {"rho": (Printed("42.5375"), Printed("11.7852"))}
         assert one(table_4_1(replace(PUBLISHED, table_4_1=right)), "Table 4.1", "mean of ρ").verdict == "agrees"
         wrong = dict(PUBLISHED.table_4_1) | {"rho": (Printed("41.0000"), Printed("11.7852"))}
-        finding = one(table_4_1(replace(PUBLISHED, table_4_1=wrong)), "Table 4.1", "mean of ρ")
-        assert "leaving out any one" in finding.reason
+        value = one(table_4_1(replace(PUBLISHED, table_4_1=wrong)), "Table 4.1", "mean of ρ")
+        assert "leaving out any one" in value.reason
 
     def test_another_row_changes_the_mean(self) -> None:
         rows = tuple(replace(r, kx=0.9) if (r.table, r.row) == ("4.2", 1) else r for r in PUBLISHED.rows)
@@ -126,7 +126,7 @@ class TestTable41AndCubics:
 
     def test_the_cubics_come_back_at_the_applied_voltages_only(self) -> None:
         part = equations(PUBLISHED)
-        recovered = [f for f in part.findings if f.artefact in ("(4.6)", "(4.7)", "(4.8)")]
+        recovered = [f for f in part.compared if f.artefact in ("(4.6)", "(4.7)", "(4.8)")]
         assert len(recovered) == 12
         assert {f.verdict for f in recovered} == {"agrees"}
         assert max(abs(f.ours / f.published - 1) for f in recovered) < 4e-4
@@ -146,20 +146,20 @@ class TestTable41AndCubics:
 class TestChapter5:
     def test_the_peaks(self, fifth: Part) -> None:
         for case, peak in (("case 1", 45.5340), ("case 2", 27.2081), ("case 3", 3.5215)):
-            finding = one(fifth, "Figure 5.4", f"peak of the first floor, {case}")
-            assert (finding.ours, finding.verdict) == (pytest.approx(peak, rel=2e-4), "differs")
+            value = one(fifth, "Figure 5.4", f"peak of the first floor, {case}")
+            assert (value.ours, value.verdict) == (pytest.approx(peak, rel=2e-4), "differs")
         assert "4.9005" in one(fifth, "Figure 5.4", "peak of the first floor, case 1").reason
 
     def test_the_unit_slip_is_likely_and_not_proven(self, fifth: Part) -> None:
-        finding = one(fifth, "Figure 5.4", "a unit slip")
-        assert "likely, not proven" in finding.quantity
-        two, three = (float(word) for word in str(finding.ours).replace(" mm", "").split(" and "))
+        value = one(fifth, "Figure 5.4", "a unit slip")
+        assert "likely, not proven" in value.quantity
+        two, three = (float(word) for word in str(value.ours).replace(" mm", "").split(" and "))
         assert (two, three) == (pytest.approx(216.34, abs=0.05), pytest.approx(219.79, abs=0.05))
 
     def test_the_percentages_from_the_printed_peaks(self, fifth: Part) -> None:
-        findings = [one(fifth, "Section 5.2", f"reduction in case {k}") for k in (2, 3)]
-        assert [round(float(f.ours), 2) for f in findings] == [2.82, 9.69]
-        assert {f.verdict for f in findings} == {"differs"}
+        compared = [one(fifth, "Section 5.2", f"reduction in case {k}") for k in (2, 3)]
+        assert [round(float(f.ours), 2) for f in compared] == [2.82, 9.69]
+        assert {f.verdict for f in compared} == {"differs"}
 
     def test_the_sign_of_the_output(self, fifth: Part) -> None:
         erratum = next(e for e in fifth.errata if e.place == "(5.6)")
@@ -178,7 +178,7 @@ class TestChapter5:
 class TestWithoutData:
     def test_what_needs_the_files_has_no_number(self, bare: Study) -> None:
         needing = [
-            f for f in bare.findings if f.artefact in ("Table 4.2", "Table 4.5", "14.81 %", "21.71 %", "Table A.2")
+            f for f in bare.compared if f.artefact in ("Table 4.2", "Table 4.5", "14.81 %", "21.71 %", "Table A.2")
         ]
         assert len(needing) >= 100
         assert {f.verdict for f in needing} == {"cannot be checked"}
@@ -210,8 +210,8 @@ class TestWithoutData:
 class TestOnTheFiles:
     def test_every_row_is_there(self, study: Study) -> None:
         for table in ("4.2", "4.3", "4.4", "4.5"):
-            findings = study.artefacts[f"Table {table}"]
-            assert len([f for f in findings if f.quantity.startswith("row ")]) == 50
+            compared = study.artefacts[f"Table {table}"]
+            assert len([f for f in compared if f.quantity.startswith("row ")]) == 50
         lost = {f.quantity.partition(":")[0] for f in study.artefacts["Table 4.4"] if f.verdict == "cannot be checked"}
         assert lost == {"row 2", "row 4"}
         assert list(study.left_out) == [
@@ -224,7 +224,7 @@ class TestOnTheFiles:
         assert (frequency.verdict, frequency.ours) == ("differs", pytest.approx(0.675, abs=0.002))
         assert "ensaio.vali.1" in frequency.reason
         assert one(study, "Table 4.3", "row 10: displacement").ours == pytest.approx(16.3, abs=0.1)
-        moved = [f for f in study.findings if f.artefact.startswith("Table 4.") and f.unit in ("Hz", "mm")]
+        moved = [f for f in study.compared if f.artefact.startswith("Table 4.") and f.unit in ("Hz", "mm")]
         assert [f.quantity for f in moved if f.verdict == "differs"] == ["row 10: displacement", "row 10: frequency"]
 
     def test_means_of_the_modified_method(self, study: Study) -> None:
@@ -255,12 +255,12 @@ class TestOnTheFiles:
         assert [name for name in ARTEFACTS if name not in text] == []
         assert text.count("<svg") == 12
         output = json.loads((study.page.parent / "reproduce.json").read_text("utf-8"))
-        assert len(output["findings"]) == len(study.findings)
+        assert len(output["compared"]) == len(study.compared)
         assert output["artefacts"]["(4.7)"] == {"verdict": "agrees", "agrees": 4, "differs": 0, "cannot be checked": 0}
 
     def test_every_verdict_of_a_number_follows_from_it(self, study: Study) -> None:
         """A number without a value of ours is never judged, and one with a value always is."""
-        for f in study.findings:
+        for f in study.compared:
             assert (f.ours is None) == (f.verdict == "cannot be checked"), f
             assert f.reason
 

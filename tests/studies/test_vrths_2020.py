@@ -215,8 +215,8 @@ class TestRandomPlants:
 @pytest.mark.prove
 def test_the_study_and_its_page(motions: Path, tmp_path: Path) -> None:
     study = vrths_2020.reproduce(motions, tmp_path, plants=3)
-    assert {finding.verdict for finding in study.findings} == {"agrees"}
-    assert len(study.findings) == 6 * 9 + 4 * 2 + 4
+    assert {value.verdict for value in study.compared} == {"agrees"}
+    assert len(study.compared) == 6 * 9 + 4 * 2 + 4
     assert len(study.criteria) == 4 * 5 * 2
     assert study.page is not None
     text = study.page.read_text("utf-8")

@@ -10,7 +10,7 @@ A kind of step is one file in the package ``dampyr.campaigns.steps``; `available
 """
 
 from dampyr.campaigns.campaign import Campaign, Header, Test, campaign_of, read
-from dampyr.campaigns.check import Finding, findings, largest
+from dampyr.campaigns.check import Violation, largest, violations_of
 from dampyr.campaigns.force_prediction import envelope, specimen
 from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import available_steps, kind
@@ -44,8 +44,8 @@ __all__ = [
     "PlannedTest",
     "plan",
     "planned",
-    "Finding",
-    "findings",
+    "Violation",
+    "violations_of",
     "largest",
     "perform",
     "Control",

@@ -28,14 +28,14 @@ HALVINGS = 16  # down to 3e-5 of the value: what passes only below that is no re
 
 
 @dataclass(frozen=True)
-class Finding:
+class Violation:
     """One limit that a step would leave: which one, and a sentence without its beginning."""
 
     limit: str
     words: str
 
 
-def findings(step: Any, rig: RigSettings, damper: Damper | None = None) -> tuple[Finding, ...]:
+def violations_of(step: Any, rig: RigSettings, damper: Damper | None = None) -> tuple[Violation, ...]:
     """What the rig cannot do of a step; empty where it can do all of it."""
     drive = step.drive(rig)
     violations = [*_duration(drive), *_temperature(drive, rig), *_voltage(drive, rig, damper)]
@@ -51,29 +51,29 @@ def findings(step: Any, rig: RigSettings, damper: Damper | None = None) -> tuple
     return tuple(violations)
 
 
-def _duration(drive: Drive) -> list[Finding]:
+def _duration(drive: Drive) -> list[Violation]:
     if drive.duration <= MAX_DURATION:
         return []
     words = f"takes {drive.duration / 60:.4g} min, a test takes at most {MAX_DURATION / 60:g} min; shorten it"
-    return [Finding("duration", words)]
+    return [Violation("duration", words)]
 
 
-def _temperature(drive: Drive, rig: RigSettings) -> list[Finding]:
+def _temperature(drive: Drive, rig: RigSettings) -> list[Violation]:
     wanted, limit = drive.until_temperature, rig.limits.temperature
     if wanted is None:
         return []
     if not rig.wires.temperature:
-        return [Finding("temperature", "waits for a temperature, the rig has no thermocouple (wires.temperature); "
+        return [Violation("temperature", "waits for a temperature, the rig has no thermocouple (wires.temperature); "
                                        "give cycles and no temperature")]  # fmt: skip
     if wanted < limit:
         return []
-    return [Finding("temperature", f"warms up to {wanted:g} degC, the limit is {limit:g} degC; stay below it")]
+    return [Violation("temperature", f"warms up to {wanted:g} degC, the limit is {limit:g} degC; stay below it")]
 
 
-def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Finding]:
+def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Violation]:
     high, limit = float(drive.voltage.max()), min(rig.limits.voltage, rig.board.range * rig.supply.gain)
     if high > limit * (1 + 1e-9):
-        return [Finding("voltage", f"needs {high:.4g} V at the coil, the limit is {limit:.4g} V")]
+        return [Violation("voltage", f"needs {high:.4g} V at the coil, the limit is {limit:.4g} V")]
     if damper is None:
         return []
     factor = 1.0 if damper.input == "V" else rig.supply.resistance
@@ -82,31 +82,31 @@ def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Find
     for worst in (high, float(drive.voltage.min())):
         if not low - slack <= worst <= top + slack:
             words = f"needs {worst:.4g} V at the coil, the damper was calibrated from {low:.4g} to {top:.4g} V"
-            return [Finding("voltage", words)]
+            return [Violation("voltage", words)]
     return []
 
 
-def _stroke(step: Any, trajectory: Course | None, rig: RigSettings) -> list[Finding]:
+def _stroke(step: Any, trajectory: Course | None, rig: RigSettings) -> list[Violation]:
     limit = round(rig.travel - STROKE_MARGIN, 9)
     far = max(step.peaks(rig).position, 0.0 if trajectory is None else float(np.abs(trajectory.x).max()))
     if far <= limit * (1 + 1e-9):
         return []
     less = rig.limits.braking + STROKE_MARGIN
     allowed = f"{1e3 * limit:.4g} mm (half of the stroke, less {1e3 * less:g} mm to brake and to follow)"
-    return [Finding("stroke", f"goes {1e3 * far:.4g} mm from the middle, the table may go {allowed}")]
+    return [Violation("stroke", f"goes {1e3 * far:.4g} mm from the middle, the table may go {allowed}")]
 
 
-def _speed(step: Any, drive: Drive, trajectory: Course, rig: RigSettings) -> list[Finding]:
+def _speed(step: Any, drive: Drive, trajectory: Course, rig: RigSettings) -> list[Violation]:
     peak, fast = step.peaks(rig).speed, float(trajectory.speed.max())
     between = max(peak / fast, 1.0) if fast else 1.0  # the peak of the path between set points
     too_slow = [] if drive.reversals is not None else _actuator(trajectory, between * trajectory.speed, rig)
     fast = max(fast, peak)
     if too_slow or fast <= rig.limits.speed:
         return too_slow
-    return [Finding("speed", f"reaches {1e3 * fast:.4g} mm/s, the limit is {1e3 * rig.limits.speed:.4g} mm/s")]
+    return [Violation("speed", f"reaches {1e3 * fast:.4g} mm/s, the limit is {1e3 * rig.limits.speed:.4g} mm/s")]
 
 
-def _actuator(trajectory: Course, speed: Array, rig: RigSettings) -> list[Finding]:
+def _actuator(trajectory: Course, speed: Array, rig: RigSettings) -> list[Violation]:
     """Where the path is faster than the loaded actuator, or, with what its lag takes, its motor."""
     loaded = trajectory.against + rig.table.friction
     gives = rig.actuator.free_speed - rig.actuator.droop * loaded
@@ -116,16 +116,16 @@ def _actuator(trajectory: Course, speed: Array, rig: RigSettings) -> list[Findin
         worst = int(np.argmax(short))
         if short[worst] > 0:
             have = f"{1e3 * gives[worst]:.4g} mm/s at {loaded[worst]:.3g} N"
-            return [Finding("speed", f"needs {1e3 * need[worst]:.4g} mm/s{words} the actuator gives {have}")]
+            return [Violation("speed", f"needs {1e3 * need[worst]:.4g} mm/s{words} the actuator gives {have}")]
     return []
 
 
-def _force(trajectory: Course, rig: RigSettings, damper: Damper | None) -> list[Finding]:
+def _force(trajectory: Course, rig: RigSettings, damper: Damper | None) -> list[Violation]:
     high = float(np.abs(trajectory.force).max())
     if high <= rig.limits.force:
         return []
     kind = "expects" if damper is not None else "may meet, by a conservative envelope,"
-    return [Finding("force", f"{kind} {high:.4g} N, the limit is {rig.limits.force:.4g} N")]
+    return [Violation("force", f"{kind} {high:.4g} N, the limit is {rig.limits.force:.4g} N")]
 
 
 def repairs(step: Any, rig: RigSettings, damper: Damper | None = None, limit: str | None = None) -> tuple[str, ...]:
@@ -149,7 +149,7 @@ def largest(
 
     def passes(value: float) -> bool:
         try:
-            violations = findings(replace(step, **{field: value}), rig, damper)
+            violations = violations_of(replace(step, **{field: value}), rig, damper)
         except InputError:  # such as a frequency below the least that is allowed
             return False
         return not [each for each in violations if limit in (None, each.limit)]

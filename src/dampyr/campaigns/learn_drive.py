@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from dampyr.atomic_write import write_whole
-from dampyr.campaigns.check import findings
+from dampyr.campaigns.check import violations_of
 from dampyr.campaigns.journal import Journal
 from dampyr.campaigns.learned_drives import FOLDER, LearnedDrive, drive_key, load_learned, now, save_learned
 from dampyr.campaigns.learning import (
@@ -215,7 +215,7 @@ class DriveLearning:
         if np.array_equal(self._next, self.wanted.displacement):
             return ""  # the plan has checked it
         given = GivenDrive(replace(self.wanted, displacement=self._next))
-        violations = findings(given, self.table.rig.settings, self.plan.damper)
+        violations = violations_of(given, self.table.rig.settings, self.plan.damper)
         return violations[0].words if violations else ""
 
     def _try(self) -> None:

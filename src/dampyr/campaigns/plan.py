@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dampyr.campaigns.campaign import Campaign, Test, read
-from dampyr.campaigns.check import Finding, findings, largest, repairs
+from dampyr.campaigns.check import Violation, largest, repairs, violations_of
 from dampyr.campaigns.force_prediction import UNKNOWN, course, specimen
 from dampyr.campaigns.learning import TRIES
 from dampyr.campaigns.step import shown, words
@@ -198,7 +198,7 @@ def plan(campaign: Campaign, rig: RigSettings | None = None, damper: Damper | No
     tests = tuple(replace(by_number[test.number], test=test) for test in campaign.tests)
     before = campaign.preliminary
     refusals = [each.refusal for each in by_number.values() if each.refusal]
-    if before is not None and (violations := findings(before, rig, damper)):
+    if before is not None and (violations := violations_of(before, rig, damper)):
         refusals.insert(0, f"the stroke before the first test: {violations[0].words}; lower check_amplitude")
     notes = (UNKNOWN,) if damper is None else ()
     if before is None:
@@ -214,7 +214,7 @@ def planned(campaign: str | Path, rig: str | Path | None = None, seed: int | Non
 
 
 def _planned(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest:
-    step, violations, fitted = _fitted(test.step, findings(test.step, rig, damper), rig, damper)
+    step, violations, fitted = _fitted(test.step, violations_of(test.step, rig, damper), rig, damper)
     notes = (fitted,) if fitted else ()
     if test.learn:
         notes = (*notes, f"its drive is learned first, in at most {TRIES} tries")
@@ -244,10 +244,10 @@ def _warming(energy: float, rig: RigSettings) -> tuple[str, ...]:
     )
 
 
-Findings = tuple[Finding, ...]
+Violations = tuple[Violation, ...]
 
 
-def _fitted(step: Any, violations: Findings, rig: RigSettings, damper: Damper | None) -> tuple[Any, Findings, str]:
+def _fitted(step: Any, violations: Violations, rig: RigSettings, damper: Damper | None) -> tuple[Any, Violations, str]:
     """The step lowered to what the rig can do, where it asks for that and needs it, and what was done in words."""
     field = getattr(step, "fits", "scale")
     value = largest(step, field, rig, damper) if violations and getattr(step, "fit_limits", False) else None
@@ -265,7 +265,7 @@ def _bare(step: Any, field: str) -> str:
     return shown(step, field).removeprefix(f"{field} ")
 
 
-def _refusal(test: Test, step: Any, violations: tuple[Finding, ...], rig: RigSettings, damper: Damper | None) -> str:
+def _refusal(test: Test, step: Any, violations: tuple[Violation, ...], rig: RigSettings, damper: Damper | None) -> str:
     sentences = []
     for each in violations:
         ways = repairs(step, rig, damper, each.limit if len(violations) > 1 else None)

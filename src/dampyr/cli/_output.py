@@ -6,12 +6,15 @@ import io
 import json
 import os
 import sys
-from collections.abc import Sequence
-from contextlib import suppress
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import click
 
+from dampyr.errors import FindingWarning
+from dampyr.findings import Finding
 from dampyr.origin import Origin, notice
 from dampyr.to_json import plain
 
@@ -29,10 +32,20 @@ def state_origin(origin: Origin) -> None:
         click.get_current_context().meta[NOTICE] = text
 
 
-def print_notice() -> None:
-    """Say on stderr what `state_origin` was told, where a command prints no table."""
+@contextmanager
+def findings_below() -> Iterator[None]:
+    """Within it, what the result's findings say is not warned of, too: the command prints them below its table."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FindingWarning)
+        yield
+
+
+def print_notice(findings: Iterable[Finding] = ()) -> None:
+    """Say on stderr what `state_origin` was told, and ``findings``, where a command prints no table."""
     if text := click.get_current_context().meta.get(NOTICE):
         click.echo(text, err=True)
+    for finding in findings:
+        click.echo(finding.sentence, err=True)
 
 
 def print_json(data: Any) -> None:
@@ -50,11 +63,12 @@ def print_table(
     units: Sequence[str] | None = None,
     digits: int = 4,
     notes: Sequence[str] = (),
+    findings: Iterable[Finding] = (),
 ) -> None:
     """Print a table on stdout: numbers to the right with ``digits`` significant digits, None as a dash.
 
-    ``units`` stand under the names of the columns; ``notes`` are sentences below the table. Above the title stands what
-    `state_origin` was told.
+    ``units`` stand under the names of the columns; below the table stand the ``findings``, the worst first, and ``notes``,
+    sentences. Above the title stands what `state_origin` was told.
     """
     from rich import box
     from rich.markup import escape
@@ -72,7 +86,8 @@ def print_table(
     context = click.get_current_context(silent=True)
     said = None if context is None else context.meta.get(NOTICE)
     first = [f"[bold red]{escape(said)}[/bold red]"] if said else []
-    _print(*first, f"[bold]{escape(title)}[/bold]", table, *(escape(note) for note in notes))
+    below = [*(finding.sentence for finding in findings), *notes]
+    _print(*first, f"[bold]{escape(title)}[/bold]", table, *map(escape, below))
 
 
 def _print(*parts: Any) -> None:

@@ -141,14 +141,14 @@ def _print(result: Accepted) -> None:
     title = f"{len(results)} {'record' if len(results) == 1 else 'records'}: {in_short(results)}"
     off = BEYOND * results[0].tolerance.relative
     notes = [
-        *(f"{one}." for one in result.findings),
         f"by {result.reference}, {results[0].tolerance}",
         "run, cut, judged: cycles from the start of the motion, whole ones, those judged; largest: the largest stroke judged",
         "false fail: the chance, at the record's scatter, that a damper like the reference fails; false pass: that one passes "
         "which is off by "
         + (f"{100 * off:.3g} % in one quantity at one level" if off else "a third more than is allowed"),
     ]
-    print_table(title, COLUMNS, [_row(one) for one in results], UNITS, notes=[*notes, *_reasons(results)])
+    rows = [_row(one) for one in results]
+    print_table(title, COLUMNS, rows, UNITS, notes=[*notes, *_reasons(results)], findings=result.findings)
     _print_levels(results)
     if result.relevelled:
         again = result.relevelled

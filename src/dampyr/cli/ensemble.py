@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from dampyr.cli._ensemble import EnsembleRequest, case_options, counting, limit, refuse_cases, shard
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, findings_below, print_json, print_table, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.structures import EnsembleResult, Fragility, Limit
+    from dampyr.structures import EnsembleResult, Limit
 
 
 @click.command(
@@ -81,7 +80,7 @@ def command(
     if as_json:
         print_json(result.as_dict())
     else:
-        _print(result.dataset, result.curves)
+        _print(result)
 
 
 def _write_part(request: EnsembleRequest, text: str, out: Path | None, workers: int | None, as_json: bool) -> None:
@@ -135,19 +134,20 @@ def _run(
     if done:
         click.echo(f"{out}: {done} of {shards} shards are there; going on with the others", err=True)
         before = requested_cases(*models, options).size * done // shards
-    with counting(before) as progress:
+    with counting(before) as progress, findings_below():
         return run_ensemble(*models, options, progress, out, workers)
 
 
-def _print(dataset: Any, curves: Sequence[Fragility]) -> None:
-    from dampyr.report import sentence
+def _print(result: EnsembleResult) -> None:
     from dampyr.report.ensemble_page import summary_rows, trust
     from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, remarks
+    from dampyr.representation import sentence
 
+    dataset = result.dataset
     columns, units, rows = summary_rows(dataset)
     names = ", ".join(str(name) for name in dataset.building_name.values)
-    print_table(f"{names}: peaks of {dataset.attrs['cases']} cases", columns, rows, units)
-    for each in curves:
+    print_table(f"{names}: peaks of {dataset.attrs['cases']} cases", columns, rows, units, findings=result.findings)
+    for each in result.curves:
         click.echo()
         notes = [sentence(remark) for remark in remarks(each)]
         title = f"Fragility over {each.intensity}: {each.limit_in_words}; 90 % bands over {each.motions} motions"

@@ -56,18 +56,18 @@ def command(
     An FMU is compiled on this machine, and needs a C compiler.
     """
     from dampyr.export import export
+    from dampyr.findings import OF_DAMPER, handed_on
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
     given = {"single": single or None, "history": history, "fmi": int(fmi) if fmi else None, "drive": drive}
     options = {key: value for key, value in given.items() if value is not None}
     written = export(damper, kind, out, name, allow_extrapolation, **options)
     state_origin(damper.origin)
+    findings = handed_on([damper], OF_DAMPER)
     if as_json:
-        notes = list(map(str, damper.inherited()))
-        print_json({"damper_origin": damper.origin, "written": written, "notes": notes})
+        listed = [finding.as_dict() for finding in findings]
+        print_json({"damper_origin": damper.origin, "findings": listed, "written": written})
         return
-    print_notice()
+    print_notice(findings)
     for path in written:
         click.echo(str(path))
-    for one in damper.inherited():
-        click.echo(f"{card}: {one}")

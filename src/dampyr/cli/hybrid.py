@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, findings_below, print_json, print_table, state_origin
 from dampyr.cli._report import report_options
 from dampyr.cli.run import REFUSED, exit_code
 from dampyr.errors import DampyrError, InputError
@@ -83,7 +83,9 @@ def command(
             raise InputError("--delay computes the actuator too; leave --rig, --out and the rig's options out")
         if clock != 1.0:
             raise InputError("--delay is of the building's own time; leave --clock out")
-        _tell(_on_delayed_actuator(structure, motion, model, table, delay, lag_error), report, as_json)
+        with findings_below():
+            result = _on_delayed_actuator(structure, motion, model, table, delay, lag_error)
+        _tell(result, report, as_json)
         return None
     if lag_error:
         raise InputError("--lag-error is of --delay; leave it out")
@@ -102,7 +104,9 @@ def command(
     code = _perform(plan, rig, out, {"in_process": in_process, "real_time": real_time})
     if code:
         return code
-    _tell(hybrid.hybrid_result(out / f"{test.name}.h5"), report, as_json)
+    with findings_below():
+        result = hybrid.hybrid_result(out / f"{test.name}.h5")
+    _tell(result, report, as_json)
     return None
 
 
@@ -186,6 +190,6 @@ def _tell(result: HybridResult, report: Path | None, as_json: bool) -> None:
             f"the {moved} followed to {100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late after "
             "compensation",
             f"its errors put {100 * result.energy_error:.2g} % of the ground's energy into the building",
-            *result.notes,
         ],
+        findings=result.findings,
     )

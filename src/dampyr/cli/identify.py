@@ -13,7 +13,7 @@ import click
 from dampyr.cli._examples import examples
 from dampyr.cli._leaderboard import cores, print_leaderboard
 from dampyr.cli._motion import ratio
-from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, findings_below, print_json, print_table, state_origin
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.cli._report import report_options
@@ -179,7 +179,8 @@ def command(
             specimens = identify_by_specimen(records, options, progress)
         else:
             try:
-                result = identify(records, options, progress, cores())
+                with findings_below():
+                    result = identify(records, options, progress, cores())
             except Cut as cut:
                 board = cut.board
                 print_json({"leaderboard": board.as_dict()}) if as_json else print_leaderboard(board)
@@ -233,7 +234,9 @@ def _print(result: Identified, records: list[Record]) -> None:
         print_leaderboard(result.board)
     # what the levels of the fit say of sessions, and how to settle it, is among its notes
     said = result.fit.levels is not None and bool(result.fit.levels.settles)
-    inseparable = [one.brief for one in result.identifiability.findings if not (said and one.kind == SESSION_FINDING)]
+    inseparable = [
+        one.brief for one in result.identifiability.inseparable if not (said and one.kind == SESSION_FINDING)
+    ]
     _print_fit(result.fit, result.findings, inseparable)
     for check in result.validations:
         _print_prediction(check, records)
@@ -242,22 +245,19 @@ def _print(result: Identified, records: list[Record]) -> None:
             [name, None, None, one] if isinstance(one, str) else [name, 100 * one.l1, 100 * one.relevelled_l1, ""]
             for name, one in result.predicted.items()
         ]
-        notes = [f"{note}." for note in result.beyond.values()]
         print_table(
             "Prediction of the validation records",
             ["record", "L1", "relevelled", ""],
             rows,
             ["", "%", "%", ""],
             digits=3,
-            notes=notes,
         )
 
 
 def _print_specimens(specimens: Specimens) -> None:
     model, names = next(iter(specimens.fits.values())).problem.composition, list(specimens.fits)
     title = f"{model}, {len(names)} specimens ({', '.join(names)}): mean and spread between them"
-    notes = [*map(str, specimens.findings), *specimens.notes]
-    print_table(title, *specimens.by_number(), notes=[f"{note}." for note in notes])
+    print_table(title, *specimens.by_number(), findings=specimens.findings)
 
 
 def _print_fit(fit: Fit, findings: Sequence[Finding], inseparable: Sequence[str]) -> None:
@@ -265,11 +265,11 @@ def _print_fit(fit: Fit, findings: Sequence[Finding], inseparable: Sequence[str]
     the records cannot separate, a line each."""
     from dampyr.representation import counted
 
-    notes = [fit.verdict.words, *(f"{one}." for one in fit.verdict.besides(findings))]
-    notes += [f"Not separated: {line}." for line in inseparable]
+    good = [fit.verdict.words] if fit.verdict.kind == "good" else []  # else it is the first of the findings
+    notes = [*good, *(f"Not separated: {line}." for line in inseparable)]
     values = "value ± half of the 95 % interval"
     many = counted(len(fit.records), "record")
-    print_table(f"{fit.problem.composition}, {many}: {values}", *fit.by_input(), notes=notes)
+    print_table(f"{fit.problem.composition}, {many}: {values}", *fit.by_input(), notes=notes, findings=findings)
     if fit.levels is not None:
         title = f"The same between measurement sessions, whose level differs by {fit.levels.spread_words}: {values}"
         print_table(title, *fit.by_input(between="sessions"))
@@ -330,5 +330,5 @@ def _print_each(fits: list[Fit]) -> None:
         ["record", "input", *names, "L1", "converged"],
         rows,
         ["", fits[0].records[0].input or "", *(unit for unit, _ in shown), "%", ""],
-        notes=[f"{one}." for one in findings if one.severity != "note"],
+        findings=[finding for finding in findings if finding.severity != "note"],
     )

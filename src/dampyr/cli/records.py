@@ -100,7 +100,10 @@ def command(
         groups = {name: word for name, word in GROUPS.items() if any(each[name] for each in descriptions)}
         if any(each["origin"] != NOT_STATED for each in descriptions):
             groups["origin"] = "origin"
-        rows = [[*_row(each), *(each[name] for name in groups), "; ".join(each["notes"])] for each in descriptions]
+        rows = [
+            [*_row(each), *(each[name] for name in groups), "; ".join(finding["words"] for finding in each["findings"])]
+            for each in descriptions
+        ]
         names, units = [*COLUMNS, *groups.values(), "to look at"], [*UNITS, *("" for _ in groups), ""]
         print_table(f"{len(descriptions)} records", names, rows, units, notes=notes)
         _print_by_input(descriptions)
@@ -221,7 +224,7 @@ def _print_one(description: dict[str, Any]) -> None:
         )
         for channel, one in description["uncertainty"].items()
     ]
-    lines += [("to look at", note) for note in description["notes"]]
+    lines += [("to look at", finding["words"]) for finding in description["findings"]]
     lines += list(description["provenance"].items()) + [("done", step) for step in description["history"]]
     print_table(description["name"], ["", ""], lines)
 

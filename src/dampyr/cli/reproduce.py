@@ -89,8 +89,8 @@ def _print_hybrid(study: HybridStudy) -> None:
             f"{name} {batch.true[batch.worst(name), CRITERIA.index(name)]:.3g} %" for name in ("J2", "J4")
         )
         notes.append(f"{len(batch.plants)} random plants of case {case}: {batch.unstable} unstable, worst {worst}")
-    agree = sum(finding.verdict == "agrees" for finding in study.findings)
-    notes += [f"{agree} of {len(study.findings)} numbers agree", f"page: {study.page}"]
+    agree = sum(value.verdict == "agrees" for value in study.compared)
+    notes += [f"{agree} of {len(study.compared)} numbers agree", f"page: {study.page}"]
     print_table(
         "The hybrid simulation benchmark of 2020", ["motion", "compensator", "case", *CRITERIA], rows, notes=notes
     )
@@ -100,8 +100,8 @@ def _print(study: Study) -> None:
     from dampyr.studies.raminelli_2020.study import OUTCOMES, artefact_summary
 
     rows = []
-    for name, findings in study.artefacts.items():
-        counted = artefact_summary(findings)
+    for name, compared in study.artefacts.items():
+        counted = artefact_summary(compared)
         rows.append([name, counted["verdict"], *(counted[kind] for kind in OUTCOMES)])
     notes = [*(f"left out: {each}" for each in study.left_out), f"page: {study.page}"]
     print_table("Raminelli (2020), run again", ["artefact", "verdict", *OUTCOMES], rows, notes=notes)

@@ -65,6 +65,7 @@ def command(
     """
     from dampyr import ground_motions
     from dampyr.export import opensees_server
+    from dampyr.findings import OF_DAMPER, handed_on
     from dampyr.structures.simulate import law_of
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
@@ -85,8 +86,9 @@ def command(
         opensees_server.live_damper(
             building.n, damper, given[0] if given else law, law, building, place, record, allow_extrapolation
         )
+    findings = handed_on([damper], OF_DAMPER)
     state_origin(damper.origin)
-    print_notice()
+    print_notice(findings)
     with opensees_server.listen(host, port) as server:
         click.echo(f"listening on {host} port {server.getsockname()[1]}; Ctrl-C ends it", err=as_json)
         connection, _ = server.accept()
@@ -98,7 +100,8 @@ def command(
                 ),
             )
     if as_json:
-        print_json({"damper_origin": damper.origin, **asdict(summary)})
+        listed = [finding.as_dict() for finding in findings]
+        print_json({"damper_origin": damper.origin, "findings": listed, **asdict(summary)})
         return
     per_step = f"{summary.trials / summary.steps:.2f} trials a step" if summary.steps else "no step"
     click.echo(

@@ -19,11 +19,12 @@ from dampyr.cli._control import (
 )
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, after_option, motion_options
-from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, findings_below, print_json, print_table, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
+    from dampyr.findings import Finding
     from dampyr.models import Damper
     from dampyr.structures import Response, Simulated
 
@@ -107,7 +108,8 @@ def command(
         draws=draws,
         seed=seed,
     )
-    result = structures.simulate(building, ground.motion(motion), damper, options)
+    with findings_below():
+        result = structures.simulate(building, ground.motion(motion), damper, options)
     if report:
         from dampyr.report import write_response_page
 
@@ -117,11 +119,8 @@ def command(
         print_json(result.as_dict())
     else:
         errors = [f"error: {result.error}"] if result.error else []
-        failed = [f"{name} is not converged: {reason}" for name, reason in result.unconverged.items()]
-        more = [*([result.note] if result.note else []), *errors, *failed]
-        _print(
-            f"{result.title}: peaks", result.cases, [*map(str, result.findings), f"the response {result.end}", *more]
-        )
+        notes = [f"the response {result.end}", *([result.note] if result.note else []), *errors]
+        _print(f"{result.title}: peaks", result.cases, notes, result.findings)
         if result.intervals:
             _print_intervals(result, damper)
 
@@ -150,7 +149,7 @@ def _refuse_damper(context: click.Context) -> None:
             raise InputError(f"{name} is of a damper, and --without-damper leaves it out; give one of the two")
 
 
-def _print(title: str, cases: Mapping[str, Response], notes: Sequence[str]) -> None:
+def _print(title: str, cases: Mapping[str, Response], notes: Sequence[str], findings: Sequence[Finding]) -> None:
     names = list(cases["no damper"].floors)
     many = len(names) > WIDE
     floors = [f"largest of {len(names)} floors"] if many else [f"floor {name}" for name in names]
@@ -167,6 +166,7 @@ def _print(title: str, cases: Mapping[str, Response], notes: Sequence[str]) -> N
         ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", unit, ""],
         digits=5,
         notes=notes,
+        findings=findings,
     )
 
 

@@ -106,13 +106,20 @@ def _print(result: Validated) -> None:
         errors = [100 * s.l1, 100 * s.nrmse, s.r2, 100 * s.pointwise, 100 * s.peak_force, energy]
         rows.append([r.name, r.input_value, "yes" if r.name in result.fitted_on else "no", *errors, window])
     mean = sum(s.l1 for s in result.scores.values()) / len(result.scores)
-    notes = [f"{one}." for one in result.findings]
-    notes += [f"mean L1 {100 * mean:.2f} % over {_count(len(rows), 'record')}"]
+    notes = [f"mean L1 {100 * mean:.2f} % over {_count(len(rows), 'record')}"]
     if any(row[8] is None for row in rows):
         notes.append("energy –: no whole cycle in the window, so it is not scored")
     unit = result.damper.input
     title = f"{result.card}: {result.damper.composition}"
-    print_table(title, NAMES, rows, ["", unit, "", "%", "%", "", "%", "%", "%", "s"], digits=3, notes=notes)
+    print_table(
+        title,
+        NAMES,
+        rows,
+        ["", unit, "", "%", "%", "", "%", "%", "%", "s"],
+        digits=3,
+        notes=notes,
+        findings=result.findings,
+    )
     click.echo()
     _print_bands(result)
     groups = [[g["input"], g["records"], 100 * g["mean_l1"], 100 * g["worst_l1"]] for g in result.by_input]

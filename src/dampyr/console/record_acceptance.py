@@ -179,7 +179,7 @@ def judgement_of(data: Path, query: AcceptanceRequest) -> dict[str, Any]:
     return {
         "records": [_summarise(key, one).model_dump() for key, one in zip(keys, accepted.results, strict=True)],
         "bands": [each.model_dump() for each in _bands(accepted.results)],
-        "notes": [in_page_words(str(one)) for one in accepted.findings],
+        "notes": [in_page_words(finding.sentence) for finding in accepted.findings],
         "data": plain(accepted.as_dict()),
     }
 

@@ -55,15 +55,10 @@ def describe_one(data: Path, key: str) -> dict[str, Any]:
 def description(record: Record) -> dict[str, Any]:
     """What `dampyr records --json` prints of a record; a very long one is measured on its first part, and says so."""
     if record.n <= MAX_MEASURED:
-        described = dict(plain(records.describe(record)))
-        described["notes"] = [in_page_words(note) for note in described["notes"]]
-        return described
+        return _with_notes(records.describe(record))
     first = record.until(float(record.time[MAX_MEASURED - 1]))
-    described = dict(plain(records.describe(first)))
-    described["notes"] = [
-        f"measured on its first {first.duration:.4g} s of {record.duration:.4g} s: it has {record.n:,} samples",
-        *map(in_page_words, described["notes"]),
-    ]
+    shortened = f"measured on its first {first.duration:.4g} s of {record.duration:.4g} s: it has {record.n:,} samples"
+    described = _with_notes(records.describe(first), shortened)
     described["history"] = list(record.history)
     described["duration_s"], described["quality"]["samples"] = record.duration, record.n
     return described
@@ -103,6 +98,12 @@ def export_record(data: Path, key: str, path: Path) -> str:
     else:
         records.write(_with_velocity(record) if path.suffix in NEED_VELOCITY else record, path)
     return record.name
+
+
+def _with_notes(described: dict[str, Any], *more: str) -> dict[str, Any]:
+    """A description with its findings as the page's notes, after ``more``."""
+    findings = described.pop("findings")
+    return dict(plain(described)) | {"notes": [*more, *(in_page_words(finding["words"]) for finding in findings)]}
 
 
 def take_upload(path: Path, to: Path, said: dict[str, Any]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from dampyr.identification.acceptance import Acceptance, Point, Tolerance, accep
 from dampyr.identification.data_sheet import contradictions
 from dampyr.identification.diagnostics import Trend, findings, trends, warnings_of
 from dampyr.identification.fit import Fit, Nuisance, fit
-from dampyr.identification.identifiability import Finding, Identifiability, identifiability
+from dampyr.identification.identifiability import Identifiability, Inseparable, identifiability
 from dampyr.identification.identify import Identified, IdentifyOptions, identify
 from dampyr.identification.leaderboard import Entry, Leaderboard, leaderboard
 from dampyr.identification.levels import Levels
@@ -35,7 +35,7 @@ __all__ = [
     "AcceptOptions", "Acceptance", "Accepted", "IdentifyOptions", "Identified", "ValidateOptions", "Validated",
     "accept_records", "identify", "validate",
     "Band", "Interval", "Levels", "prediction_band",
-    "Finding", "Identifiability", "Posterior", "Profile", "Specimens", "Spread",
+    "Inseparable", "Identifiability", "Posterior", "Profile", "Specimens", "Spread",
     "fit_specimens", "identifiability", "profile", "sample_posterior",
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",

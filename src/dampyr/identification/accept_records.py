@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.findings import Finding, worst_first
+from dampyr.findings import OF_DAMPER, Finding, handed_on, worst_first
 from dampyr.identification.acceptance import (
     QUANTITIES,
     Acceptance,
@@ -23,7 +23,7 @@ from dampyr.identification.acceptance import (
 )
 from dampyr.models import Damper
 from dampyr.origin import Origin, combined
-from dampyr.records import Record, findings_of_records, nominal_inputs
+from dampyr.records import Record, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.to_json import plain
 
@@ -55,8 +55,8 @@ class AcceptOptions:
 class Accepted(Representation):
     """Result of `accept_records`: the judgement of each record; ``reference`` is what the reference is called.
 
-    ``records`` were judged, ``reference_records`` are those of a reference that is no card; ``findings`` are the worst of the
-    reference's card and what is wrong or in doubt in all these records.
+    ``records`` were judged, ``reference_records`` are those of a reference that is no card; ``findings`` are what is wrong or
+    in doubt in the reference's card and in all these records.
     """
 
     reference: str
@@ -103,7 +103,6 @@ class Accepted(Representation):
 
     def _summary(self) -> Summary:
         rows = [("verdict", self.verdict), ("records", in_short(self.results))]
-        rows += [("look at", str(one)) for one in self.findings[:1]]
         if self.results:
             rows.append(("band", f"{self.results[0].tolerance}, judged by {', '.join(self.results[0].quantities)}"))
         return f"Accepted by {self.reference!r}", rows
@@ -127,12 +126,11 @@ class Accepted(Representation):
         """All results for JSON, SI units."""
         records = [one.as_dict() for one in self.results]
         more = {"relevelled": [one.as_dict() for one in self.relevelled]} if self.relevelled else {}
-        notes = list(map(str, self.findings))
         answer = {
             "reference": self.reference,
             "origin": self.origin,
             "verdict": self.verdict,
-            "notes": notes,
+            "findings": [finding.as_dict() for finding in self.findings],
             "records": records,
         }
         return dict(plain(answer | more))
@@ -168,8 +166,9 @@ def accept_records(
         )
     again = tuple(relevelled(one, options.relevel) for one in results) if options.relevel else ()
     others = () if isinstance(against, Damper) else tuple(against)
-    said = findings_of_records((*records, *others))
-    findings = worst_first(against.inherited(said) if isinstance(against, Damper) else (), said)
+    of_records = handed_on((*records, *others))
+    of_card = handed_on([against], OF_DAMPER, of_records) if isinstance(against, Damper) else ()
+    findings = worst_first(of_card, of_records)
     return Accepted(name, tuple(results), tuple(records), others, again, findings)
 
 

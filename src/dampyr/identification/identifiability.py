@@ -52,7 +52,7 @@ INPUTS_TRIED = 5  # at most, of which motions are tried where records at several
 
 
 @dataclass(frozen=True)
-class Finding:
+class Inseparable:
     """Something that the records cannot separate, or do not determine.
 
     ``kind`` is "pair", "not determined", "at a limit", "few records", "amplitude and frequency" or "input and session";
@@ -70,27 +70,27 @@ class Finding:
 
 @dataclass(frozen=True, repr=False)
 class Identifiability(Representation):
-    """Result of `identifiability`: the ``findings``, worst first of each kind; none where everything is separated."""
+    """Result of `identifiability`: what is ``inseparable``, worst first of each kind; none where everything is separated."""
 
-    findings: tuple[Finding, ...]
+    inseparable: tuple[Inseparable, ...]
 
     @property
     def lines(self) -> tuple[str, ...]:
         """A short line for each finding."""
-        return tuple(one.brief for one in self.findings)
+        return tuple(one.brief for one in self.inseparable)
 
     def _summary(self) -> Summary:
-        rows = [(one.kind, one.brief) for one in self.findings] or [("", "these records separate what was fitted")]
-        return f"Identifiability: {counted(len(self.findings), 'finding')}", rows
+        rows = [(one.kind, one.brief) for one in self.inseparable] or [("", "these records separate what was fitted")]
+        return f"Identifiability: {counted(len(self.inseparable), 'finding')}", rows
 
     def _table(self) -> Table:
         return ("what the records cannot separate", "the test that would"), [
-            [one.words, one.test] for one in self.findings
+            [one.words, one.test] for one in self.inseparable
         ]
 
     def as_dict(self) -> dict[str, Any]:
-        """The findings for `dampyr.to_json`."""
-        return dict(plain({"findings": list(self.findings)}))
+        """What is inseparable, for `dampyr.to_json`."""
+        return dict(plain({"inseparable": list(self.inseparable)}))
 
 
 def identifiability(fit: Fit) -> Identifiability:
@@ -99,7 +99,7 @@ def identifiability(fit: Fit) -> Identifiability:
     The correlations and widths are those of the fitted model; where the model misses the damper's behaviour they describe the
     model.
     """
-    results: list[Finding] = [
+    results: list[Inseparable] = [
         *_not_determined(fit),
         *_pairs(fit),
         *_amplitude_and_frequency(fit),
@@ -111,14 +111,16 @@ def identifiability(fit: Fit) -> Identifiability:
 # ----------------------------------------------------------------------------------------------------------------- numbers
 
 
-def _not_determined(fit: Fit) -> list[Finding]:
+def _not_determined(fit: Fit) -> list[Inseparable]:
     """Directions of each block that the records do not determine, numbers at limits, and numbers of few records."""
-    labels, results = list(fit.parameters), list[Finding]()
+    labels, results = list(fit.parameters), list[Inseparable]()
     limits = [label for label, error in fit.stderr.items() if math.isnan(error)]
     if limits:
         names = f"{listing(limits, 4)} {'stands' if len(limits) == 1 else 'stand'} at the limit"
         test = "use a model without that part, or motions on which it acts"
-        results.append(Finding("at a limit", tuple(limits), f"{names} of the allowed values", test, f"{names}: {test}"))
+        results.append(
+            Inseparable("at a limit", tuple(limits), f"{names} of the allowed values", test, f"{names}: {test}")
+        )
     for block in fit.optimum.blocks:
         own = [labels[place] for place in block.places]
         if any(math.isinf(fit.stderr[label]) for label in own):
@@ -130,11 +132,11 @@ def _not_determined(fit: Fit) -> list[Finding]:
         words = f"how records differ is not known for {listing(few, 4)}, which {by}"
         test = f"record {MIN_RECORDS} or more at each {INPUTS[fit.problem.pieces[0].unit]}"
         brief = f"{by} {listing(few, 3)}: {test}"
-        results.append(Finding("few records", tuple(few), words, test, brief, {"records": float(count)}))
+        results.append(Inseparable("few records", tuple(few), words, test, brief, {"records": float(count)}))
     return results
 
 
-def _directions(fit: Fit, block: Optimum, own: list[str]) -> list[Finding]:
+def _directions(fit: Fit, block: Optimum, own: list[str]) -> list[Inseparable]:
     """The directions without information, by the numbers that take part in them."""
     H = block.information
     scale = np.sqrt(np.maximum(np.diag(H), 0.0))
@@ -156,11 +158,11 @@ def _directions(fit: Fit, block: Optimum, own: list[str]) -> list[Finding]:
             f"{listing(missing, 4)} {'has' if len(missing) == 1 else 'have'} no error: too few cycles determine them"
         )
         test = "record longer tests"
-        results.append(Finding("not determined", tuple(missing), words, test, f"{words}: {test}"))
+        results.append(Inseparable("not determined", tuple(missing), words, test, f"{words}: {test}"))
     return results
 
 
-def _undetermined(fit: Fit, block: Optimum, labels: tuple[str, ...]) -> Finding:
+def _undetermined(fit: Fit, block: Optimum, labels: tuple[str, ...]) -> Inseparable:
     """Numbers of which the records determine at most a combination, and the first motion that would determine them."""
     names = listing(list(labels), 4)
     combined = f"only a combination of {names} is determined"
@@ -173,9 +175,9 @@ def _undetermined(fit: Fit, block: Optimum, labels: tuple[str, ...]) -> Finding:
         if share > DETERMINED:
             more = "" if beyond == 1.0 else f", {beyond:g} times the stroke of these records,"
             at = f"{best.motion.in_words()} at {best.input:g} {block.problem.pieces[0].unit}{more}"
-            return Finding("not determined", labels, words, f"{at} would", f"{words}; test {at}")
+            return Inseparable("not determined", labels, words, f"{at} would", f"{words}; test {at}")
     test = "none of the motions that were tried would: fix one of them (fixed=)"
-    return Finding("not determined", labels, words, test, f"{words}; fix one of them")
+    return Inseparable("not determined", labels, words, test, f"{words}; fix one of them")
 
 
 def _share(information: Array, places: list[int]) -> float:
@@ -186,7 +188,7 @@ def _share(information: Array, places: list[int]) -> float:
     return float(np.linalg.eigvalsh((information / np.outer(d, d))[np.ix_(places, places)]).min())
 
 
-def _pairs(fit: Fit) -> list[Finding]:
+def _pairs(fit: Fit) -> list[Inseparable]:
     """Pairs of numbers that trade against each other on these motions."""
     labels, pairs = list(fit.parameters), list[_Pair]()
     for block in fit.optimum.blocks:
@@ -215,7 +217,7 @@ class _Pair:
     correlation: float
 
 
-def _finding(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Finding:
+def _finding(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Inseparable:
     labels, block, r = list(fit.parameters), pair.block, pair.correlation
     a, b = (pair.usable[place] for place in pair.places)
     places = block.places[a], block.places[b]
@@ -242,7 +244,7 @@ def _finding(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Finding:
     best = _best_test(pair, candidates)
     if best is None:
         test = "no motion that was tried within the stroke and speed of these records would do more than a repeat"
-        return Finding("pair", (one, other), words, test, brief, numbers)
+        return Inseparable("pair", (one, other), words, test, brief, numbers)
     candidate, after, narrower, repeated = best
     tried, u = candidate.motion, candidate.input
     at = f"{tried.in_words()} at {u:g} {block.problem.pieces[0].unit}"
@@ -261,7 +263,7 @@ def _finding(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Finding:
         f"narrower {other}": narrower[1],
         "narrower by a repeat": repeated,
     }
-    return Finding("pair", (one, other), words, test, brief, numbers)
+    return Inseparable("pair", (one, other), words, test, brief, numbers)
 
 
 def _wider(fit: Fit, block: Optimum, held: tuple[int, ...], k: int) -> float:
@@ -364,7 +366,7 @@ def _candidate_piece(problem: Problem, motion: Motion, u: float) -> Piece:
 # ----------------------------------------------------------------------------------------------------------------- design
 
 
-def _amplitude_and_frequency(fit: Fit) -> list[Finding]:
+def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
     """The inputs at which amplitude and frequency of the records go together."""
     from scipy.stats import spearmanr
 
@@ -409,10 +411,10 @@ def _amplitude_and_frequency(fit: Fit) -> list[Finding]:
         "frequency": frequency,
         "correlation_with_the_test": after,
     }
-    return [Finding("amplitude and frequency", (), words, test, brief, numbers)]
+    return [Inseparable("amplitude and frequency", (), words, test, brief, numbers)]
 
 
-def _input_and_session(fit: Fit) -> list[Finding]:
+def _input_and_session(fit: Fit) -> list[Inseparable]:
     """Inputs that share no measurement session, directly or through others."""
     unit, kind = fit.problem.pieces[0].unit, SESSION_FINDING
     word = INPUTS[unit]
@@ -434,7 +436,7 @@ def _input_and_session(fit: Fit) -> list[Finding]:
         test = f"state the session of each record (measurement_session); where each {word} has a session of its own, {repeat}"
         brief = f"{word} and session: {without}; state it, and {repeat}"
         return [
-            Finding(kind, labels, words, test, brief, {"inputs": float(len(inputs)), "without": float(len(silent))})
+            Inseparable(kind, labels, words, test, brief, {"inputs": float(len(inputs)), "without": float(len(silent))})
         ]
     parts = _connected(records)
     if len(parts) < 2:
@@ -447,7 +449,7 @@ def _input_and_session(fit: Fit) -> list[Finding]:
     more = ", and one test in each of the others" if len(parts) > 2 else ""
     test = f"repeat {sentinel} in session {session}{more}"
     numbers = {"inputs": float(len(inputs)), "parts": float(len(parts))}
-    return [Finding(kind, labels, words, test, f"{word} and session: {shown}; {test}", numbers)]
+    return [Inseparable(kind, labels, words, test, f"{word} and session: {shown}; {test}", numbers)]
 
 
 def _level(record: Record) -> float:

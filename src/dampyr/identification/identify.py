@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.findings import Finding, worst_first
+from dampyr.findings import Finding, handed_on, worst_first
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.fit_data import WEIGHTINGS
 from dampyr.identification.identifiability import Identifiability, identifiability
@@ -32,7 +32,7 @@ from dampyr.identification.validation import Validation, cross_validate
 from dampyr.models import Damper, available_parts, compose, part
 from dampyr.models.prediction_error import check_prior
 from dampyr.origin import Origin, check_one_kind
-from dampyr.records import Record, check_bandwidth, findings_of_records, nominal_inputs
+from dampyr.records import Record, check_bandwidth, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, counted, percent
 from dampyr.to_json import plain
 
@@ -162,8 +162,6 @@ class Identified(Representation):
             l1 = [one.l1 for one in self.predicted.values() if not isinstance(one, str)]
             mean = percent(sum(l1) / len(l1)) if l1 else "none could be predicted"
             rows.append(("validation", f"{counted(len(self.predicted), 'record')}, L1 {mean}"))
-        if self.beyond:
-            rows.append(("beyond", next(iter(self.beyond.values()))))
         return title.replace("Fit", "Identified", 1), rows
 
     def _table(self) -> Table:
@@ -171,8 +169,9 @@ class Identified(Representation):
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
-        """Those of the fit, and those of the records that were predicted; each once, the worst first."""
-        return worst_first(self.fit.findings, findings_of_records(self.validation_records))
+        """Those of the fit and of the records that were predicted, and which of these go beyond the fitted motions."""
+        beyond = (Finding("doubt", words) for words in self.beyond.values())
+        return worst_first(self.fit.findings, handed_on(self.validation_records), beyond)
 
     @property
     def damper(self) -> Damper | None:
@@ -195,8 +194,8 @@ class Identified(Representation):
 
     def as_dict(self) -> dict[str, Any]:
         """All results for JSON, SI units."""
-        data = self.fit.as_dict() | {"notes": list(map(str, self.findings))}
-        data["identifiability"] = self.identifiability.as_dict()["findings"]
+        data = self.fit.as_dict() | {"findings": [finding.as_dict() for finding in self.findings]}
+        data["identifiability"] = self.identifiability.as_dict()["inseparable"]
         if self.validations:
             data["predictions"] = list(self.validations)
         if self.board is not None:
@@ -206,8 +205,6 @@ class Identified(Representation):
                 name: {"problem": one} if isinstance(one, str) else one.as_dict()
                 for name, one in self.predicted.items()
             }
-        if self.beyond:
-            data["beyond_the_fitted"] = dict(self.beyond)
         return dict(plain(data))
 
 

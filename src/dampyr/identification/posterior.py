@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.findings import Finding, handed_on, worst_first
 from dampyr.identification.normal_equations import linearise, step_point
 from dampyr.identification.optimum import Optimum
 from dampyr.identification.problem import Point, with_held
@@ -62,8 +63,8 @@ class Posterior(Representation):
 
     ``samples`` holds an array (n,) for each label, SI units, row by row one draw of all; ``held`` what stood at a limit and
     was held there. ``converged`` and ``reason`` say whether the chains were long enough; ``autocorrelation_time`` (steps),
-    ``r_hat`` and ``acceptance`` by label what that rests on, ``steps`` of each walker. ``notes`` say what a reader should
-    know besides.
+    ``r_hat`` and ``acceptance`` by label what that rests on, ``steps`` of each walker. ``findings`` say what a reader should
+    know besides, and what is wrong or in doubt in the fit.
     """
 
     samples: dict[str, Array]
@@ -71,7 +72,7 @@ class Posterior(Representation):
     held: dict[str, float]
     converged: bool
     reason: str
-    notes: tuple[str, ...]
+    findings: tuple[Finding, ...]
     autocorrelation_time: dict[str, float]
     r_hat: dict[str, float]
     acceptance: dict[str, float]
@@ -180,7 +181,7 @@ class Posterior(Representation):
             ("density", "normal" if self.tails == "normal" else "Student's t"),
             ("prior", "flat in the coordinates of the search, inside the allowed values"),
         ]
-        return f"Posterior {str(self.fit.problem.composition)!r}", [*rows, *(("note", note) for note in self.notes)]
+        return f"Posterior {str(self.fit.problem.composition)!r}", rows
 
     def _table(self) -> Table:
         spans, rows = self.intervals(), list[list[Any]]()
@@ -197,7 +198,7 @@ class Posterior(Representation):
             "held",
             "converged",
             "reason",
-            "notes",
+            "findings",
             "autocorrelation_time",
             "r_hat",
             "acceptance",
@@ -297,7 +298,11 @@ def sample_posterior(
         held=held,
         converged=not poor,
         reason=poor[0].trouble if poor else f"converged: every chain is {lengths:g} autocorrelation times or longer",
-        notes=tuple(dict.fromkeys(notes)),
+        findings=worst_first(
+            handed_on([fit]),
+            (Finding("doubt", f"did not converge: {chain.trouble}") for chain in poor[:1]),
+            (Finding("note", words) for words in notes),
+        ),
         autocorrelation_time=by_label["time"],
         r_hat=by_label["r_hat"],
         acceptance=by_label["acceptance"],

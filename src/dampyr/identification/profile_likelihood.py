@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.findings import Finding, handed_on, worst_first
 from dampyr.identification.optimum import Optimum
 from dampyr.identification.problem import Point, Problem, with_held
 from dampyr.identification.result import Fit
@@ -71,7 +72,7 @@ class Profile(Representation):
     closed: tuple[bool, bool]
     within: bool
     reason: str
-    notes: tuple[str, ...]
+    findings: tuple[Finding, ...]
     origin: Origin = NOT_STATED
 
     def plot(self) -> Any:
@@ -105,7 +106,7 @@ class Profile(Representation):
             ("sides", self.reason),
             ("freedom", f"{self.freedom:.3g}"),
         ]
-        return f"Profile {self.label!r}", [*rows, *(("note", note) for note in self.notes)]
+        return f"Profile {self.label!r}", rows
 
     def as_dict(self) -> dict[str, Any]:
         """All of it for `dampyr.to_json`, SI units."""
@@ -172,7 +173,11 @@ def profile(fit: Fit, label: str, level: float = 0.95, points: int = 21) -> Prof
         closed=(sides[0] is not None, sides[1] is not None),
         within=within,
         reason="; ".join(reasons) or "both close",
-        notes=(*path.notes, *([f"{fit.why_no_interval(label)}: no interval"] if within else [])),
+        findings=worst_first(
+            handed_on([fit]),
+            (Finding("note", words) for words in path.notes),
+            [Finding("note", f"{fit.why_no_interval(label)}: no interval")] if within else [],
+        ),
     )
 
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import DampyrWarning, InputError
-from dampyr.findings import Finding, Findings, worst_first
+from dampyr.errors import FindingWarning, InputError
+from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.data_sheet import SHEETS, contradictions
 from dampyr.identification.diagnostics import no_interval, notes, residual_findings, trouble_of
 from dampyr.identification.fit_data import Piece
@@ -32,8 +32,8 @@ from dampyr.identification.variable_projection import Outcome
 from dampyr.models import Damper
 from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.origin import Origin, combined
-from dampyr.records import Record, cycles, findings_of_records, motion_start
-from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, listing, percent, rounded
+from dampyr.records import Record, cycles, motion_start
+from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing, percent, rounded
 from dampyr.source_digest import full_version
 from dampyr.units import for_people
 
@@ -123,8 +123,8 @@ class Fit(Representation):
     in SI units, by labels such as ``dahl.kx @ 1.98 V``; an infinite error means that the records do not determine the number,
     NaN that it is at its limit.
     ``correlation`` (m, m) follows the same order. ``converged`` and ``reason`` say how the search ended;
-    ``findings`` what a reader should know besides, the worst first, and ``notes`` the same as texts; ``remarks`` are those of
-    them that neither the scores nor the records tell. ``clusters`` are what the errors were clustered by ("record", "cycle", or
+    ``findings`` what a reader should know besides, the worst first; ``remarks`` are those of them that neither the scores nor
+    the records tell. ``clusters`` are what the errors were clustered by ("record", "cycle", or
     "record and cycle"), ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that
     determine it. ``within_records`` holds the labels that only one or two records determine, and how many: their errors are by
     cycle, hold within these records only and give no interval.
@@ -161,7 +161,7 @@ class Fit(Representation):
     @cached_property
     def _of_damper(self) -> tuple[Finding, ...]:
         """The findings without that on the level of sessions, which stands in the damper's prediction error."""
-        of_records, of_residuals = findings_of_records(self.records), residual_findings(self.residuals)
+        of_records, of_residuals = handed_on(self.records), residual_findings(self.residuals)
         return worst_first(self.verdict.findings, of_records, of_residuals, self.remarks)
 
     @cached_property
@@ -183,11 +183,6 @@ class Fit(Representation):
     def verdict(self) -> FitVerdict:
         """Whether the search converged and the model describes the records, in one sentence."""
         return fit_verdict(self.scores, self.converged, self.reason)
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """The findings as texts."""
-        return tuple(map(str, self.findings))
 
     @property
     def origin(self) -> Origin:
@@ -237,8 +232,6 @@ class Fit(Representation):
         if len(by_name) > SHOWN:
             rows.append(("", f"and {len(by_name) - SHOWN} more parameters"))
         rows.append(("errors", f"clustered by {self.clusters}"))
-        if self.notes:
-            rows.append(("notes", f"{counted(len(self.notes), 'note')}: {self.notes[0]}"))
         return f"Fit {str(self.problem.composition)!r}", rows
 
     def _inputs(self) -> str:
@@ -345,7 +338,7 @@ class Fit(Representation):
         return self.damper.save(path)
 
     def as_dict(self) -> dict[str, Any]:
-        """Parameters, errors, notes and scores by name, for `dampyr.to_json`: intervals at 95 %, None where there is none."""
+        """Parameters, errors, findings and scores by name, for `dampyr.to_json`; 95 % intervals, None where there is none."""
         return {
             "model": str(self.problem.composition),
             "origin": self.origin,
@@ -353,7 +346,7 @@ class Fit(Representation):
             "converged": self.converged,
             "reason": self.reason,
             "verdict": {"kind": self.verdict.kind, "words": self.verdict.words},
-            "notes": self.notes,
+            "findings": [finding.as_dict() for finding in self.findings],
             "clusters": self.clusters,
             "parameters": self.parameters,
             "stderr": self.stderr,
@@ -393,8 +386,8 @@ class Fit(Representation):
         """How well the fit describes the records it was fitted to (which is no prediction), by record.
 
         From ``settling`` s after the motion starts; a record that is too short for that is scored from the start of its motion,
-        the state of which was fitted, and ``notes`` say so. Of a force that holds a moving average only whole windows after the
-        start of the motion are scored.
+        the state of which was fitted, and ``findings`` say so. Of a force that holds a moving average only whole windows after
+        the start of the motion are scored.
         """
         scores = {}
         for record, one, force in zip(self.records, self.problem.pieces, self.forces, strict=True):
@@ -508,7 +501,7 @@ def _sampling_notes(damper: Damper | None, problem: Problem) -> list[str]:
     p, values = words[max(words)]
     if not (text := sampling_words(damper.composition, p.t, p.x, p.v, values)):
         return []
-    warnings.warn(f"{p.name}: {text}", DampyrWarning, stacklevel=4)
+    warnings.warn(f"{p.name}: {text}", FindingWarning, stacklevel=4)
     return [f"{p.name}: {text}"]
 
 

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.findings import Finding, Findings, worst_first
+from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fit import check_model_and_records, fit
 from dampyr.identification.profile_likelihood import variance_ratios
 from dampyr.identification.random_effects import MIN_GROUPS, RandomEffects, random_effects
@@ -114,16 +114,6 @@ class Specimens(Representation):
         return combined(one.origin for one in self.fits.values())
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """What a reader should know: specimens and numbers that are missing, and why."""
-        notes = [f"{name} is left out: {why}" for name, why in self.left_out.items()]
-        for label, why in self.not_estimated.items():
-            notes.append(f"{label} has no spread: {why}")
-        for one in self.spreads.values():
-            notes += [f"{one.label}: {name} is left out: {why}" for name, why in one.left_out.items()]
-        return (*notes, self.about_sessions)
-
-    @property
     def about_sessions(self) -> str:
         """Whether the spread between specimens can be told from that between measurement sessions, and the test that would."""
         levels = [one.levels for one in self.fits.values()]
@@ -176,10 +166,15 @@ class Specimens(Representation):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What is wrong or in doubt in the fits and in their records, each once, the worst first."""
-        each = ((name, one) for name, fit_result in self.fits.items() for one in fit_result.findings)
+        """What is wrong or in doubt in the fits and in their records, and which specimens and numbers are missing, and why."""
+        each = ((name, finding) for name, one in self.fits.items() for finding in handed_on([one]))
+        missing = [f"{name} is left out: {why}" for name, why in self.left_out.items()]
+        missing += [f"{label} has no spread: {why}" for label, why in self.not_estimated.items()]
+        for spread in self.spreads.values():
+            missing += [f"{spread.label}: {name} is left out: {why}" for name, why in spread.left_out.items()]
         return worst_first(
-            one if one.about else replace(one, about=(name,)) for name, one in each if one.severity != "note"
+            (finding if finding.about else replace(finding, about=(name,)) for name, finding in each),
+            (Finding("note", words) for words in (*missing, self.about_sessions)),
         )
 
     def damper(self) -> Damper:
@@ -198,7 +193,7 @@ class Specimens(Representation):
             ranges=_widest([one.ranges for one in dampers]),
             within_records=(),
             prediction_error=self._prediction_error(),
-            findings=Findings(lambda: self.findings),
+            findings=Findings(lambda: handed_on([self])),
             provenance={
                 "method": "mean of specimens, random effects (dampyr.identification.fit_specimens)",
                 "specimens": ", ".join(self.fits),
@@ -377,8 +372,6 @@ class Specimens(Representation):
             )
         if len(self.spreads) > SHOWN:
             rows.append(("", f"and {len(self.spreads) - SHOWN} more"))
-        if self.notes:
-            rows.append(("notes", f"{counted(len(self.notes), 'note')}: {self.notes[0]}"))
         return f"Specimens {str(self._reference.problem.composition)!r}", rows
 
     def _table(self) -> Table:
@@ -412,7 +405,7 @@ class Specimens(Representation):
                     "parameters": dict(self.spreads),
                     "left_out": self.left_out,
                     "not_estimated": self.not_estimated,
-                    "notes": [*map(str, self.findings), *self.notes],
+                    "findings": [finding.as_dict() for finding in self.findings],
                 }
             )
         )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.findings import Finding, worst_first
+from dampyr.findings import OF_DAMPER, Finding, handed_on, worst_first
 from dampyr.identification.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
 from dampyr.identification.score import Array, Score, compare, group_by_input, prediction
 from dampyr.identification.scoring_window import SETTLING, check_settling
@@ -19,7 +19,7 @@ from dampyr.identification.validation import mean_relevelled, score_columns, sco
 from dampyr.models import Damper
 from dampyr.models.prediction_error import check_prior
 from dampyr.origin import Origin, combined
-from dampyr.records import Record, findings_of_records, nominal_inputs, write_comparison
+from dampyr.records import Record, nominal_inputs, write_comparison
 from dampyr.records.comparison import check_free, file_name
 from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
 from dampyr.to_json import plain
@@ -129,7 +129,6 @@ class Validated(Representation):
         worst = max(l1, key=lambda name: l1[name])
         seen = len(self.fitted_on & set(l1))
         return f"Validated {self.card!r}", [
-            *(("look at", str(one)) for one in self.findings[:1]),
             ("model", str(self.damper.composition)),
             ("records", f"{counted(len(self.records), 'record')}, of which the damper was fitted on {seen}"),
             ("L1", f"{percent(sum(l1.values()) / len(l1))} on average, {percent(l1[worst])} in {worst}"),
@@ -155,9 +154,9 @@ class Validated(Representation):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """The worst of the card, and what is wrong or in doubt in the records; each once, the worst first."""
-        said = findings_of_records(self.records)
-        return worst_first(self.damper.inherited(said), said)
+        """What is wrong or in doubt in the card and in the records; each once, the worst first."""
+        of_records = handed_on(self.records)
+        return worst_first(handed_on([self.damper], OF_DAMPER, of_records), of_records)
 
     @property
     def by_input(self) -> list[dict[str, Any]]:
@@ -181,9 +180,14 @@ class Validated(Representation):
         scores = {name: one.as_dict() | {"fitted_on": name in self.fitted_on} for name, one in self.scores.items()}
         bands = {name: one.as_dict() for name, one in self.bands.items()}
         more = {"no_band": self.no_band} if self.no_band else {}
-        notes = list(map(str, self.findings))
-        answer = {"card": self.card, "origin": self.origin, "notes": notes, "scores": scores, "by_input": self.by_input}
-        answer |= {"bands": bands}
+        answer = {
+            "card": self.card,
+            "origin": self.origin,
+            "findings": [finding.as_dict() for finding in self.findings],
+            "scores": scores,
+            "by_input": self.by_input,
+            "bands": bands,
+        }
         return dict(plain(answer | more))
 
     def write_forces(self, folder: str | Path) -> list[Path]:

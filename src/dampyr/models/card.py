@@ -45,10 +45,7 @@ def _tables(damper: Any) -> dict[str, Any]:
     units = {name: q.unit or "1" for name, q in damper.composition.quantities.items()}
     tables: dict[str, Any] = {"schema": SCHEMA, "damper": head}
     if damper.findings:  # before the long tables, where who opens the file sees them
-        tables["findings"] = [
-            {"severity": one.severity, "words": one.words} | ({"about": list(one.about)} if one.about else {})
-            for one in damper.findings
-        ]
+        tables["findings"] = [finding.as_dict() for finding in damper.findings]
     tables["laws"] = {name: {"unit": units[name], **law.card()} for name, law in damper.all_laws.items()}
     if damper.ranges:
         tables["ranges"] = {name: list(map(float, span)) for name, span in damper.ranges.items()}
@@ -123,9 +120,7 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
 
 def _findings(tables: Any) -> tuple[Finding, ...]:
     try:
-        return worst_first(
-            Finding(one["severity"], str(one["words"]), tuple(map(str, one.get("about", ())))) for one in tables
-        )
+        return worst_first(map(Finding.from_dict, tables))
     except (TypeError, KeyError, AttributeError):
         raise InputError(
             "findings must be tables with severity and words, and about where they are of some records; correct them, or "

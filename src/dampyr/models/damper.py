@@ -138,8 +138,8 @@ class Damper(Representation):
         how far a measured force may be from the predicted one (`dampyr.models.prediction_error`): the levels of sessions and
         records and the residual; None where that was not estimated.
     ``findings``
-        what a person should look at, the worst first: the verdict on the fit, faults of its records; what is made of the damper
-        repeats the worst.
+        what a person should look at, the worst first: the verdict on the fit, faults of its records. What is made of the damper
+        repeats those that are wrong or in doubt (`dampyr.findings.handed_on`).
     ``origin``
         of what it was identified from (`dampyr.origin`): "measured" only where every record was; "not stated" where nothing
         says it.
@@ -196,16 +196,6 @@ class Damper(Representation):
         self._check_prediction_error()
 
     composition: Composition = field(init=False, repr=False)
-
-    def inherited(self, said: Sequence[Finding] = ()) -> tuple[Finding, ...]:
-        """The worst of the findings, as whatever is made of the damper repeats it; none where all are notes, or where it is
-        ``said`` of the same records already."""
-        return tuple(
-            Finding(one.severity, f"the damper's fit: {one}")
-            for one in self.findings[:1]
-            if one.severity != "note"
-            and not any(one.kind == each.kind and {*one.about} & {*each.about} for each in said)
-        )
 
     def _check_names(self) -> None:
         if self.input not in INPUTS:
@@ -276,8 +266,7 @@ class Damper(Representation):
 
     def _summary(self) -> Summary:
         quantities, low_high = self.composition.quantities, extent(self.range, self.input)
-        rows = [("look at", str(one)) for one in self.findings[:1] if one.severity != "note"]
-        rows += [
+        rows = [
             (INPUTS[self.input], f"calibrated at {low_high}")
             if self.needs_input
             else ("input", "none: holds at every input")

@@ -15,7 +15,7 @@ from dampyr.records.cut_record import cut
 from dampyr.records.cycle_table import Cycle, cycle_table
 from dampyr.records.cycles import Cut, CutCycle, Level, cut_cycles, cycle_average, cycles, legs, turning_points
 from dampyr.records.datasets import fetch, locate
-from dampyr.records.description import describe, findings_of, findings_of_records
+from dampyr.records.description import describe
 from dampyr.records.drift import drift, remove_drift
 from dampyr.records.force_lag import Delay, correct_delay, estimate_delay
 from dampyr.records.force_offset import mean_force, remove_offset
@@ -83,8 +83,6 @@ __all__ = [
     "waveform",
     "creates_energy",
     "describe",
-    "findings_of",
-    "findings_of_records",
     "spectrum",
     "Recognised",
     "recognise_smoothing",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from dampyr.findings import Finding, Severity, worst_first
+from dampyr.findings import Finding, Severity, findings_of
 from dampyr.records.cycle_table import cycle_table
 from dampyr.records.cycles import cut_cycles
 from dampyr.records.integrated_displacement import is_integrated
@@ -24,12 +25,14 @@ SAME_WINDOW = 0.02  # of the window: as well as the zeros of a short record tell
 FEW = 3  # notes of one kind that a record has one by one
 # Records never change, and every result that is made of them repeats their findings.
 _findings_by_record: WeakKeyDictionary[Record, tuple[Finding, ...]] = WeakKeyDictionary()
+LookedAt = tuple[Overview, Quality, DisplacementNoise, tuple[Recognised, ...]]
+_looked_at_by_record: WeakKeyDictionary[Record, LookedAt] = WeakKeyDictionary()
 
 
 def describe(record: Record) -> dict[str, Any]:
     """All that is said and measured of a record, SI.
 
-    Name, role, session, specimen, input, label, what was measured, how well it was sampled, and in ``notes`` what a person
+    Name, role, session, specimen, input, label, what was measured, how well it was sampled, and ``findings``: what a person
     should look at.
 
     ``measured`` is None where the motion does not repeat itself: then ``overview`` stands for it, and ``levels`` for
@@ -38,9 +41,8 @@ def describe(record: Record) -> dict[str, Any]:
     that is declared and not undone, ``noise`` what the displacement's noise does, ``marks`` the faults that the
     recorder saw, ``uncertainty`` the standard uncertainty of each channel and its parts.
     """
-    seen = overview(record)
+    seen, sampled, noise, smoothing = _looked_at(record)
     measured = measure(record) if seen.repeats else None
-    sampled, noise, smoothing = quality(record), displacement_noise(record), recognise_smoothing(record)
     return {
         "name": record.name,
         "role": record.role,
@@ -62,10 +64,17 @@ def describe(record: Record) -> dict[str, Any]:
             name: {"standard": one.standard, "largest": one.largest, "parts": dict(one.parts)}
             for name, one in record.uncertainty.items()
         },
-        "notes": [one.words for one in _findings(record, seen, sampled, noise, smoothing)],
+        "findings": [replace(finding, about=()).as_dict() for finding in record.findings],
         "history": record.history,
         "provenance": record.provenance,
     }
+
+
+def _looked_at(record: Record) -> LookedAt:
+    if record not in _looked_at_by_record:
+        looked = overview(record), quality(record), displacement_noise(record), recognise_smoothing(record)
+        _looked_at_by_record[record] = looked
+    return _looked_at_by_record[record]
 
 
 def describe_levels(record: Record) -> list[dict[str, Any]]:
@@ -96,45 +105,36 @@ def _in_levels(record: Record) -> str:
     return f"strokes that rise or fall from cycle to cycle: {len(made.cycles)} whole cycles of {made.run:g}, {span}"
 
 
-def findings_of(record: Record) -> tuple[Finding, ...]:
-    """All that a person should look at in a record, each once, the worst first: what `describe` lists in its ``notes``.
-
-    Wrong: loops that create energy. Doubts: marks of the recorder, labels that disagree, saturation, false samples, gaps and
-    whatever else `quality` notes, a moving average that nobody declared, noise that hides the direction of motion. Everything
-    that is made from records (fits, validations, judgements) takes these words.
-    """
+@findings_of.register(Record)
+def _(record: Record) -> tuple[Finding, ...]:
+    """All that a person should look at in a record: its ``findings``."""
     if record not in _findings_by_record:
-        given = overview(record), quality(record), displacement_noise(record), recognise_smoothing(record)
-        _findings_by_record[record] = _findings(record, *given)
+        by_kind = findings_by_kind(record).values()
+        each = (Finding(severity, words, (record.name,)) for severity, some in by_kind for words in some)
+        _findings_by_record[record] = tuple(dict.fromkeys(each))
     return _findings_by_record[record]
 
 
-def findings_of_records(records: Sequence[Record]) -> tuple[Finding, ...]:
-    """What is wrong and what is in doubt in some records, each once, with the names of the records; notes stay with these."""
-    return worst_first(one for record in records for one in findings_of(record) if one.severity != "note")
-
-
-def _findings(
-    record: Record, seen: Overview, sampled: Quality, noise: DisplacementNoise, smoothing: tuple[Recognised, ...]
-) -> tuple[Finding, ...]:
-    against = disagreements(record)
+def findings_by_kind(record: Record) -> dict[str, tuple[Severity, list[str]]]:
+    """The severity and the sentences of every kind of finding, whether the record has it or not; in the order of findings."""
+    seen, sampled, noise, smoothing = _looked_at(record)
+    against = [words.removeprefix(f"{record.name}: ") for words in disagreements(record)]
     energy = against[-1:] if creates_energy(record) else []
-    undeclared, declared = _undeclared(smoothing), _declared(record)
-    graded = cut_cycles(record).graded
-    irregular = [] if seen.repeats else [_in_levels(record) if graded else _irregular(seen)]
+    irregular = [] if seen.repeats else [_in_levels(record) if cut_cycles(record).graded else _irregular(seen)]
     integrated = [f"displacement {record.provenance['displacement']}"] if is_integrated(record) else []
-    listed: list[tuple[Severity, Sequence[str]]] = [
-        ("wrong", energy),
-        ("doubt", record.marks),
-        ("doubt", against[: len(against) - len(energy)]),
-        ("doubt", _condensed(sampled.notes)),
-        ("doubt", undeclared),
-        ("doubt", noise.notes),
-        ("note", [*integrated, *irregular, *declared]),
-    ]
-    about, prefix = (record.name,), f"{record.name}: "
-    unique = dict.fromkeys(Finding(kind, words.removeprefix(prefix), about) for kind, some in listed for words in some)
-    return tuple(unique)
+    doubts = {
+        "mark": list(record.marks),
+        "label": against[: len(against) - len(energy)],
+        **sampled.by_kind,
+        "undeclared smoothing": _undeclared(smoothing),
+        "noise": list(noise.notes),
+    }
+    notes = {"integrated": integrated, "irregular": irregular, "declared smoothing": _declared(record)}
+    return {
+        "created energy": ("wrong", energy),
+        **{kind: ("doubt", _condensed(some)) for kind, some in doubts.items()},
+        **{kind: ("note", some) for kind, some in notes.items()},
+    }
 
 
 def _condensed(notes: Sequence[str]) -> list[str]:

@@ -26,6 +26,8 @@ LEAP_OVER_NEIGHBOURS = 3.0  # times the steps before and after: a motion that is
 RUN_AWAY = 1.0  # of the stroke, in the whole record: the table of the published campaign drifts by up to 0.76 of it
 RUN_AWAY_PER_CYCLE = 0.08  # of the stroke: there up to 0.051; what an encoder loses that counts so much less one way
 RUN_AWAY_STRAIGHT = 0.9  # of the variance of the cycles' middles that a straight line holds
+MAX_JITTER = 0.01  # rms, of the interval: beyond it the samples are not even
+MIN_PER_CYCLE = 40  # samples: with fewer a loop has corners
 UNLIKELY_STROKE = 2.0  # m: dampers of buildings and bridges reach 1 m; 2 mm read as m are there
 NOISE_WINDOW = 20  # samples in which a channel's noise is looked at
 MIN_NOISY = 3  # windows in which it has to show
@@ -101,38 +103,51 @@ class Quality(Representation):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a person should look at, one sentence each; empty when all is well."""
-        said = [f"gap of {length:.4g} s at {at:.4g} s" for at, length in self.gaps]
-        if self.jitter > 0.01:
-            said.append(f"sampling jitter of {100 * self.jitter:.2g} % rms")
-        said += [
-            f"{channel} may be saturated: {count} samples stand at its extreme"
-            for channel, count in self.saturated.items()
-        ]
-        said += [
-            f"{channel} has {len(times)} false sample{'s' * (len(times) > 1)}, it seems: at "
-            f"{', '.join(f'{t:.4g}' for t in times[:3])}{' ...' * (len(times) > 3)} s it leaps away from its neighbours and "
-            "back; cut or repair them, or fit with a loss of huber or l1"
-            for channel, times in self.spikes.items()
-        ]
-        if self.leaps:
-            said.append(
-                f"the displacement leaps {len(self.leaps)} time{'s' * (len(self.leaps) > 1)} within one sample, at "
-                f"{', '.join(f'{t:.4g}' for t in self.leaps[:3])}{' ...' * (len(self.leaps) > 3)} s, and stays there: the "
-                "encoder slipped, or counts were lost; cut the record there, or record it again"
-            )
-        if self.run_away:
-            said.append(
+        return tuple(words for some in self.by_kind.values() for words in some)
+
+    @property
+    def by_kind(self) -> dict[str, list[str]]:
+        """The notes by their kind, all of which are named."""
+        return {
+            "gap": [f"gap of {length:.4g} s at {at:.4g} s" for at, length in self.gaps],
+            "jitter": [f"sampling jitter of {100 * self.jitter:.2g} % rms"] if self.jitter > MAX_JITTER else [],
+            "saturated": [
+                f"{channel} may be saturated: {count} samples stand at its extreme"
+                for channel, count in self.saturated.items()
+            ],
+            "false samples": [_false_samples(channel, times) for channel, times in self.spikes.items()],
+            "leap": [self._leaps_in_words()] if self.leaps else [],
+            "run away": [
                 f"the displacement runs away: its middle moves by {1e3 * self.run_away:.3g} mm in one direction; look whether "
                 "the encoder counts less one way than the other, or the table drifts; record it again, or fit a part of it"
-            )
-        if self.stroke > UNLIKELY_STROKE:
-            said.append(
+            ]
+            if self.run_away
+            else [],
+            "unlikely unit": [
                 f"the displacement covers {self.stroke:.4g} m: is its unit right? Give it in m, or name the "
                 "unit (--unit, units=)"
-            )
-        if self.per_cycle is not None and self.per_cycle < 40:
-            said.append(f"only {self.per_cycle:.0f} samples per cycle")
-        return tuple(said)
+            ]
+            if self.stroke > UNLIKELY_STROKE
+            else [],
+            "coarse": [f"only {self.per_cycle:.0f} samples per cycle"]
+            if self.per_cycle is not None and self.per_cycle < MIN_PER_CYCLE
+            else [],
+        }
+
+    def _leaps_in_words(self) -> str:
+        return (
+            f"the displacement leaps {len(self.leaps)} time{'s' * (len(self.leaps) > 1)} within one sample, at "
+            f"{', '.join(f'{t:.4g}' for t in self.leaps[:3])}{' ...' * (len(self.leaps) > 3)} s, and stays there: the "
+            "encoder slipped, or counts were lost; cut the record there, or record it again"
+        )
+
+
+def _false_samples(channel: str, times: tuple[float, ...]) -> str:
+    return (
+        f"{channel} has {len(times)} false sample{'s' * (len(times) > 1)}, it seems: at "
+        f"{', '.join(f'{t:.4g}' for t in times[:3])}{' ...' * (len(times) > 3)} s it leaps away from its neighbours and "
+        "back; cut or repair them, or fit with a loss of huber or l1"
+    )
 
 
 def quality(record: Record) -> Quality:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.findings import Finding, findings_of
 from dampyr.origin import NOT_STATED, Origin, as_origin
 from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.moving_average import MovingAverage
@@ -236,6 +237,15 @@ class Record(Representation):
         return None if value is None else float(np.mean(value))
 
     @property
+    def findings(self) -> tuple[Finding, ...]:
+        """All that a person should look at in the record, each once, the worst first.
+
+        Wrong: loops that create energy. Doubts: marks of the recorder, labels that disagree, saturation, false samples, gaps
+        and whatever else `quality` notes, a moving average that nobody declared, noise that hides the direction of motion.
+        """
+        return findings_of(self)
+
+    @property
     def plot(self) -> RecordPlots:
         """Figures: ``record.plot.history("force")`` and ``record.plot.loops()``, each giving matplotlib axes."""
         return RecordPlots(self)
@@ -274,7 +284,6 @@ class Record(Representation):
                 f", displacement {1e6 * stroke.standard:.2g} µm" if stroke else ""
             )
             rows.append(("uncertainty", f"{words} (one sigma)"))
-        rows += [("mark", mark) for mark in self.marks]
         return f"Record {self.name!r}", rows
 
     def replace(self, *, note: str, **changes: Any) -> Record:

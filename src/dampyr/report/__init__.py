@@ -35,10 +35,11 @@ from dampyr.figures.response_spectrum import response_spectrum
 from dampyr.figures.scores import scores
 from dampyr.figures.style import save
 from dampyr.figures.theta import theta
-from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
 from dampyr.report.figure_files import figure_files
 from dampyr.report.how_made import made_by
 from dampyr.report.html_page import page, write_page
+from dampyr.representation import sentence
 
 WRITERS = {
     "write_fit_page": "fit_page",

@@ -12,9 +12,10 @@ from dampyr.errors import InputError
 from dampyr.figures.acceptance import band_used, peak_velocity_band
 from dampyr.identification import Acceptance, Accepted
 from dampyr.identification.acceptance import BEYOND, UNITS, forces_and_band, in_short, percent, used_of_band
-from dampyr.report.blocks import Block, Cell, FigureBlock, Kind, Section, Table, Text, Verdict, sentence, to_look_at
+from dampyr.report.blocks import Block, Cell, FigureBlock, Kind, Section, Table, Text, Verdict, to_look_at
 from dampyr.report.how_made import files_of, people_and_parts
 from dampyr.report.html_page import page, write_page
+from dampyr.representation import sentence
 
 Array = NDArray[np.float64]
 MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads

@@ -123,14 +123,7 @@ def _first_words(block: Block) -> str:
     return block.text if isinstance(block, Text) else block.caption
 
 
-def to_look_at(findings: Iterable[Finding | str]) -> list[Block]:
-    """The findings, or sentences such as theirs, a paragraph each; nothing where there are none."""
-    texts = [sentence(str(one)) for one in findings]
+def to_look_at(findings: Iterable[Finding]) -> list[Block]:
+    """The findings, a paragraph each; nothing where there are none."""
+    texts = [finding.sentence for finding in findings]
     return [Text("\n\n".join(("Before you use the numbers:", *texts)))] if texts else []
-
-
-def sentence(text: str) -> str:
-    """A clause, such as a finding or a note, with a capital and a full stop; a name at its head keeps its letters."""
-    first = text.partition(" ")[0]
-    head = text if {".", "_", "@"} & set(first) else text[:1].upper() + text[1:]
-    return f"{head}."

@@ -12,13 +12,11 @@ from dampyr.figures.fragility import axis_of
 from dampyr.figures.incremental import incremental_curves
 from dampyr.figures.style import case_colours
 from dampyr.ground_motions import end_in_words
-from dampyr.origin import NOT_STATED
-from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
-from dampyr.report.blocks import sentence as as_sentence
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, to_look_at
 from dampyr.report.fragility_section import fragility_section
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental, summary
-from dampyr.structures.ensemble_accuracy import BOUNDS, FLOOR, doubts, truncation_in_words
+from dampyr.structures.ensemble_accuracy import BOUNDS, FLOOR, truncation_in_words
 from dampyr.structures.simulate import BARE
 
 SHOWN = {
@@ -41,8 +39,9 @@ def write_ensemble_page(
     """
     if isinstance(dataset, EnsembleResult):
         dataset, fragilities, intensity = dataset.dataset, dataset.curves, dataset.intensity
+    result = EnsembleResult(dataset, tuple(fragilities), intensity)
     names = ", ".join(str(name) for name in dataset.building_name.values)
-    sections = [Section("Peaks", summary_tables(dataset))]
+    sections = [Section("Peaks", [*to_look_at(result.findings), *summary_tables(dataset)])]
     swept = dataset.sizes["scale"] > 1 and "drift" in dataset
     analysis = incremental(dataset, "drift", intensity, fractions=FRACTIONS) if swept else None
     case_names = [curve.name for fragility in fragilities for curve in fragility.curves]
@@ -58,7 +57,7 @@ def write_ensemble_page(
         subtitle=_sizes(dataset),
         provenance=_provenance(dataset),
         call=f"dampyr.report.write_ensemble_page(result, {Path(path).name!r})",
-        origin=dataset.attrs.get("damper_origin", NOT_STATED),
+        origin=result.origin,
     )
     return write_page(path, html)
 
@@ -140,17 +139,11 @@ def trust(dataset: Any) -> list[str]:
         "step."
     )
     strict = f"The accuracy is “strict”: at most {bound} of {FLOOR}; smaller ones have no bound. Accelerations are less sharp."
-    lost = (
-        f"{attributes['unbounded']} cases grew without bound; they have no peak, and count as exceeding every limit."
-        if attributes["unbounded"]
-        else "No case grew without bound."
-    )
-    warned = [f"Warning: {one}." for one in (*attributes.get("findings", ()), *doubts(attributes | {"unbounded": 0}))]
-    beyond = [as_sentence(attributes["outside"])] if attributes.get("outside") else []
+    lost = [] if attributes["unbounded"] else ["No case grew without bound."]
     end = f"Each case {end_in_words(attributes.get('after_s', 0.0))}."
     left_out = truncation_in_words(attributes)
     reduced = [f"{left_out[0].upper()}{left_out[1:]}."] if left_out else []
-    return [*warned, measured, fast if attributes["accuracy"] == "fast" else strict, *reduced, *beyond, end, lost]
+    return [measured, fast if attributes["accuracy"] == "fast" else strict, *reduced, end, *lost]
 
 
 def _provenance(dataset: Any) -> dict[str, str]:

@@ -10,7 +10,7 @@ import numpy as np
 from dampyr.findings import Finding
 from dampyr.identification import Fit, Identified, Validation, findings, identifiability
 from dampyr.report.best_and_worst import best_and_worst_sections, extremes
-from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, sentence, to_look_at
+from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, to_look_at
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks
 from dampyr.report.how_made import files_of, people_and_parts
 from dampyr.report.html_page import page, write_page
@@ -21,6 +21,7 @@ from dampyr.report.prediction_section import mean_l1, prediction_section
 from dampyr.report.range_section import range_section
 from dampyr.report.residual_section import residual_section
 from dampyr.report.uncertainty_section import uncertainty_section
+from dampyr.representation import sentence
 
 
 def write_fit_page(
@@ -39,10 +40,10 @@ def write_fit_page(
     if isinstance(fit, Identified):
         checks = [*fit.validations, *checks]
         sections = [*([leaderboard_section(fit.board)] if fit.board else []), *sections]
-        beyond, inseparable, listed = list(fit.beyond.values()), fit.identifiability, fit.findings
+        inseparable, listed = fit.identifiability, fit.findings
         damper, fit = fit.damper, fit.fit
     else:
-        damper, beyond, inseparable, listed = fit.damper, [], identifiability(fit), fit.findings
+        damper, inseparable, listed = fit.damper, identifiability(fit), fit.findings
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
     if damper is not None:
@@ -52,7 +53,7 @@ def write_fit_page(
     html = page(
         f"Identified: {fit.problem.composition}",
         [
-            _summary(fit, checks, listed, beyond),
+            _summary(fit, checks, listed),
             *sections,
             Section("Parameters", fit_blocks(fit)),
             Section("Correlation of the parameters", correlation_blocks(fit)),
@@ -75,7 +76,7 @@ def write_fit_page(
     return write_page(path, html)
 
 
-def _summary(fit: Fit, checks: Sequence[Validation], listed: Sequence[Finding], beyond: Sequence[str]) -> Section:
+def _summary(fit: Fit, checks: Sequence[Validation], listed: Sequence[Finding]) -> Section:
     """What a reader who reads nothing else should know."""
     inputs, precision = _inputs(fit), _precision(fit)
     l1 = {name: one.l1 for name, one in fit.scores.items()}
@@ -97,8 +98,7 @@ def _summary(fit: Fit, checks: Sequence[Validation], listed: Sequence[Finding], 
         rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])
     rows.append(["errors", f"by {fit.clusters}; {precision}"])
     blocks: list[Block] = [Table(("quantity", "result"), rows)]
-    warning_texts = [*map(str, fit.verdict.besides(listed)), *beyond]
-    blocks += to_look_at(warning_texts) or [Text(sentence(findings(fit.residuals)[0]))]
+    blocks += to_look_at(fit.verdict.besides(listed)) or [Text(sentence(findings(fit.residuals)[0]))]
     return Section("In short", blocks)
 
 

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from dampyr.figures.fragility import MAX_CURVES, axis_of, fragility_curves
-from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
+from dampyr.representation import sentence
 from dampyr.structures import Curve, Fragility
 from dampyr.structures.fragility import LEVEL, drawn_curves
 

@@ -13,9 +13,10 @@ from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import DISPLACEMENT
 from dampyr.origin import DERIVED, MEASURED, NOT_STATED, SIMULATED, VIRTUAL, Origin, series
-from dampyr.report.blocks import FigureBlock, Section, Table, Text, sentence
+from dampyr.report.blocks import FigureBlock, Section, Table, Text, to_look_at
 from dampyr.report.html_page import page, write_page
 from dampyr.report.response_page import floor_name
+from dampyr.representation import sentence
 
 FORCES: Mapping[Origin, str] = {
     MEASURED: "The building was computed and its damper measured",
@@ -32,7 +33,7 @@ def write_hybrid_page(result: HybridResult, path: str | Path) -> Path:
     html = page(
         f"{result.tested.capitalize()}: {result.title}",
         [
-            Section("In short", [Text(in_short(result)), _peaks(result)]),
+            Section("In short", [Text(in_short(result)), *to_look_at(result.findings), _peaks(result)]),
             Section("The floors", [_floor(result, k) for k in range(len(computed.floors))]),
             Section("The damper", _damper(result)),
             Section(
@@ -60,8 +61,8 @@ def in_short(result: HybridResult) -> str:
     """What the test has shown, in sentences."""
     worst = int(np.argmax(np.abs(result.differences)))
     by = 100 * result.differences[worst]
-    clock = f" on a clock {result.clock:g} times slower" if result.clock != 1.0 else ""
-    notes = "".join(f" The plan: {note}." for note in result.notes)
+    slower = f"{result.clock:g}"
+    clock = f" on a clock {slower} times slower" if slower != "1" else ""
     virtual = result.origin == VIRTUAL
     errors = "the actuator's error and the loop's" if virtual else "the model's error, the table's and the loop's"
     moved = "computed actuator" if virtual else "table"
@@ -71,7 +72,7 @@ def in_short(result: HybridResult) -> str:
         f"place: this is {errors} together. The {moved} followed what the building wanted to "
         f"{100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late "
         f"in the building's time after compensation; its errors put {100 * result.energy_error:.2g} % of the ground's energy "
-        f"into the building.{notes}"
+        "into the building."
     )
 
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dampyr.identification import Identifiability
-from dampyr.report.blocks import Block, Section, Table, Text, sentence
+from dampyr.report.blocks import Block, Section, Table, Text
+from dampyr.representation import sentence
 
 
 def identifiability_section(result: Identifiability) -> Section:
     """What cannot be separated, and the test that would, a row each."""
     title = "What these records cannot separate"
-    if not result.findings:
+    if not result.inseparable:
         return Section(title, [Text("These records separate every number that was fitted, and voltage from session.")])
-    rows = [[sentence(one.words), sentence(one.test)] for one in result.findings]
+    rows = [[sentence(one.words), sentence(one.test)] for one in result.inseparable]
     caption = (
         "Correlations and widths are those of the fitted model. A test is proposed from motions within the stroke, the speed "
         "and the acceleration of these records; it counts as one record more."

@@ -7,7 +7,8 @@ import math
 from dampyr.figures.leaderboard import leaderboard_figure
 from dampyr.identification import Leaderboard
 from dampyr.identification.leaderboard import choice_in_words
-from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, sentence
+from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text
+from dampyr.representation import sentence
 
 NAMES = (
     "", "model", "error", "±", "parameters", "building", "L1", "relevelled", "unseen input", "NRMSE", "pointwise", "energy",

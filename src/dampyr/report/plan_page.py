@@ -11,8 +11,9 @@ from dampyr.campaigns.check import STROKE_MARGIN
 from dampyr.figures.envelope import envelope
 from dampyr.figures.planned_drive import planned_drive
 from dampyr.figures.style import case_colours
-from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict, sentence
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
 from dampyr.report.html_page import page, write_page
+from dampyr.representation import sentence
 from dampyr.rig import RigSettings
 
 FORCES = (0.0, 500.0, 1000.0, 1500.0)  # N: no load, and three loads in equal steps

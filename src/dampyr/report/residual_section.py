@@ -8,7 +8,8 @@ from dampyr.figures.residual_velocity import residual_velocity
 from dampyr.figures.style import CURRENT, VOLTAGE, case_colours
 from dampyr.identification import Residuals, findings
 from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES
-from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, sentence
+from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
+from dampyr.representation import sentence
 
 
 def residual_section(residuals: Residuals) -> Section:

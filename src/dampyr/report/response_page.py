@@ -14,11 +14,11 @@ from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import CURRENT, VOLTAGE, Axis, case_colours
 from dampyr.ground_motions import end_in_words
-from dampyr.origin import combined
-from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, sentence, to_look_at
+from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, to_look_at
 from dampyr.report.html_page import page, write_page
+from dampyr.representation import sentence
 from dampyr.structures import Response, Simulated
-from dampyr.structures.simulate import BARE, truncation_note
+from dampyr.structures.simulate import BARE
 
 Array = NDArray[np.float64]
 STROKE = Axis("stroke", "mm", 1e3)
@@ -31,14 +31,13 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: str | P
 
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
     """
-    findings = cases.findings if isinstance(cases, Simulated) else ()
+    simulated = cases if isinstance(cases, Simulated) else Simulated("", "", "", cases)
     intervals = [_intervals(cases)] if isinstance(cases, Simulated) and cases.intervals else []
     cases = cases.cases if isinstance(cases, Simulated) else cases
-    notes = [note] if (note := truncation_note(cases)) else []
-    notes += [f"{name} is not converged: {r.reason}" for name, r in cases.items() if not r.converged]
+    notes = [simulated.note] if simulated.note else []
     first = next(iter(cases.values()))
     colours = case_colours(cases, BARE if BARE in cases else None)
-    said = [*to_look_at(findings), *[Text(sentence(text)) for text in notes]]
+    said = [*to_look_at(simulated.findings), *[Text(sentence(text)) for text in notes]]
     html = page(
         f"Response: {first.title}",
         [
@@ -54,7 +53,7 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: str | P
         subtitle="; ".join(cases),
         provenance={name: _accuracy(r) for name, r in cases.items()},
         call=f"dampyr.report.write_response_page(result, {Path(path).name!r})",
-        origin=combined(response.origin for response in cases.values() if response.sites),
+        origin=simulated.origin,
     )
     return write_page(path, html)
 

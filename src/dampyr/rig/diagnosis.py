@@ -24,7 +24,7 @@ LIBRARIES = {"pyserial": "the Uno", "nidaqmx": "the NI board", "grpcio": "the wi
 
 
 @dataclass(frozen=True)
-class Finding:
+class RigCheck:
     """One check: its result, and the repair (None: nothing to repair)."""
 
     what: str
@@ -32,37 +32,37 @@ class Finding:
     repair: str | None = None
 
 
-def diagnose(settings: str | Path | None = None, in_process: bool = False) -> list[Finding]:
+def diagnose(settings: str | Path | None = None, in_process: bool = False) -> list[RigCheck]:
     """Check everything, in the order of the wires; nothing is armed, nothing moves, the coil stays at 0 V."""
     try:
         rig = RigSettings() if settings is None else load_settings(settings)
     except DampyrError as problem:
-        return [Finding("rig", "its settings are wrong", str(problem))]
+        return [RigCheck("rig", "its settings are wrong", str(problem))]
     return [*_libraries(), *_settings(rig, settings), *_instruments(rig, settings, in_process)]
 
 
-def _libraries() -> Iterator[Finding]:
+def _libraries() -> Iterator[RigCheck]:
     for name, use in LIBRARIES.items():
         try:
-            yield Finding(f"{name}, for {use}", metadata.version(name))
+            yield RigCheck(f"{name}, for {use}", metadata.version(name))
         except metadata.PackageNotFoundError:
-            yield Finding(f"{name}, for {use}", "missing", install_line("rig"))
+            yield RigCheck(f"{name}, for {use}", "missing", install_line("rig"))
 
 
-def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
+def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[RigCheck]:
     kind = f"{rig.wires.serial}, board {rig.wires.board}" if rig.wires.serial else "simulated: no wires are named"
-    yield Finding("rig", f"{rig.name}, {kind}")
+    yield RigCheck("rig", f"{rig.name}, {kind}")
     yield from _named(rig, path)
     lines = "the Uno's enable line cuts the coil" if rig.supply.enable_line else "no enable line"
     repair = "wire the supply through pin 8 of the Uno: without it a dead host leaves the coil live"
-    yield Finding("coil", lines, None if rig.supply.enable_line else repair)
+    yield RigCheck("coil", lines, None if rig.supply.enable_line else repair)
     read = [name for name in ("coil_voltage", "coil_current") if name in rig.inputs]
     guards = (
         "what a record says of the coil is what was commanded, so that a dead supply or a broken wire is not seen; "
     )
     guards += "wire its voltage and a shunt to free inputs, and name them in wires.coil_voltage and wires.coil_current"
     words = " and ".join(name.partition("_")[2] for name in read)
-    yield Finding("coil's readings", words or "none", None if len(read) == 2 else guards)
+    yield RigCheck("coil's readings", words or "none", None if len(read) == 2 else guards)
     yield from _switches(rig)
     if rig.wires.serial:
         calibration = load_calibration(Path(path).parent) if path else None
@@ -71,14 +71,14 @@ def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
             if calibration is None
             else f"{calibration.scale:.5g} N/V, {calibration.how}"
         )
-        yield Finding(
+        yield RigCheck(
             "load cell", words, f"dampyr calibrate --rig {path} writes {NAME}" if calibration is None else None
         )
         if calibration is not None and (far := doubt(calibration.scale, rig.load_cell.scale)):
-            yield Finding("load cell's scale", far, "calibrate it again, or correct load_cell.scale")
+            yield RigCheck("load cell's scale", far, "calibrate it again, or correct load_cell.scale")
 
 
-def _named(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
+def _named(rig: RigSettings, path: str | Path | None) -> Iterator[RigCheck]:
     """The instruments that the rig names."""
     absolute = with_absolute_folders(rig, Path(path).parent if path else None)
     for role in ROLES:
@@ -86,59 +86,61 @@ def _named(rig: RigSettings, path: str | Path | None) -> Iterator[Finding]:
         try:
             if name != OUTPUT:
                 part(absolute, role, "driver")
-            yield Finding(role, "an output of the acquisition" if name == OUTPUT else name)
+            yield RigCheck(role, "an output of the acquisition" if name == OUTPUT else name)
         except DampyrError as problem:
-            yield Finding(role, name, str(problem))
+            yield RigCheck(role, name, str(problem))
 
 
-def _switches(rig: RigSettings) -> Iterator[Finding]:
+def _switches(rig: RigSettings) -> Iterator[RigCheck]:
     """Which of the encoder's guards are wired."""
     wires = rig.wires
     ends = "wire one before each end to pins 5 and 6 of the Uno and set wires.end_switches: without them nothing but force and "
     ends += "the damper's own stops ends a motion while the table is not homed or its encoder is dead"
     stop = "wire one to pin 11 of the Uno and into the supplies of motor and coil, and set wires.emergency_stop"
     index = "wire the encoder's Z to the board and name its counter and input in wires.index, such as ctr1/PFI9"
-    yield Finding("end switches", "wired" if wires.end_switches else "none", None if wires.end_switches else ends)
-    yield Finding("emergency stop", "wired" if wires.emergency_stop else "none", None if wires.emergency_stop else stop)
-    yield Finding("encoder's index", wires.index or "not read by the board", None if wires.index else index)
+    yield RigCheck("end switches", "wired" if wires.end_switches else "none", None if wires.end_switches else ends)
+    yield RigCheck(
+        "emergency stop", "wired" if wires.emergency_stop else "none", None if wires.emergency_stop else stop
+    )
+    yield RigCheck("encoder's index", wires.index or "not read by the board", None if wires.index else index)
 
 
-def _instruments(rig: RigSettings, path: str | Path | None, in_process: bool) -> Iterator[Finding]:
+def _instruments(rig: RigSettings, path: str | Path | None, in_process: bool) -> Iterator[RigCheck]:
     try:
         opened = open_rig(path, in_process=in_process)
     except DampyrError as problem:
-        yield Finding("connection", "none", str(problem))
+        yield RigCheck("connection", "none", str(problem))
         return
     with opened:
         for look in (_uno, _board):
             try:
                 yield from look(opened)
             except DampyrError as problem:
-                yield Finding(look.__name__.strip("_"), "does not answer", str(problem))
+                yield RigCheck(look.__name__.strip("_"), "does not answer", str(problem))
 
 
-def _uno(rig: Rig) -> Iterator[Finding]:
+def _uno(rig: Rig) -> Iterator[RigCheck]:
     hello = rig.uno.hello()
-    yield Finding("Uno", f"firmware {hello.firmware}, protocol {hello.version}, control at {hello.rate} Hz")
+    yield RigCheck("Uno", f"firmware {hello.firmware}, protocol {hello.version}, control at {hello.rate} Hz")
     status = rig.uno.heartbeat()
     words = status.state.name.lower()
     if status.state is State.FAULT:
         words += f": {fault_in_words(status.faults)}"
     expected = status.state is State.IDLE or status.faults is Fault.RESTARTED
-    yield Finding("its state", words, None if expected else "arming clears it, once its cause is gone")
-    yield Finding("encoder", "homed" if status.homed else "not homed; a campaign homes it first")
+    yield RigCheck("its state", words, None if expected else "arming clears it, once its cause is gone")
+    yield RigCheck("encoder", "homed" if status.homed else "not homed; a campaign homes it first")
     wires = rig.settings.wires
     if wires.end_switches and status.inputs & (LOW_END | HIGH_END):
         both = status.inputs & LOW_END and status.inputs & HIGH_END
         where = "both open" if both else ("the lower one open" if status.inputs & LOW_END else "the upper one open")
         repair = "look at their wires" if both else "homing or a jog moves the table away from it"
-        yield Finding("end switches now", where, repair)
+        yield RigCheck("end switches now", where, repair)
     if wires.emergency_stop and status.inputs & PRESSED:
-        yield Finding("emergency stop now", "open", "release it, or look at its wire")
+        yield RigCheck("emergency stop now", "open", "release it, or look at its wire")
 
 
-def _board(rig: Rig) -> Iterator[Finding]:
-    yield Finding("board", rig.board.identity())
+def _board(rig: Rig) -> Iterator[RigCheck]:
+    yield RigCheck("board", rig.board.identity())
     volts, _ = rig.listen(0.5)
     calibration = rig.calibration
     assert calibration is not None
@@ -146,15 +148,15 @@ def _board(rig: Rig) -> Iterator[Finding]:
     rail = np.abs(volts[0]).max() >= 0.995 * rig.settings.board.range
     loud = f"its noise is {force.std():.2g} N rms; look at its shield and ground" if force.std() > LOUD else None
     repair = "its signal is at the end of the range; look at its wire and its supply" if rail else loud
-    yield Finding("load cell now", f"{force.mean():+.1f} N, {force.std():.2g} N rms", repair)
+    yield RigCheck("load cell now", f"{force.mean():+.1f} N, {force.std():.2g} N rms", repair)
     readings = dict(zip(rig.settings.inputs, volts, strict=True))
     if "temperature" in readings:
-        yield Finding("thermocouple", f"{calibration.temperature(readings['temperature']).mean():.1f} degC")
+        yield RigCheck("thermocouple", f"{calibration.temperature(readings['temperature']).mean():.1f} degC")
     supply = rig.settings.supply
     for name, scale, unit in (("coil_voltage", supply.voltage_scale, "V"), ("coil_current", supply.current_scale, "A")):
         if name in readings:
             value, dead = float(readings[name].mean()) * scale, AT_ZERO[unit]
             repair = f"it is not 0 while the coil is off; look at the input's wires and at supply.{name[5:]}_scale"
-            yield Finding(
+            yield RigCheck(
                 name.replace("_", " ") + " now", f"{value:+.3f} {unit}", repair if abs(value) > dead else None
             )

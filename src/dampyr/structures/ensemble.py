@@ -15,7 +15,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from dampyr.errors import DampyrWarning
+from dampyr.errors import FindingWarning
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.building import Building
@@ -157,4 +157,4 @@ def completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> I
 def warn_of(dataset: Any) -> None:
     """Warn of errors above the bound of the accuracy, and of cases that grew without bound."""
     for sentence in doubts(dataset.attrs):
-        warnings.warn(sentence, DampyrWarning, stacklevel=4)
+        warnings.warn(sentence, FindingWarning, stacklevel=4)

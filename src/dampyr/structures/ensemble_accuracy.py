@@ -70,6 +70,7 @@ def doubts(attributes: Mapping[str, Any]) -> list[str]:
         )
     if attributes["unbounded"]:
         sentences.append(
-            f"{attributes['unbounded']} cases grew without bound and have no peaks; check delays, signs and inputs"
+            f"{attributes['unbounded']} cases grew without bound: they have no peak, and count as exceeding every limit; check "
+            "delays, signs and inputs"
         )
     return sentences

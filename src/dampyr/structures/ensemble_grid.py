@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.findings import Finding, worst_first
+from dampyr.findings import OF_DAMPER, Finding, handed_on
 from dampyr.ground_motions import GroundMotion, followed_by_rest
 from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.batch.gpu import missing
@@ -82,9 +82,9 @@ class Cases:
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
-        """The worst finding of each damper, each once."""
+        """What is wrong or in doubt in the dampers, each once."""
         dampers = (damper for placement in self.placements for _, damper in places_and_dampers(placement))
-        return worst_first(one for damper in dampers for one in damper.inherited())
+        return handed_on(dampers, OF_DAMPER)
 
     def width(self, quantity: str) -> int:
         """How many values of a quantity a case has."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
+from dampyr.findings import Finding, worst_first
 from dampyr.ground_motions import GroundMotion, end_in_words, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.origin import NOT_STATED, Origin
@@ -21,7 +22,7 @@ from dampyr.structures.fragility import Curve, Fragility, fragility
 from dampyr.structures.incremental import incremental
 from dampyr.structures.peaks import INTENSITIES
 from dampyr.structures.simulate import all_inputs, check_inputs, installed
-from dampyr.structures.store import UNITS
+from dampyr.structures.store import UNITS, finding_of
 from dampyr.structures.summary import summary
 from dampyr.to_json import plain
 from dampyr.units import STANDARD_GRAVITY
@@ -123,11 +124,14 @@ class EnsembleResult(Representation):
         return EnsemblePlots(self)
 
     @property
-    def notes(self) -> list[str]:
-        """The worst finding of each damper, and what is wrong with the accuracy or the cases, in sentences; none where nothing
-        is."""
-        outside = self.dataset.attrs.get("outside")
-        return [*self.dataset.attrs.get("findings", ()), *doubts(self.dataset.attrs), *([outside] if outside else [])]
+    def findings(self) -> tuple[Finding, ...]:
+        """What is wrong or in doubt in the dampers, the accuracy and the cases; the worst first."""
+        attributes = self.dataset.attrs
+        outside = [attributes["outside"]] if attributes.get("outside") else []
+        return worst_first(
+            map(finding_of, attributes.get("findings", ())),
+            (Finding("doubt", words) for words in (*doubts(attributes), *outside)),
+        )
 
     def to_dataframe(self) -> Any:
         """Medians and 84 % fractiles of the peaks as a ``pandas.DataFrame``, SI units: one row a case and scale."""
@@ -160,7 +164,6 @@ class EnsembleResult(Representation):
             ("end", end_in_words(attributes.get("after_s", 0.0))),
             ("without bound", f"{attributes['unbounded']} cases"),
             *(("left out", words) for words in (truncation_in_words(attributes),) if words),
-            *(("warning", sentence) for sentence in self.notes),
         ]
         rows += [("fragility", f"{curve.limit_in_words}, over {curve.intensity}") for curve in self.curves[:4]]
         return "EnsembleResult", rows
@@ -182,10 +185,8 @@ class EnsembleResult(Representation):
             }
             for each in self.curves
         ]  # fmt: skip
-        attributes = {
-            name: value for name, value in self.dataset.attrs.items() if name != "findings"
-        }  # among the notes
-        return dict(plain({**attributes, "notes": self.notes, "peaks": summary(self.dataset), "fragility": curves}))
+        attributes = {**self.dataset.attrs, "findings": [finding.as_dict() for finding in self.findings]}
+        return dict(plain({**attributes, "peaks": summary(self.dataset), "fragility": curves}))
 
 
 def synthetic_motions(

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
-from dampyr.errors import DampyrWarning
+from dampyr.errors import FindingWarning
+from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.ground_motions import GroundMotion, followed_by_rest
 from dampyr.origin import combined
 from dampyr.structures.building import Building, Condensed
@@ -113,10 +114,9 @@ def respond(
         best = run_once(run, given_steps_per_sample(motion, step, sites))
     truncation = None if whole is building else _truncation(whole, half, motion, sites, best)
     response = _response(whole, motion, sites, best, after, truncation)
-    _warn(response, sites)
     warn_of_parts(sites)
-    for note in response.outside:
-        warnings.warn(note, DampyrWarning, stacklevel=2)
+    for doubt in response.doubts:
+        warnings.warn(doubt, FindingWarning, stacklevel=2)
     return response
 
 
@@ -150,6 +150,9 @@ def _response(
     all_q = np.ascontiguousarray(out.state[:, :n].T)
     q, drift = all_q[:floors], (drifts(building) @ all_q)[:floors]
     general = any(not site.composition.path_only or site.delay > 0 for site in sites)
+    energy = _energy(building, out)
+    slow = [f"the response is not to its accuracy: {run.reason}"] if run.reason else []
+    outside = [words for d, site in enumerate(sites) for words in _outside(site, rows[d], out, motion.dt)]
     return Response(
         time=motion.time,
         ground_acceleration=motion.acceleration,
@@ -165,7 +168,7 @@ def _response(
         peak_acceleration=out.acceleration_peak,
         peak_base_shear=float(out.shear_peak[0]),
         peak_force=out.force_peak,
-        energy=_energy(building, out),
+        energy=energy,
         storeys=tuple(site.storey for site in sites),
         sites=tuple(building.place_label(site.place) for site in sites),
         inputs=tuple(site.input_value for site in sites),
@@ -185,7 +188,8 @@ def _response(
         after=float(after),
         truncation=truncation,
         origin=combined(site.damper.origin for site in sites),
-        outside=tuple(note for d, site in enumerate(sites) for note in _outside(site, rows[d], out, motion.dt)),
+        of_dampers=handed_on((site.damper for site in sites), OF_DAMPER),
+        doubts=(*slow, *_given_energy(energy, sites), *outside),
     )
 
 
@@ -214,16 +218,12 @@ def _energy(building: Building, out: Output) -> Energy:
     return Energy(work[0].copy(), kinetic, strain, work[1].copy(), work[2:].copy())
 
 
-def _warn(response: Response, sites: tuple[Site, ...]) -> None:
-    if not response.converged:
-        warnings.warn(f"the response is not to its accuracy: {response.reason}", DampyrWarning, stacklevel=3)
-    scale = 1e-6 * float(np.max(np.abs(response.energy.input)))
-    for site, work in zip(sites, response.energy.dampers, strict=True):
-        if work[-1] < -scale:
-            warnings.warn(
-                f"the damper {describe_place(site.place)} fed {-work[-1]:.3g} J into "
-                "the building over the whole motion; "
-                "check its delay and the sign of its force",
-                DampyrWarning,
-                stacklevel=3,
-            )
+def _given_energy(energy: Energy, sites: tuple[Site, ...]) -> list[str]:
+    """Which dampers gave the building energy over the whole motion."""
+    scale = 1e-6 * float(np.max(np.abs(energy.input)))
+    return [
+        f"the damper {describe_place(site.place)} fed {-work[-1]:.3g} J into the building over the whole motion; "
+        "check its delay and the sign of its force"
+        for site, work in zip(sites, energy.dampers, strict=True)
+        if work[-1] < -scale
+    ]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.findings import Finding, worst_first
 from dampyr.ground_motions import end_in_words
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing
@@ -347,8 +348,15 @@ class Response(Representation):
     # and "mean_input" (V or A). Only the first two were halved for; the others may be larger. Empty where the step was given.
     error_estimates: Mapping[str, float] = field(default_factory=dict)
     origin: Origin = NOT_STATED  # of the dampers' cards together: a response is computed, whatever they rest on
-    outside: tuple[str, ...] = ()  # calibrated limits of displacement and velocity that the motion leaves, in words
+    of_dampers: tuple[Finding, ...] = ()  # what is wrong or in doubt in the dampers
+    # an accuracy that was not reached, a damper that gave energy, calibrated limits that the motion leaves, in words
+    doubts: tuple[str, ...] = ()
     truncation: Truncation | None = None  # what a reduced structure leaves out; None where nothing is left out
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What is wrong or in doubt in the dampers and in the response, the worst first."""
+        return worst_first(self.of_dampers, (Finding("doubt", words) for words in self.doubts))
 
     @property
     def plot(self) -> ResponsePlots:
@@ -399,8 +407,6 @@ class Response(Representation):
             rows.append(("error", self.error_in_words))
         if self.truncation is not None:
             rows.append(("reduced", self.truncation.in_words()))
-        if not self.converged:
-            rows.append(("not converged", self.reason))
         return f"Response {self.title!r}" if self.title else "Response", rows
 
     @property
@@ -441,6 +447,7 @@ class Response(Representation):
             "peak_base_shear_N": self.peak_base_shear,
             "peak_force_N": self.peak_force.tolist(),
             "damper_origin": self.origin,
+            "findings": [finding.as_dict() for finding in self.findings],
             "sites": list(self.sites),
             "laws": list(self.laws),
             "mean_input": self.mean_input.tolist(),
@@ -468,6 +475,7 @@ class Response(Representation):
             "converged": int(self.converged),
             "title": self.title,
             "damper_origin": self.origin,
+            "findings": list(map(str, self.findings)),
             "after_s": self.after,
         }
         if self.error_estimate is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from dampyr import units
 from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.findings import Finding
+from dampyr.findings import Finding, worst_first
 from dampyr.ground_motions import GroundMotion, end_in_words
 from dampyr.models import Damper
 from dampyr.origin import Origin, combined
@@ -127,8 +127,25 @@ class Simulated(Representation):
     intervals: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """90 % intervals (2, floors) or (2, sites) of the peaks of each case with a damper, by the names of `as_dict`, SI units."""
     draws: int = 0
-    findings: tuple[Finding, ...] = ()
-    """The worst of the damper."""
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Those of all cases, the worst first; what is not said of every case with a damper is said of which."""
+        cases = {name: response for name, response in self.cases.items() if response.sites} or self.cases
+        shared = [
+            finding
+            for finding in next(iter(cases.values())).findings
+            if all(finding in response.findings for response in cases.values())
+        ]
+        return worst_first(
+            shared,
+            (
+                replace(finding, about=(name,))
+                for name, response in self.cases.items()
+                for finding in response.findings
+                if finding not in shared
+            ),
+        )
 
     @property
     def origin(self) -> Origin:
@@ -164,12 +181,11 @@ class Simulated(Representation):
         return peaks_by_floor(*self.peaks_by_floor(), axes=_peak_axes())
 
     def _summary(self) -> Summary:
-        rows = [*(("look at", str(one)) for one in self.findings), ("end", self.end)] + [
+        rows = [("end", self.end)] + [
             (name, f"peak drift {1e3 * max(r.peak_drift):.4g} mm, acceleration {max(r.peak_acceleration):.4g} m/s²")
             for name, r in self.cases.items()
         ]
         rows += [("error", self.error)] if self.error else []
-        rows += [("not converged", f"{name}: {reason}") for name, reason in self.unconverged.items()]
         return f"Simulated {self.title!r}", rows
 
     def _table(self) -> Table:
@@ -197,22 +213,15 @@ class Simulated(Representation):
         return errors_in_words(self.cases.values())
 
     @property
-    def unconverged(self) -> dict[str, str]:
-        """The cases that did not reach their accuracy, and why."""
-        return {name: r.reason for name, r in self.cases.items() if not r.converged}
-
-    @property
     def end(self) -> str:
         """Where the responses end, in words."""
         return end_in_words(next(iter(self.cases.values())).after)
 
     def as_dict(self) -> dict[str, Any]:
         """The peaks of each case for JSON, SI units."""
-        cases = {name: _response_as_dict(response) for name, response in self.cases.items()}
+        cases = {name: response.as_dict() for name, response in self.cases.items()}
         for name, each in self.intervals.items():
             cases[name] |= {"intervals_90": dict(each), "draws": self.draws}
-        for name in cases.keys() - {BARE} if self.findings else ():
-            cases[name]["notes"] = list(map(str, self.findings))
         return dict(plain(cases))
 
 
@@ -261,7 +270,7 @@ def simulate(
         tell(f"{options.draws} drawn dampers", len(inputs) / (len(inputs) + 1))
         names = [name for name in cases if name != BARE]
         intervals = dict(zip(names, peak_intervals(building, motion, damper, options, inputs), strict=True))
-    return Simulated(building.name, motion.name, fitted.input, cases, intervals, options.draws, damper.inherited())
+    return Simulated(building.name, motion.name, fitted.input, cases, intervals, options.draws)
 
 
 def peak_intervals(
@@ -329,25 +338,3 @@ def _number(key: str, value: str) -> Any:
         return float(value)
     except ValueError:
         return units.parse(value, "s") if key in ("period", "lag") else value
-
-
-def _response_as_dict(response: Response) -> dict[str, Any]:
-    return {
-        "peak_displacement_m": response.peak_displacement,
-        "peak_drift_m": response.peak_drift,
-        "peak_acceleration_m_s2": response.peak_acceleration,
-        "peak_base_shear_N": response.peak_base_shear,
-        "peak_force_N": response.peak_force,
-        "damper_origin": response.origin,
-        "sites": response.sites,
-        "laws": response.laws,
-        "mean_input": response.mean_input,
-        "scheme": response.scheme,
-        "step_s": response.step,
-        "error_estimate": response.error_estimate,
-        "error_estimates": dict(response.error_estimates),
-        "converged": response.converged,
-        "reason": response.reason,
-        "after_s": response.after,
-        **response.truncation_as_dict(),
-    }

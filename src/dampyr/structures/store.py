@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
+from dampyr.findings import Finding
 from dampyr.ground_motions import GroundMotion, sa
 from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records.self_contained import check_contained
@@ -278,7 +279,7 @@ def describe(file: Any, what: Cases, labels: Labels) -> None:
     if what.after:
         file.attrs["after"] = what.after
     if what.findings:
-        file["findings"] = [str(one) for one in what.findings]  # no attribute: those end at 64 KiB
+        file["findings"] = [json.dumps(one.as_dict()) for one in what.findings]  # no attribute: those end at 64 KiB
 
 
 def attributes(
@@ -287,12 +288,13 @@ def attributes(
     precision: int,
     size: int,
     after: float = 0.0,
-    findings: Iterable[object] = (),
+    findings: Iterable[Finding] = (),
     calibrated: Sequence[float] = (),
 ) -> dict[str, Any]:
     """Errors and counts, from the rows of `DIAGNOSTICS` of all shards; ``after_s`` where the motions have a rest, ``findings``
-    where the dampers have some, ``outside`` where a stroke leaves the displacements [m] that they were ``calibrated`` on."""
-    sentences = list(map(str, findings))
+    as JSON where the dampers have some, ``outside`` where a stroke leaves the displacements [m] that they were ``calibrated``
+    on."""
+    of_dampers = [json.dumps(finding.as_dict()) for finding in findings]
     sums = dict(zip(DIAGNOSTICS, diagnostics.sum(axis=0)))
     largest = dict(zip(DIAGNOSTICS, diagnostics.max(axis=0, initial=0.0)))
     beyond, with_limits = int(sums.get("beyond", 0)), int(sums.get("calibrated", 0))
@@ -313,7 +315,7 @@ def attributes(
             for name, attribute in TRUNCATION.items()
             if name in largest and np.max(diagnostics[:, DIAGNOSTICS.index(name)], initial=-1.0) >= 0.0
         },
-        **({"findings": sentences} if sentences else {}),
+        **({"findings": of_dampers} if of_dampers else {}),
         **({"outside": outside} if outside else {}),
     }
 
@@ -346,12 +348,17 @@ def read_ensemble(path: str | Path) -> Any:
         return labels.dataset(values, attributes(file["told"][:], *made_with(file, labels)))
 
 
-def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float, list[str], list[float]]:
+def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float, list[Finding], list[float]]:
     """The arguments of `attributes` after the first, of an ensemble or of the whole that a part belongs to."""
     attrs, size = file.attrs, int(np.prod(labels.shape))
-    findings = list(file["findings"].asstr()[:]) if "findings" in file else []
+    findings = list(map(finding_of, file["findings"].asstr()[:])) if "findings" in file else []
     after, precision = float(attrs.get("after", 0.0)), int(attrs["precision"])
     return str(attrs["accuracy"]), precision, size, after, findings, labels.calibrated
+
+
+def finding_of(text: str) -> Finding:
+    """A finding as a file of an ensemble or its ``attrs`` have it: JSON, up to 0.3.0 a sentence."""
+    return Finding.from_dict(json.loads(text)) if text.startswith("{") else Finding("doubt", text)
 
 
 def progress_of(path: str | Path) -> tuple[int, int]:

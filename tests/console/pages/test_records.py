@@ -45,7 +45,7 @@ def test_the_list_tells_what_the_command_tells(client, campaign_folder):
     reply = client.get("/api/records/list", params={"source": "labcontrol"}).json()
     own = {record.name: plain(records.describe(record)) for record in records.read_campaign(campaign_folder, role=None)}
     for about in own.values():
-        about["notes"] = [in_page_words(note) for note in about["notes"]]
+        about["notes"] = [in_page_words(finding["words"]) for finding in about.pop("findings")]
     assert {one["about"]["name"]: one["about"] for one in reply} == own
     keys = [one["key"] for one in reply]
     assert keys.index("labcontrol/ensaio.A.10.mat") - keys.index(KEY) == 9

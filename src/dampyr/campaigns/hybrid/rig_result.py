@@ -16,6 +16,7 @@ from dampyr.campaigns.hybrid.substructure import LARGEST_LAG, Substructure, Subs
 from dampyr.campaigns.kinds import kind
 from dampyr.config import fill
 from dampyr.errors import InputError
+from dampyr.findings import Finding, handed_on, worst_first
 from dampyr.models.codegen.kernels import bind
 from dampyr.origin import NOT_STATED, Origin, notice
 from dampyr.records import Record, read
@@ -56,13 +57,18 @@ class HybridResult(Representation):
     gain: float
     energy_error: float
     computed: Response
-    notes: tuple[str, ...] = ()
     origin: Origin = NOT_STATED
+    of_record: tuple[Finding, ...] = ()  # what is wrong or in doubt in the record of the test; none of a computed one
 
     @property
     def tested(self) -> str:
         """What tables and legends call the test: a hybrid test, simulated or virtual where it is."""
         return f"{self.origin} hybrid test" if notice(self.origin) else "hybrid test"
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What is wrong or in doubt in the record of the test, in the response that it is compared with and in its damper."""
+        return worst_first(self.of_record, self.computed.findings)
 
     @property
     def peaks(self) -> Array:
@@ -105,7 +111,7 @@ class HybridResult(Representation):
             "lag_s": self.lag,
             "energy_error": self.energy_error,
             "static_force_N": self.static_force,
-            "notes": list(self.notes),
+            "findings": [finding.as_dict() for finding in self.findings],
         }
 
     def plot(self) -> Any:
@@ -165,12 +171,12 @@ def hybrid_result(source: Record | str | Path) -> HybridResult:
     drive: HybridDrive = step.drive(settings)
     run, static = replayed(drive, record.displacement, record.force, settings)
     lag, gain = lag_of(run.target, run.achieved, drive.substructure.h, LARGEST_LAG)
-    n, notes = drive.substructure.building.n_floors, record.provenance.get("plan_notes", "")
+    n = drive.substructure.building.n_floors
     return HybridResult(
         step.title, step.scale, step.clock, step.voltage, np.asarray(np.arange(run.now + 1) * drive.substructure.h, float),
         np.ascontiguousarray(run.z[:, :n].T), run.target, run.achieved, run.force,
         modelled_force(drive.substructure, run), static, lag, gain, run.energy_error,
-        step.computed(settings), tuple(filter(None, notes.split("; "))), record.origin,
+        step.computed(settings), record.origin, handed_on([record]),
     )  # fmt: skip
 
 

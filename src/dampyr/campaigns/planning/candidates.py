@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.check import STROKE_MARGIN, findings, largest
+from dampyr.campaigns.check import STROKE_MARGIN, largest, violations_of
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.step import quantity_of, words
@@ -187,14 +187,14 @@ def _checked_with(rig: RigSettings, damper: Damper) -> tuple[Damper | None, ...]
 
 def _refused(step: Any, rig: RigSettings, damper: Damper) -> bool:
     """Whether the check before motion would refuse a step."""
-    return any(findings(step, rig, one) for one in _checked_with(rig, damper))
+    return any(violations_of(step, rig, one) for one in _checked_with(rig, damper))
 
 
 def _largest_amplitude(step: Any, rig: RigSettings, damper: Damper) -> float | None:
     """The largest amplitude [m] that passes, at most the step's own; None where none does."""
     a: float | None = float(step.amplitude)
     for one in _checked_with(rig, damper):
-        if a is not None and findings(replace(step, amplitude=a), rig, one):
+        if a is not None and violations_of(replace(step, amplitude=a), rig, one):
             a = largest(replace(step, amplitude=a), "amplitude", rig, one)
     return a
 

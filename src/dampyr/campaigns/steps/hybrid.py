@@ -174,8 +174,8 @@ class Hybrid:
         )
 
     def remarks(self, rig: RigSettings) -> tuple[str, ...]:
-        """What the plan says of the test: where the computed response leaves what the model was calibrated on."""
-        return self.computed(rig).outside
+        """What the plan says of the test: the findings of the computed response."""
+        return tuple(map(str, self.computed(rig).findings))
 
     def rehearsal(self, rig: RigSettings) -> str:
         """Why the test would not be stable on this rig, or would not say what it is to say; "" where it would.

@@ -53,7 +53,7 @@ def _summarise(result: EnsembleResult) -> dict[str, Any]:
         "peaks": {"columns": columns, "units": units, "rows": rows},
         "table": {"columns": list(COLUMNS), "units": fragility_units(curves), "rows": fragility_rows(curves)},
         "remarks": remarks(curves),
-        "trust": list(trust(dataset)),
+        "trust": [*(finding.sentence for finding in result.findings), *trust(dataset)],
         "curves": [_curve(one) for one in curves.curves],
     }
     return dict(plain(summary))

@@ -58,10 +58,7 @@ def _summarise(result: Identified) -> dict[str, Any]:
         "converged": fit.converged,
         "reason": fit.reason,
         "verdict": {"kind": fit.verdict.kind, "words": fit.verdict.words},
-        "warnings_of_fit": [
-            *(in_page_words(str(one)) for one in fit.verdict.besides(result.findings)),
-            *result.beyond.values(),
-        ],
+        "warnings_of_fit": [in_page_words(finding.sentence) for finding in fit.verdict.besides(result.findings)],
         "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
         "parameters": [

@@ -42,7 +42,9 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "floors": list(result.cases[BARE].floors),
         "unit": result.unit,
         "end": result.end,
-        "note": ". ".join((*map(str, result.findings), *filter(None, [result.note]))),
+        "note": " ".join(
+            [*(finding.sentence for finding in result.findings), *([f"{result.note}."] * bool(result.note))]
+        ),
         "cases": [_summarise(name, each) for name, each in result.cases.items()],
     }
 
@@ -70,7 +72,6 @@ def _summarise(name: str, r: Response) -> dict[str, Any]:
         "step": r.step,
         "converged": r.converged,
         "reason": r.reason,
-        "outside": list(r.outside),
     }
     return dict(plain(summary))
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, function
+from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
 from dampyr.origin import notice
@@ -75,8 +76,8 @@ def check_name(name: str) -> None:
 
 
 def before_use(damper: Damper) -> str:
-    """The worst finding of a damper as text that can stand in a comment of any language; empty where it has none."""
-    text = " ".join(" ".join(f"Before you use it: {one}." for one in damper.inherited()).split())
+    """What is wrong or in doubt in a damper as text that can stand in a comment of any language; empty where it has none."""
+    text = " ".join(" ".join(f"Before you use it: {one}." for one in handed_on([damper], OF_DAMPER)).split())
     for mark, instead in (("*/", "* /"), ("\\", "/"), ('"', "'")):
         text = text.replace(mark, instead)
     return text

@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dampyr.studies.raminelli_2020.finding import Finding
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue
 from dampyr.studies.raminelli_2020.published import PUBLISHED, Published
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from dampyr.structures import Building
     from dampyr.studies.raminelli_2020.study import Progress, Study
 
-__all__ = ["PUBLISHED", "STRUCTURES", "Finding", "Published", "damper", "reproduce"]
+__all__ = ["PUBLISHED", "STRUCTURES", "ComparedValue", "Published", "damper", "reproduce"]
 
 
 def _building() -> Building:

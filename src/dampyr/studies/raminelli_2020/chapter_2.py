@@ -12,9 +12,9 @@ from dampyr.identification import LimitCycle, limit_cycle
 from dampyr.models import Damper
 from dampyr.models.parts.bouc_wen import from_printed
 from dampyr.report import FigureBlock, Text, history, phase_portrait, theta
-from dampyr.studies.raminelli_2020.finding import Candidate, Erratum, Finding, Tolerance, judge, unchecked
+from dampyr.studies.raminelli_2020.compared_value import Candidate, ComparedValue, Erratum, Tolerance, judge, unchecked
 from dampyr.studies.raminelli_2020.published import BoucWenLetters, Example, Published
-from dampyr.studies.raminelli_2020.study_part import Part, findings_table
+from dampyr.studies.raminelli_2020.study_part import Part, compared_table
 
 Array = NDArray[np.float64]
 DT = 1.25e-4  # s; the sampling that the velocities of Step 2 imply, tested below
@@ -26,13 +26,13 @@ PICTURE = "the text has the caption only, its figure is a picture; ours is drawn
 def chapter_2(published: Published) -> Part:
     """Figs. 2.2 to 2.4 and the example of section 2.4."""
     loop = bouc_wen_loop(published.bouc_wen)
-    figure_findings, erratum, block = figure_2_2(published.bouc_wen, loop)
+    figure_values, erratum, block = figure_2_2(published.bouc_wen, loop)
     sampled = Branch.of(published.example, 0.0)
     exact = limit_cycle(sampled.x, sampled.force, sampled.velocity)
-    findings = [*figure_findings, *step_2(published.example, sampled), *example(published.example, exact)]
-    findings += [unchecked(f"Figure {k}", "the curve", None, "", PICTURE) for k in ("2.2", "2.3", "2.4")]
-    blocks = [block, *_example_figures(published.example, sampled, exact), findings_table(findings)]
-    return Part("Chapter 2: the method on numbers", findings, blocks, [erratum, _zero_by_zero(sampled)])
+    compared = [*figure_values, *step_2(published.example, sampled), *example(published.example, exact)]
+    compared += [unchecked(f"Figure {k}", "the curve", None, "", PICTURE) for k in ("2.2", "2.3", "2.4")]
+    blocks = [block, *_example_figures(published.example, sampled, exact), compared_table(compared)]
+    return Part("Chapter 2: the method on numbers", compared, blocks, [erratum, _zero_by_zero(sampled)])
 
 
 @dataclass(frozen=True)
@@ -57,13 +57,13 @@ def bouc_wen_loop(letters: BoucWenLetters) -> Loop:
     return Loop(x, z, fast, t)
 
 
-def figure_2_2(letters: BoucWenLetters, loop: Loop) -> tuple[list[Finding], Erratum, FigureBlock]:
+def figure_2_2(letters: BoucWenLetters, loop: Loop) -> tuple[list[ComparedValue], Erratum, FigureBlock]:
     """The largest z against the closed form of the printed letters, and what (2.1) as printed would mean."""
     last = slice(2 * loop.t.size // 3, None)
     limit = float(letters.A / (letters.beta + letters.gamma)) ** (1.0 / float(letters.n))
     largest = float(np.max(np.abs(loop.z[last])))
     quantity = "largest z of the loop; published: (A/(β+γ))^(1/n) of the printed letters"
-    finding = judge("Figure 2.2", quantity, limit, largest, "", Tolerance(relative=1e-5))
+    value = judge("Figure 2.2", quantity, limit, largest, "", Tolerance(relative=1e-5))
     speed = [float(np.max(np.abs(np.gradient(z, t)))) for z, t in ((loop.z, loop.t), (loop.z_fast, 0.5 * loop.t))]
     same = float(np.max(np.abs(loop.z_fast - loop.z)))
     erratum = Erratum(
@@ -79,7 +79,7 @@ def figure_2_2(letters: BoucWenLetters, loop: Loop) -> tuple[list[Finding], Erra
         Axis("displacement x", "unit of x"), z, {"(2.2)": (loop.x, loop.z)}, {"(A/(β+γ))^(1/n)": limit}
     )
     said = ", ".join(f"{name} = {getattr(letters, key).text}" for key, name in GREEK.items())
-    return [finding], erratum, FigureBlock(figure, f"Figure 2.2 again: {said}.")
+    return [value], erratum, FigureBlock(figure, f"Figure 2.2 again: {said}.")
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def example_damper(example: Example) -> Damper:
     )
 
 
-def step_2(example: Example, branch: Branch) -> list[Finding]:
+def step_2(example: Example, branch: Branch) -> list[ComparedValue]:
     """The forces and velocities at the ends of the branch; T+ is the sample whose velocity is nearest to the printed one."""
     k = branch.x.size - 8 + int(np.argmin(np.abs(100 * branch.velocity[-8:] - float(example.velocity_T))))
     before = branch.x.size - k
@@ -133,7 +133,7 @@ def step_2(example: Example, branch: Branch) -> list[Finding]:
     ]
 
 
-def example(example: Example, exact: LimitCycle) -> list[Finding]:
+def example(example: Example, exact: LimitCycle) -> list[ComparedValue]:
     """Steps 3 to 5: as the method should give them, and as the nearest sample gives them."""
     steps, own = "Section 2.4, steps 3 to 5", float(example.kw) * float(example.rho)
     return [
@@ -145,7 +145,7 @@ def example(example: Example, exact: LimitCycle) -> list[Finding]:
     ]
 
 
-def as_published(steps: str, example: Example, exact: LimitCycle) -> list[Finding]:
+def as_published(steps: str, example: Example, exact: LimitCycle) -> list[ComparedValue]:
     """The printed a, rho and kw: exact, and from the nearest sample with its phase chosen to meet the printed rho alone."""
     phases = np.arange(50) / 50
     trials = [_nearest(example, phase) for phase in phases]

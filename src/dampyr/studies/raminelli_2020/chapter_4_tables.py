@@ -10,9 +10,17 @@ from numpy.typing import NDArray
 
 from dampyr.report import Block, Cell, Table, Text, Verdict
 from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
-from dampyr.studies.raminelli_2020.finding import Candidate, Erratum, Finding, Tolerance, judge, overall, unchecked
+from dampyr.studies.raminelli_2020.compared_value import (
+    Candidate,
+    ComparedValue,
+    Erratum,
+    Tolerance,
+    judge,
+    overall,
+    unchecked,
+)
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published, Row
-from dampyr.studies.raminelli_2020.study_part import Part, findings_table
+from dampyr.studies.raminelli_2020.study_part import Part, compared_table
 
 Array = NDArray[np.float64]
 MOTION = Tolerance(relative=0.05)
@@ -23,19 +31,19 @@ FETCH = "`dampyr datasets fetch labcontrol`"
 
 def table_4_1(published: Published) -> Part:
     """Mean and standard deviation of Table 4.2's rows."""
-    findings = []
+    compared = []
     for name in PARAMETERS:
         values = np.array([getattr(row, name) for row in published.table("4.2")])
         mean, spread = published.table_4_1[name]
         unit = UNITS[name]
         none = f"the {values.size} printed rows give another value, and leaving out any one of them does not give it either"
         ours = float(values.mean()), float(values.std(ddof=1))
-        findings.append(
+        compared.append(
             judge(
                 "Table 4.1", f"mean of {LETTER[name]}", mean, ours[0], unit, candidates=_means(values), otherwise=none
             )
         )
-        findings.append(
+        compared.append(
             judge(
                 "Table 4.1",
                 f"s.d. of {LETTER[name]}",
@@ -49,7 +57,7 @@ def table_4_1(published: Published) -> Part:
     text = Text(
         "The means and standard deviations (n − 1) follow from the rows that Table 4.2 prints; no data are needed."
     )
-    return Part("Table 4.1", findings, [text, findings_table(findings)])
+    return Part("Table 4.1", compared, [text, compared_table(compared)])
 
 
 def _means(values: Array) -> list[Candidate]:
@@ -78,25 +86,25 @@ def tables(published: Published, campaign: Campaign | None) -> list[Part]:
 
 def _table(published: Published, table: str, campaign: Campaign | None) -> Part:
     rows = published.table(table)
-    by_row: list[tuple[Row, Test | None, list[Finding]]] = []
+    by_row: list[tuple[Row, Test | None, list[ComparedValue]]] = []
     for row in rows:
         test = campaign.test(table, row.row) if campaign else None
         by_row.append((row, test, _row(published, row, test, campaign)))
-    findings = [finding for _, _, row_findings in by_row for finding in row_findings]
+    compared = [value for _, _, row_values in by_row for value in row_values]
     means = group_means(table, [(row, test) for row, test, _ in by_row if test is not None])
     title = f"Table {table}: {published.printed_voltages[table].text} V"
     errata = _repeated(table, rows)
     text = Text(_about(rows, published, table))
     if campaign is None:
-        return Part(title, findings, [text, Verdict("cannot be checked", _without())], errata)
+        return Part(title, compared, [text, Verdict("cannot be checked", _without())], errata)
     blocks: list[Block] = [
         text,
         _motion_table(by_row),
         _parameter_table(by_row),
         _reasons(by_row),
-        findings_table(means, "Means over the rows with a file."),
+        compared_table(means, "Means over the rows with a file."),
     ]
-    return Part(title, [*findings, *means], blocks, errata)
+    return Part(title, [*compared, *means], blocks, errata)
 
 
 def _without() -> str:
@@ -118,7 +126,7 @@ def _about(rows: Sequence[Row], published: Published, table: str) -> str:
     )
 
 
-def _row(published: Published, row: Row, test: Test | None, campaign: Campaign | None) -> list[Finding]:
+def _row(published: Published, row: Row, test: Test | None, campaign: Campaign | None) -> list[ComparedValue]:
     where = f"Table {row.table}"
     names = {"displacement": "mm", "frequency": "Hz"} | UNITS
     if test is None:
@@ -130,11 +138,11 @@ def _row(published: Published, row: Row, test: Test | None, campaign: Campaign |
     return [*_motion(where, row, test, published, campaign), *_coefficients(where, row, test)]
 
 
-def _motion(where: str, row: Row, test: Test, published: Published, campaign: Campaign | None) -> list[Finding]:
+def _motion(where: str, row: Row, test: Test, published: Published, campaign: Campaign | None) -> list[ComparedValue]:
     """Printed against measured displacement and frequency; a printed value that another test has is named."""
     ours = {"displacement": 1e3 * test.measured.peak_to_peak_m, "frequency": test.measured.frequency_hz}
     assert campaign is not None
-    findings = []
+    compared = []
     for name, unit in (("displacement", "mm"), ("frequency", "Hz")):
         theirs = float(getattr(row, name))
         other = [
@@ -145,19 +153,19 @@ def _motion(where: str, row: Row, test: Test, published: Published, campaign: Ca
         if name == "displacement":
             whole = 1e3 * float(np.ptp(test.record.displacement))
             why += f"; over the whole record, which drifts, {whole:.4g} mm" if said else ""
-        findings.append(judge(where, f"row {row.row}: {name}", theirs, ours[name], unit, MOTION, (), why))
-    return findings
+        compared.append(judge(where, f"row {row.row}: {name}", theirs, ours[name], unit, MOTION, (), why))
+    return compared
 
 
-def _coefficients(where: str, row: Row, test: Test) -> list[Finding]:
+def _coefficients(where: str, row: Row, test: Test) -> list[ComparedValue]:
     """kx, kw and rho of the modified method against the printed ones."""
-    findings = []
+    compared = []
     for name in PARAMETERS:
         ours = getattr(test.plastic, name) / TO_SI[name]
         why = _why_rho(row, test) if name == "rho" else _why_force(row, test)
         quantity = f"row {row.row}: {LETTER[name]}"
-        findings.append(judge(where, quantity, getattr(row, name), ours, UNITS[name], COEFFICIENT, (), why))
-    return findings
+        compared.append(judge(where, quantity, getattr(row, name), ours, UNITS[name], COEFFICIENT, (), why))
+    return compared
 
 
 def _why_force(row: Row, test: Test) -> str:
@@ -185,9 +193,9 @@ def _why_rho(row: Row, test: Test) -> str:
     )
 
 
-def group_means(table: str, pairs: Sequence[tuple[Row, Test]]) -> list[Finding]:
+def group_means(table: str, pairs: Sequence[tuple[Row, Test]]) -> list[ComparedValue]:
     """The means over the rows that have a file: printed, modified, with least squares in the reason."""
-    findings = []
+    compared = []
     for name in PARAMETERS:
         if not pairs:
             break
@@ -199,27 +207,27 @@ def group_means(table: str, pairs: Sequence[tuple[Row, Test]]) -> list[Finding]:
         if name == "rho":
             why += f", two samples around θ = 0 (median over turning points) {float(np.mean(spans)):.4g}"
         quantity = f"mean of {LETTER[name]} over {len(pairs)} rows"
-        findings.append(judge(f"Table {table}", quantity, theirs, ours, UNITS[name], COEFFICIENT, (), why))
-    return findings
+        compared.append(judge(f"Table {table}", quantity, theirs, ours, UNITS[name], COEFFICIENT, (), why))
+    return compared
 
 
-def _motion_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
+def _motion_table(by_row: Sequence[tuple[Row, Test | None, list[ComparedValue]]]) -> Table:
     rows: list[list[Cell]] = []
-    for row, test, row_findings in by_row:
+    for row, test, row_values in by_row:
         measured = (1e3 * test.measured.peak_to_peak_m, test.measured.frequency_hz) if test else (None, None)
         name = test.record.name if test else None
         rows.append(
-            [row.row, name, row.displacement, measured[0], row.frequency, measured[1], _verdict(row_findings[:2])]
+            [row.row, name, row.displacement, measured[0], row.frequency, measured[1], _verdict(row_values[:2])]
         )
     columns = ("row", "file", "displacement", "measured", "frequency", "measured ", "verdict")
     units = ("", "", "mm", "mm", "Hz", "Hz", "")
     return Table(columns, rows, units, caption="The motion: printed, and measured over whole cycles.")
 
 
-def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
+def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[ComparedValue]]]) -> Table:
     rows: list[list[Cell]] = []
-    for row, test, row_findings in by_row:
-        cells: list[Cell] = [row.row, _verdict(row_findings[2:])]
+    for row, test, row_values in by_row:
+        cells: list[Cell] = [row.row, _verdict(row_values[2:])]
         for name in PARAMETERS:
             cells.append(getattr(row, name))
             cells.append(getattr(test.plastic, name) / TO_SI[name] if test else None)
@@ -234,22 +242,22 @@ def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -
     return Table(columns, rows, units, caption=caption, digits=4)
 
 
-def _verdict(findings: Sequence[Finding]) -> Verdict:
+def _verdict(compared: Sequence[ComparedValue]) -> Verdict:
     """One verdict for a row, naming what differs; `_reasons` says why."""
-    kind = overall(findings)
+    kind = overall(compared)
     if kind == "cannot be checked":
         return Verdict(kind, "no file")
-    return Verdict(kind, ", ".join(_name(f) for f in findings if f.verdict == "differs"))
+    return Verdict(kind, ", ".join(_name(f) for f in compared if f.verdict == "differs"))
 
 
-def _name(finding: Finding) -> str:
-    return finding.quantity.partition(": ")[2]
+def _name(value: ComparedValue) -> str:
+    return value.quantity.partition(": ")[2]
 
 
-def _reasons(by_row: Sequence[tuple[Row, Test | None, list[Finding]]]) -> Table:
+def _reasons(by_row: Sequence[tuple[Row, Test | None, list[ComparedValue]]]) -> Table:
     """Why rows differ, one line for each number that does."""
     rows: list[list[Cell]] = [
-        [row.row, _name(f), f.reason] for row, _, row_findings in by_row for f in row_findings if f.verdict == "differs"
+        [row.row, _name(f), f.reason] for row, _, row_values in by_row for f in row_values if f.verdict == "differs"
     ]
     return Table(("row", "number", "what differs, and why"), rows)
 

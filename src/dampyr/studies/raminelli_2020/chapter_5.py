@@ -16,10 +16,10 @@ from dampyr.models import Damper
 from dampyr.report import Block, Cell, FigureBlock, Table, Text, building_response, ground_motion
 from dampyr.structures import Response, respond, state_space, two_storey
 from dampyr.studies.raminelli_2020.chapter_2 import PICTURE
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, Tolerance, claim, judge, unchecked
 from dampyr.studies.raminelli_2020.cubics import published_damper
-from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Tolerance, claim, judge, unchecked
 from dampyr.studies.raminelli_2020.published import Published
-from dampyr.studies.raminelli_2020.study_part import Part, findings_table
+from dampyr.studies.raminelli_2020.study_part import Part, compared_table
 
 MILLIONTH = Tolerance(relative=1e-6)
 MOTION_FILE = "ElCentroData.mat"
@@ -35,7 +35,7 @@ def chapter_5(published: Published, data: Path | None = None) -> Part:
     names = list(cases)
     ours = [1e3 * float(cases[name].peak_displacement[0]) for name in names[:3]]
     slip = unit_slip(published, motion, damper, ours[0])
-    findings = [
+    compared = [
         *laboratory_motion(motion, data),
         unchecked("Figure 5.4", "the curves", None, "", PICTURE),
         *peaks(published, names, ours, slip),
@@ -45,13 +45,13 @@ def chapter_5(published: Published, data: Path | None = None) -> Part:
     errata = [_ground(), _output_sign(cases[names[1]])]
     return Part(
         "Chapter 5: the building in the earthquake",
-        findings,
-        _blocks(published, motion, cases, slip, notes, findings),
+        compared,
+        _blocks(published, motion, cases, slip, notes, compared),
         errata,
     )
 
 
-def laboratory_motion(motion: GroundMotion, data: Path | None) -> list[Finding]:
+def laboratory_motion(motion: GroundMotion, data: Path | None) -> list[ComparedValue]:
     """Figure 5.1 is a picture; the laboratory's own file of the motion, where it lies beside the data, is the built-in one."""
     candidates = (
         [folder / MOTION_FILE for folder in (data, data.parent, data.parent / "ground-motions")] if data else []
@@ -114,7 +114,7 @@ def unit_slip(published: Published, motion: GroundMotion, damper: Damper, bare: 
     return {"scale": scale, "case 2": two, "case 3": three}
 
 
-def peaks(published: Published, names: list[str], ours: list[float], slip: Mapping[str, float]) -> list[Finding]:
+def peaks(published: Published, names: list[str], ours: list[float], slip: Mapping[str, float]) -> list[ComparedValue]:
     """The three printed peaks of the first floor."""
     reasons = [
         f"the printed peak is {slip['scale']:.4f} times what (5.1)-(5.2) give under El Centro; the building "
@@ -122,12 +122,12 @@ def peaks(published: Published, names: list[str], ours: list[float], slip: Mappi
         "scaled by as much would give it, and the text names no scale",
         *(_slip_words(slip, published.peaks[k], f"case {k + 1}") for k in (1, 2)),
     ]
-    findings = []
+    compared = []
     for name, theirs, value, why in zip(names, published.peaks, ours, reasons):
-        findings.append(
+        compared.append(
             judge("Figure 5.4", f"peak of the first floor, {name}", theirs, value, "mm", PERCENT, otherwise=why)
         )
-    return [*findings, _slip_verdict(published, slip)]
+    return [*compared, _slip_verdict(published, slip)]
 
 
 def _slip_words(slip: Mapping[str, float], printed: float, case: str) -> str:
@@ -139,7 +139,7 @@ def _slip_words(slip: Mapping[str, float], printed: float, case: str) -> str:
     )
 
 
-def _slip_verdict(published: Published, slip: Mapping[str, float]) -> Finding:
+def _slip_verdict(published: Published, slip: Mapping[str, float]) -> ComparedValue:
     """How far the hypothesis of a unit slip goes."""
     fits = [PERCENT.allows(published.peaks[k], slip[f"case {k + 1}"]) for k in (1, 2)]
     words = {2: "explains both", 1: "likely, not proven", 0: "not supported"}[sum(fits)]
@@ -152,9 +152,9 @@ def _slip_verdict(published: Published, slip: Mapping[str, float]) -> Finding:
     )
 
 
-def reductions(published: Published, ours: list[float]) -> list[Finding]:
+def reductions(published: Published, ours: list[float]) -> list[ComparedValue]:
     """The two printed percentages, from the printed peaks; and from our peaks in the reason."""
-    bare, findings = float(published.peaks[0]), []
+    bare, compared = float(published.peaks[0]), []
     for k, printed in enumerate(published.reductions, start=1):
         theirs = 100 * (bare - float(published.peaks[k])) / bare
         here = 100 * (ours[0] - ours[k]) / ours[0]
@@ -163,11 +163,11 @@ def reductions(published: Published, ours: list[float]) -> list[Finding]:
             f"{printed:g} % would be a peak of {bare * (1 - printed / 100):.4f} mm; our own peaks give {here:.3g} %"
         )
         quantity = f"reduction in case {k + 1}, from the printed peaks"
-        findings.append(judge("Section 5.2", quantity, printed, theirs, "%", otherwise=why))
-    return findings
+        compared.append(judge("Section 5.2", quantity, printed, theirs, "%", otherwise=why))
+    return compared
 
 
-def ranking(ours: list[float]) -> Finding:
+def ranking(ours: list[float]) -> ComparedValue:
     """“The best case is when the MR damper is active with voltage”."""
     best = int(np.argmin(ours))
     reason = "our peaks of the first floor: " + ", ".join(f"{value:.4f} mm" for value in ours)
@@ -214,7 +214,7 @@ def _blocks(
     cases: Mapping[str, Response],
     slip: Mapping[str, float],
     notes: list[str],
-    findings: list[Finding],
+    compared: list[ComparedValue],
 ) -> list[Block]:
     rows: list[list[Cell]] = [
         [name, *(1e3 * r.peak_displacement), 1e3 * float(r.peak_drift[1]), *r.peak_acceleration, _largest(r), r.scheme]
@@ -244,7 +244,7 @@ def _blocks(
         ),
         Table(heads, rows, units, caption="Peaks, inside the step too; accelerations are absolute.", digits=6),
         Text("\n\n".join(text)),
-        findings_table(findings, digits=7),
+        compared_table(compared, digits=7),
     ]
 
 

@@ -12,9 +12,9 @@ from dampyr.figures.style import Axis
 from dampyr.models import Damper, Polynomial
 from dampyr.origin import DERIVED
 from dampyr.report import Block, Cell, FigureBlock, Law, Table, Text, parameters_against_input
-from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Tolerance, judge
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, Tolerance, judge
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published
-from dampyr.studies.raminelli_2020.study_part import Part, findings_table
+from dampyr.studies.raminelli_2020.study_part import Part, compared_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -88,11 +88,11 @@ def equations(published: Published) -> Part:
     applied = [published.voltage(table) for table in TABLES]
     printed = [float(published.printed_voltages[table]) for table in TABLES]
     rho_0 = float(published.table_4_1["rho"][0])
-    findings = recovered(published, applied, rho_0)
+    compared = recovered(published, applied, rho_0)
     passing = at_printed_voltages(published, applied, printed, rho_0)
     ten_rows = all_ten_rows(published, applied)
     reach = extrapolation(published, applied)
-    everything = [*findings, *passing, *ten_rows, *reach]
+    everything = [*compared, *passing, *ten_rows, *reach]
     blocks: list[Block] = [
         Text(
             "Four coefficients pass through four table means, so the fit leaves no residual to judge it by. The nodes are the "
@@ -101,7 +101,7 @@ def equations(published: Published) -> Part:
         ),
         FigureBlock(_figure(published, applied, rho_0), "The cubics (4.6)-(4.8) and the means of Tables 4.2 to 4.5."),
         _nodes(published, applied, printed, rho_0),
-        findings_table(
+        compared_table(
             everything,
             "Coefficients: ours pass through the means at the applied voltages. “Printed voltages”: published "
             "is the cubic there, ours the mean.",
@@ -110,15 +110,15 @@ def equations(published: Published) -> Part:
     return Part("Equations (4.6) to (4.8)", everything, blocks, ERRATA)
 
 
-def recovered(published: Published, applied: Sequence[float], rho_0: float) -> list[Finding]:
+def recovered(published: Published, applied: Sequence[float], rho_0: float) -> list[ComparedValue]:
     """Each printed coefficient against the one through the means at the applied voltages."""
-    findings = []
+    compared = []
     for name in PARAMETERS:
         ours = through(applied, table_means(published, name, rho_0))
         for power, (theirs, value) in enumerate(zip(published.cubics[name], ours, strict=True)):
             quantity = f"{LETTER[name]}: coefficient of v{POWERS[power]}"
-            findings.append(judge(EQUATION[name], quantity, theirs, float(value), _per_volt(name, power), RECOVERED))
-    return findings
+            compared.append(judge(EQUATION[name], quantity, theirs, float(value), _per_volt(name, power), RECOVERED))
+    return compared
 
 
 def _per_volt(name: str, power: int) -> str:
@@ -127,9 +127,9 @@ def _per_volt(name: str, power: int) -> str:
 
 def at_printed_voltages(
     published: Published, applied: Sequence[float], printed: Sequence[float], rho_0: float
-) -> list[Finding]:
+) -> list[ComparedValue]:
     """The cubic at the voltage that the table prints, against that table's mean."""
-    findings = []
+    compared = []
     for name in PARAMETERS:
         means = table_means(published, name, rho_0)
         for table, true, shown, mean in zip(TABLES, applied, printed, means, strict=True):
@@ -137,7 +137,7 @@ def at_printed_voltages(
             off = 100 * abs(at_true / mean - 1)
             otherwise = f"at the applied {true:g} V the cubic gives {at_true:.6g}, {off:.1g} % from the mean"
             quantity = f"{LETTER[name]} at the printed {shown:g} V, against Table {table}"
-            findings.append(
+            compared.append(
                 judge(
                     "Printed voltages",
                     quantity,
@@ -149,10 +149,10 @@ def at_printed_voltages(
                     otherwise,
                 )
             )
-    return findings
+    return compared
 
 
-def all_ten_rows(published: Published, applied: Sequence[float]) -> list[Finding]:
+def all_ten_rows(published: Published, applied: Sequence[float]) -> list[ComparedValue]:
     """(4.8) with the mean of all ten rows of Table 4.2 in place of the printed one."""
     means = table_means(published, "rho")
     ours, theirs = through(applied, means), np.array([float(c) for c in published.cubics["rho"]])
@@ -174,7 +174,7 @@ def all_ten_rows(published: Published, applied: Sequence[float]) -> list[Finding
     ]
 
 
-def extrapolation(published: Published, applied: Sequence[float]) -> list[Finding]:
+def extrapolation(published: Published, applied: Sequence[float]) -> list[ComparedValue]:
     """How far the cubics reach: the highest voltage used against the highest one tested."""
     roots = np.polynomial.Polynomial([float(c) for c in published.cubics["rho"]]).roots()
     real = [float(np.real(r)) for r in roots if abs(np.imag(r)) < 1e-9 and float(np.real(r)) > 0]

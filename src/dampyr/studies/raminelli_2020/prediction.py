@@ -13,10 +13,10 @@ from dampyr.records import Record, default_bandwidth, with_velocity
 from dampyr.report import Block, Cell, FigureBlock, Table, Text, scores
 from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
 from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Tolerance, judge, unchecked
 from dampyr.studies.raminelli_2020.cubics import published_damper
-from dampyr.studies.raminelli_2020.finding import Finding, Tolerance, judge, unchecked
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, Published, Row
-from dampyr.studies.raminelli_2020.study_part import Part, findings_table
+from dampyr.studies.raminelli_2020.study_part import Part, compared_table
 
 Array = NDArray[np.float64]
 Readings = Mapping[str, Array]  # of the coefficients or files -> (records, definitions), %
@@ -66,11 +66,11 @@ def errors(published: Published, campaign: Campaign | None) -> Part:
     """Both errors; without the data nothing can be said."""
     if campaign is None or not campaign.tests:
         missing = f"the campaign's files are not on this machine; get them with {FETCH}"
-        unchecked_findings = [
+        unchecked_values = [
             unchecked("14.81 %", "mean error at 0 V, section 4.2", published.error_at_0, "%", missing),
             unchecked("21.71 %", "error of (4.6)-(4.8), section 4.4", published.error_validation, "%", missing),
         ]
-        return Part(TITLE, unchecked_findings, [findings_table(unchecked_findings)])
+        return Part(TITLE, unchecked_values, [compared_table(unchecked_values)])
     text = Text(
         "The text names the L1 ratio (3.1) for both. “Pointwise mean” is the mean of |error| / |force| over "
         "the samples; it hangs "
@@ -80,9 +80,9 @@ def errors(published: Published, campaign: Campaign | None) -> Part:
     )
     at_0, block_0 = error_at_0(published, campaign)
     at_validation, block_validation = error_of_validation(published, campaign)
-    findings = [*at_0, *at_validation]
-    blocks = [text, *block_0, *block_validation, findings_table(findings, digits=4), *joint_model(published, campaign)]
-    return Part(TITLE, findings, blocks)
+    compared = [*at_0, *at_validation]
+    blocks = [text, *block_0, *block_validation, compared_table(compared, digits=4), *joint_model(published, campaign)]
+    return Part(TITLE, compared, blocks)
 
 
 def constant_damper(values: Mapping[str, float], voltage: float) -> Damper:
@@ -95,7 +95,7 @@ def row_damper(row: Row) -> Damper:
     return constant_damper({name: getattr(row, name) for name in PARAMETERS}, row.voltage)
 
 
-def error_at_0(published: Published, campaign: Campaign) -> tuple[list[Finding], list[Block]]:
+def error_at_0(published: Published, campaign: Campaign) -> tuple[list[ComparedValue], list[Block]]:
     """14.81 %: the mean coefficients of Table 4.1, and each row's own, on the files of Table 4.2."""
     pairs = [(row, test) for row in published.table("4.2") if (test := campaign.test("4.2", row.row)) is not None]
     if not pairs:
@@ -107,7 +107,7 @@ def error_at_0(published: Published, campaign: Campaign) -> tuple[list[Finding],
         "each row's own": np.array([percent(row_damper(row), test.record) for row, test in pairs]),
     }
     single = readings["coefficients of Table 4.1"][:, 0]
-    finding = judge(
+    value = judge(
         "14.81 %",
         f"mean of L1 (3.1) over the {len(pairs)} files at 0 V, coefficients of Table 4.1",
         published.error_at_0,
@@ -119,7 +119,7 @@ def error_at_0(published: Published, campaign: Campaign) -> tuple[list[Finding],
         + _three_runs(single),
     )
     caption = f"The error at 0 V, mean over {len(pairs)} files; printed: {published.error_at_0.text} %."
-    return [finding], [_definitions(readings, caption)]
+    return [value], [_definitions(readings, caption)]
 
 
 def near(printed: float, readings: Readings) -> str:
@@ -143,7 +143,7 @@ def _three_runs(single: Array) -> str:
     return f". Any three of the files average to {ordered[:3].mean():.3g} to {ordered[-3:].mean():.3g} % by L1"
 
 
-def error_of_validation(published: Published, campaign: Campaign) -> tuple[list[Finding], list[Block]]:
+def error_of_validation(published: Published, campaign: Campaign) -> tuple[list[ComparedValue], list[Block]]:
     """21.71 %: the cubics on the validation run and on the files of Table 4.3."""
     damper, printed = published_damper(published), published.error_validation
     runs = {"the validation run": [test.record for test in campaign.validation]}
@@ -152,17 +152,17 @@ def error_of_validation(published: Published, campaign: Campaign) -> tuple[list[
     readings = {name: np.array([percent(damper, r) for r in listed]) for name, listed in runs.items() if listed}
     names = ", ".join(test.record.name for test in campaign.validation) or "none"
     missing = f"the text does not say which runs, and the folder holds {names} only; the other validation runs would be needed"
-    findings = [unchecked("21.71 %", "mean error over the validation runs", printed, "%", missing)]
+    compared = [unchecked("21.71 %", "mean error over the validation runs", printed, "%", missing)]
     for name, block in readings.items():
         if "smoothed" in name:
             continue
         ours = float(block[:, 0].mean())
         words = near(printed, readings)
-        findings.append(
+        compared.append(
             judge("21.71 %", f"L1 (3.1) of the cubics, {name}", printed, ours, "%", HALF_A_POINT, otherwise=words)
         )
     caption = f"The error of (4.6)-(4.8); printed: {printed.text} %."
-    return findings, [_definitions(readings, caption)] if readings else []
+    return compared, [_definitions(readings, caption)] if readings else []
 
 
 def _smoothed(record: Record) -> Record:

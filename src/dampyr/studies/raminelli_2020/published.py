@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from dampyr.records import campaign_rows
 from dampyr.representation import Representation, Summary, listing
-from dampyr.studies.raminelli_2020.finding import Printed
+from dampyr.studies.raminelli_2020.compared_value import Printed
 
 PARAMETERS = ("kx", "kw", "rho")
 UNITS = {"kx": "N s/mm", "kw": "N", "rho": "1/mm"}

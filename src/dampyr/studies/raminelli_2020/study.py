@@ -18,8 +18,8 @@ from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
 from dampyr.studies.raminelli_2020.chapter_4_loops import figures_4
 from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1, tables
 from dampyr.studies.raminelli_2020.chapter_5 import chapter_5
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, Outcome, overall
 from dampyr.studies.raminelli_2020.cubics import equations
-from dampyr.studies.raminelli_2020.finding import Erratum, Finding, Outcome, overall
 from dampyr.studies.raminelli_2020.prediction import errors
 from dampyr.studies.raminelli_2020.published import Published
 from dampyr.studies.raminelli_2020.study_part import Part
@@ -37,14 +37,14 @@ class Study(Representation):
     page: Path | None = None
 
     def to_dataframe(self) -> Any:
-        """The findings as a ``pandas.DataFrame``: published and own values in the printed units, and the verdict."""
+        """The compared as a ``pandas.DataFrame``: published and own values in the printed units, and the verdict."""
         names = ("artefact", "quantity", "published", "ours", "unit", "verdict", "reason")
-        return data_frame({name: [getattr(finding, name) for finding in self.findings] for name in names})
+        return data_frame({name: [getattr(value, name) for value in self.compared] for name in names})
 
     def _summary(self) -> Summary:
-        verdicts = Counter(finding.verdict for finding in self.findings)
+        verdicts = Counter(value.verdict for value in self.compared)
         rows = [
-            ("findings", ", ".join(f"{verdicts[each]} {each}" for each in OUTCOMES if verdicts[each])),
+            ("compared", ", ".join(f"{verdicts[each]} {each}" for each in OUTCOMES if verdicts[each])),
             ("errata", str(len(self.errata))),
             ("left out", "; ".join(self.left_out) or "nothing"),
             ("page", "" if self.page is None else self.page.name),
@@ -59,9 +59,9 @@ class Study(Representation):
         return ("artefact", "verdict", *OUTCOMES), rows
 
     @property
-    def findings(self) -> list[Finding]:
+    def compared(self) -> list[ComparedValue]:
         """All comparisons, in the order of the page."""
-        return [finding for part in self.parts for finding in part.findings]
+        return [value for part in self.parts for value in part.compared]
 
     @property
     def errata(self) -> list[Erratum]:
@@ -69,12 +69,12 @@ class Study(Representation):
         return [erratum for part in self.parts for erratum in part.errata]
 
     @property
-    def artefacts(self) -> dict[str, list[Finding]]:
-        """The findings of each table, equation, error and figure."""
-        findings: dict[str, list[Finding]] = {}
-        for finding in self.findings:
-            findings.setdefault(finding.artefact, []).append(finding)
-        return findings
+    def artefacts(self) -> dict[str, list[ComparedValue]]:
+        """The compared of each table, equation, error and figure."""
+        compared: dict[str, list[ComparedValue]] = {}
+        for value in self.compared:
+            compared.setdefault(value.artefact, []).append(value)
+        return compared
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON: plain numbers in the printed units."""
@@ -82,16 +82,16 @@ class Study(Representation):
             "study": "Raminelli (2020)",
             "data": None if self.data is None else str(self.data),
             "left_out": list(self.left_out),
-            "artefacts": {name: artefact_summary(findings) for name, findings in self.artefacts.items()},
-            "findings": [asdict(finding) for finding in self.findings],
+            "artefacts": {name: artefact_summary(compared) for name, compared in self.artefacts.items()},
+            "compared": [asdict(value) for value in self.compared],
             "errata": [asdict(erratum) for erratum in self.errata],
             "page": None if self.page is None else str(self.page),
         }
 
 
-def artefact_summary(findings: Sequence[Finding]) -> dict[str, Any]:
+def artefact_summary(compared: Sequence[ComparedValue]) -> dict[str, Any]:
     """The verdict on an artefact, and how many of its numbers have which."""
-    return {"verdict": overall(findings), **{kind: sum(f.verdict == kind for f in findings) for kind in OUTCOMES}}
+    return {"verdict": overall(compared), **{kind: sum(f.verdict == kind for f in compared) for kind in OUTCOMES}}
 
 
 def run(data: str | Path | None, published: Published, progress: Progress | None) -> Study:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from dampyr.report import Block, Cell, Section, Table, Text, Verdict, page, write_page
-from dampyr.studies.raminelli_2020.finding import Erratum, Finding, overall
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, overall
 from dampyr.studies.raminelli_2020.study import Study
 
 SOURCE = (
@@ -45,7 +45,7 @@ def html(study: Study) -> str:
 def summary(study: Study) -> list[Block]:
     """One line for each table, equation, error and figure."""
     rows: list[list[Cell]] = [
-        [name, len(findings), Verdict(overall(findings), _why(findings))] for name, findings in study.artefacts.items()
+        [name, len(compared), Verdict(overall(compared), _why(compared))] for name, compared in study.artefacts.items()
     ]
     text = (
         "A verdict follows from the two numbers and the tolerance beside it. An artefact differs where one of "
@@ -58,11 +58,11 @@ def summary(study: Study) -> list[Block]:
     return blocks
 
 
-def _why(findings: Sequence[Finding]) -> str:
+def _why(compared: Sequence[ComparedValue]) -> str:
     """Counts, and the first reason of the verdict."""
-    kind = overall(findings)
-    of = [f for f in findings if f.verdict == kind]
-    count = f"{len(of)} of {len(findings)}: " if len(findings) > 1 else ""
+    kind = overall(compared)
+    of = [f for f in compared if f.verdict == kind]
+    count = f"{len(of)} of {len(compared)}: " if len(compared) > 1 else ""
     return f"{count}{of[0].quantity}, {of[0].reason}"
 
 

@@ -1,4 +1,4 @@
-"""A part of the study: findings, what stands on the page, and slips of the text that it showed."""
+"""A part of the study: compared, what stands on the page, and slips of the text that it showed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from dampyr.report import Block, Cell, Table, Verdict
 from dampyr.report.html_page import number
-from dampyr.studies.raminelli_2020.finding import Erratum, Finding
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum
 
 
 @dataclass(frozen=True)
@@ -15,16 +15,16 @@ class Part:
     """What one chapter or artefact gave."""
 
     title: str
-    findings: Sequence[Finding]
+    compared: Sequence[ComparedValue]
     blocks: Sequence[Block]
     errata: Sequence[Erratum] = ()
 
 
-def findings_table(findings: Sequence[Finding], caption: str = "", digits: int = 6) -> Table:
+def compared_table(compared: Sequence[ComparedValue], caption: str = "", digits: int = 6) -> Table:
     """Published beside ours, with the verdict and its reason."""
     rows: list[list[Cell]] = [
         [f.artefact, f.quantity, _shown(f.published), _shown(f.ours), f.unit, Verdict(f.verdict, f.reason)]
-        for f in findings
+        for f in compared
     ]
     columns = ("artefact", "quantity", "published", "ours", "unit", "verdict")
     align = ("left", "left", "right", "right", "left", "left")

@@ -26,8 +26,8 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.origin import VIRTUAL, Origin
 from dampyr.report import Block, Cell, FigureBlock, Section, Table, Text, building_response, page, write_page
 from dampyr.representation import Representation, Summary, data_frame
-from dampyr.studies.raminelli_2020.finding import Finding, Tolerance, claim, judge
-from dampyr.studies.raminelli_2020.study_part import findings_table
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Tolerance, claim, judge
+from dampyr.studies.raminelli_2020.study_part import compared_table
 from dampyr.studies.vrths_2020.benchmark import CASES, INTENSITY, MOTIONS, SOURCE, motion, structure
 from dampyr.to_json import plain
 
@@ -55,10 +55,10 @@ REPLICA: dict[tuple[str, int], tuple[float, ...]] = {
 
 @dataclass(frozen=True, repr=False)
 class Study(Representation):
-    """Everything that was run: ``findings`` against the replica and the aims; ``criteria`` by (motion, compensator, case), J1
+    """Everything that was run: ``compared`` against the replica and the aims; ``criteria`` by (motion, compensator, case), J1
     to J9 on the true and on the measured displacement; ``batches`` by case; ``example`` is what the page's figure shows."""
 
-    findings: tuple[Finding, ...]
+    compared: tuple[ComparedValue, ...]
     criteria: dict[tuple[str, str, int], tuple[Array, Array]]
     batches: dict[int, BatchResult]
     example: tuple[Array, dict[str, Array]]
@@ -76,8 +76,8 @@ class Study(Representation):
         return data_frame(columns)
 
     def _summary(self) -> Summary:
-        agrees = sum(finding.verdict == "agrees" for finding in self.findings)
-        rows = [("findings", f"{agrees} of {len(self.findings)} agree")]
+        agrees = sum(value.verdict == "agrees" for value in self.compared)
+        rows = [("compared", f"{agrees} of {len(self.compared)} agree")]
         rows += [(f"random plants, case {case}", _batch_words(batch)) for case, batch in self.batches.items()]
         return "Study of the hybrid simulation benchmark (2020)", rows
 
@@ -88,7 +88,7 @@ class Study(Representation):
                 {
                     "study": "vrths_2020",
                     "origin": self.origin,
-                    "findings": [asdict(finding) for finding in self.findings],
+                    "compared": [asdict(value) for value in self.compared],
                     "criteria": [
                         {"motion": shaking, "compensator": name, "case": case, "true": true, "measured": measured}
                         for (shaking, name, case), (true, measured) in self.criteria.items()
@@ -126,7 +126,7 @@ def arrangements(case: int) -> dict[str, tuple[HybridSetup, Compensator]]:
 def run(data: str | Path | None, plants: int, progress: Progress) -> Study:
     """See `dampyr.studies.vrths_2020.reproduce`."""
     motions = {name: motion(name, data) for name in MOTIONS}
-    findings: list[Finding] = []
+    values: list[ComparedValue] = []
     criteria: dict[tuple[str, str, int], tuple[Array, Array]] = {}
     for case in CASES:
         for k, (name, (setup, compensator)) in enumerate(arrangements(case).items()):
@@ -136,7 +136,7 @@ def run(data: str | Path | None, plants: int, progress: Progress) -> Study:
                 true, measured = (np.array([each.criteria(m) for each in runs]) for m in (False, True))
                 criteria[motion_name, name, case] = true.mean(axis=0), measured.mean(axis=0)
                 if motion_name == "El Centro":
-                    findings += compared(name, case, true)
+                    values += compared(name, case, true)
     batches = {}
     for case in CASES if plants else ():
         setup, compensator = arrangements(case)[OURS]
@@ -145,11 +145,11 @@ def run(data: str | Path | None, plants: int, progress: Progress) -> Study:
             progress(f"random plants, case {case}", done)
 
         batches[case] = run_many(setup, compensator, motions["El Centro"], plants, progress=say)
-        findings.append(batch_finding(case, batches[case]))
-    return Study(tuple(findings), criteria, batches, _example(motions["El Centro"]))
+        values.append(batch_comparison(case, batches[case]))
+    return Study(tuple(values), criteria, batches, _example(motions["El Centro"]))
 
 
-def compared(name: str, case: int, true: Array) -> list[Finding]:
+def compared(name: str, case: int, true: Array) -> list[ComparedValue]:
     """Findings of one arrangement under El Centro, from the criteria (draws, 9) on the true displacement."""
     mean, spread = true.mean(axis=0), true.std(axis=0)
     artefact = f"{name}, case {case}"
@@ -169,7 +169,7 @@ def compared(name: str, case: int, true: Array) -> list[Finding]:
     ]  # fmt: skip
 
 
-def batch_finding(case: int, batch: BatchResult) -> Finding:
+def batch_comparison(case: int, batch: BatchResult) -> ComparedValue:
     """Whether any random plant was unstable."""
     return claim(f"random plants, case {case}", "no plant is unstable", "0", str(batch.unstable), batch.unstable == 0,
                  _batch_words(batch))  # fmt: skip
@@ -201,7 +201,7 @@ def write(study: Study, out: Path) -> Study:
 def html(study: Study) -> str:
     """The whole page."""
     sections = [
-        Section("Against the replica, and the aims", [findings_table(study.findings, digits=4)]),
+        Section("Against the replica, and the aims", [compared_table(study.compared, digits=4)]),
         Section(
             "All criteria", [Text(WORDS), *(_criteria_table(study, name) for name in MOTIONS), _measured_table(study)]
         ),

@@ -119,7 +119,7 @@ function shown(judgement, question, charts) {
   return [
     originLine(judgement.data.origin, "This judgement"),
     h("p", { class: "verdict", role: "status" }, inShort(judgement.records)),
-    ...judgement.notes.map((one) => h("p", { class: "verdict fair" }, `${one}.`)),
+    ...judgement.notes.map((one) => h("p", { class: "verdict fair" }, one)),
     summary(judgement.records),
     h("p", { class: "soft" }, "Cycles count from the start of the motion. False fail: the chance, at the record's scatter, that a damper like the reference fails; false pass: that one passes of which one quantity at one level lies a third of the half-width beyond the band."),
     h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/acceptance/page?${question}`, download: "acceptance.html" }, "Save the page")),

@@ -60,7 +60,7 @@ def _digits_agree(published: float, ours: float) -> bool:
 
 
 @dataclass(frozen=True)
-class Finding:
+class ComparedValue:
     """One quantity of one artefact: the published value, ours from this run, both in ``unit``, and the verdict."""
 
     artefact: str
@@ -89,21 +89,21 @@ def judge(
     tolerance: Tolerance = PRINTED_DIGITS,
     candidates: Sequence[Candidate] = (),
     otherwise: str = "",
-) -> Finding:
+) -> ComparedValue:
     """Compare; where the two differ, the first candidate that gives the published value is the reason, else ``otherwise``."""
     gap = ours - published
     off = _off(gap, published, unit)
     if not math.isfinite(ours):
-        return Finding(
+        return ComparedValue(
             artefact, quantity, published, None, unit, "cannot be checked", f"nothing finite came out; {otherwise}"
         )
     if tolerance.allows(published, ours):
         reason = f"{off}; allowed: {tolerance.words(unit)}"
-        return Finding(artefact, quantity, published, ours, unit, "agrees", reason)
+        return ComparedValue(artefact, quantity, published, ours, unit, "agrees", reason)
     matches = [c for c in candidates if tolerance.allows(published, c.value)]
     why = f"the printed value is {matches[0].words} ({matches[0].value:.8g})" if matches else otherwise
     reason = f"{off}; allowed: {tolerance.words(unit)}" + (f". Because: {why}" if why else "")
-    return Finding(artefact, quantity, published, ours, unit, "differs", reason)
+    return ComparedValue(artefact, quantity, published, ours, unit, "differs", reason)
 
 
 def _off(gap: float, published: float, unit: str) -> str:
@@ -115,19 +115,19 @@ def _off(gap: float, published: float, unit: str) -> str:
     return said + (f" ({100 * ratio:+.2g} %)" if abs(ratio) < 10 else f" ({ratio + 1:.3g} times)")
 
 
-def claim(artefact: str, quantity: str, published: str, ours: str, holds: bool, reason: str) -> Finding:
+def claim(artefact: str, quantity: str, published: str, ours: str, holds: bool, reason: str) -> ComparedValue:
     """A statement of the text without a number, checked by a computation: ``holds`` is its result."""
-    return Finding(artefact, quantity, published, ours, "", "agrees" if holds else "differs", reason)
+    return ComparedValue(artefact, quantity, published, ours, "", "agrees" if holds else "differs", reason)
 
 
-def unchecked(artefact: str, quantity: str, published: Value, unit: str, missing: str) -> Finding:
+def unchecked(artefact: str, quantity: str, published: Value, unit: str, missing: str) -> ComparedValue:
     """What cannot be checked here; ``missing`` says what would be needed."""
-    return Finding(artefact, quantity, published, None, unit, "cannot be checked", missing)
+    return ComparedValue(artefact, quantity, published, None, unit, "cannot be checked", missing)
 
 
-def overall(findings: Sequence[Finding]) -> Outcome:
+def overall(compared: Sequence[ComparedValue]) -> Outcome:
     """The verdict on an artefact: it differs where anything differs, and agrees where anything was checked and all agrees."""
-    verdicts = {f.verdict for f in findings}
+    verdicts = {f.verdict for f in compared}
     if "differs" in verdicts:
         return "differs"
     return "agrees" if "agrees" in verdicts else "cannot be checked"

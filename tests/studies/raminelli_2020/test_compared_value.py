@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from dampyr.studies.raminelli_2020.finding import Candidate, Printed, Tolerance, judge, overall, unchecked
+from dampyr.studies.raminelli_2020.compared_value import Candidate, Printed, Tolerance, judge, overall, unchecked
 
 
 @pytest.mark.parametrize(
@@ -40,8 +40,8 @@ def test_the_reason_is_the_candidate_that_meets_the_printed_value() -> None:
 
 
 def test_nothing_finite_cannot_be_checked() -> None:
-    finding = judge("a", "q", 1.0, math.nan)
-    assert (finding.verdict, finding.ours) == ("cannot be checked", None)
+    value = judge("a", "q", 1.0, math.nan)
+    assert (value.verdict, value.ours) == ("cannot be checked", None)
 
 
 def test_an_artefact_differs_where_one_number_does() -> None:
