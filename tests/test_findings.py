@@ -70,6 +70,8 @@ def test_a_finding_is_read_as_a_sentence_and_comes_back_from_its_table() -> None
     assert plain.sentence == "Good to know."
     assert replace(named, source="").sentence == "rec: gap of 0.4 s."  # the name of a record keeps its letters
     assert named.sentence == "The damper's fit: rec: gap of 0.4 s."
+    question = Finding("wrong", "its loops create 2 J; force sign inverted?", ("rec",))
+    assert question.sentence == "rec: its loops create 2 J; force sign inverted?"  # and no full stop after its mark
     for one in (plain, named):
         assert Finding.from_dict(json.loads(json.dumps(one.as_dict()))) == one
     assert plain.as_dict() == {"severity": "note", "words": "good to know"}

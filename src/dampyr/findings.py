@@ -50,9 +50,9 @@ class Finding:
     @property
     def sentence(self) -> str:
         """With a full stop, and a capital where it does not begin with the name of a record, which keeps its letters."""
-        from dampyr.representation import sentence
+        from dampyr.representation import full_stop, sentence
 
-        return f"{self}." if self.about and not self.source else sentence(str(self))
+        return full_stop(str(self)) if self.about and not self.source else sentence(str(self))
 
     @property
     def kind(self) -> str:

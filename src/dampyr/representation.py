@@ -193,8 +193,12 @@ def listing(items: Sequence[str], limit: int = 4) -> str:
 def sentence(text: str) -> str:
     """A clause, such as a finding or a note, with a capital and a full stop; a name at its head keeps its letters."""
     first = text.partition(" ")[0]
-    head = text if {".", "_", "@"} & set(first) else text[:1].upper() + text[1:]
-    return f"{head}."
+    return full_stop(text if {".", "_", "@"} & set(first) else text[:1].upper() + text[1:])
+
+
+def full_stop(text: str) -> str:
+    """A clause with its full stop; a question has its mark."""
+    return text if text.endswith("?") else f"{text}."
 
 
 def counted(number: int, noun: str) -> str:

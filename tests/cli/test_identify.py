@@ -1,5 +1,6 @@
 """What dampyr identify prints of errors, and what it refuses before it fits."""
 
+import importlib
 import json
 import re
 from pathlib import Path
@@ -13,6 +14,7 @@ from tests.identification.test_uncertainty import records
 
 from dampyr.cli import cli
 from dampyr.identification import IdentifyOptions
+from dampyr.models import Damper
 from dampyr.records import write
 
 
@@ -43,6 +45,28 @@ def test_the_table_says_where_there_is_no_interval(folder: Path) -> None:
     # that sessions are not known, and how to settle it, is said once
     assert done.stdout.count("to settle it, repeat") == 1
     assert "Not separated: voltage and session" not in done.stdout
+
+
+def test_the_card_and_the_page_are_there_when_only_the_first_lines_are_read(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in ``dampyr identify ... | head``: the pipe is closed, and the command ends while it prints."""
+
+    def closed(*_: object, **__: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(importlib.import_module("dampyr.cli.identify"), "print_table", closed)
+    card, page = tmp_path / "card.toml", tmp_path / "page.html"
+    words = ["identify", str(folder), "--model", "dahl", "--save", str(card), "--report", str(page)]
+    CliRunner().invoke(cli, words)
+    assert Damper.load(card).all_laws
+    assert page.read_text("utf-8").rstrip().endswith("</html>")
+
+
+def test_a_card_that_cannot_be_written_is_an_error_below_the_result(folder: Path, tmp_path: Path) -> None:
+    done = CliRunner().invoke(cli, ["identify", str(folder), "--model", "dahl", "--save", str(tmp_path)])
+    assert done.exit_code == 2
+    assert "Goodness of fit" in done.stdout
 
 
 def test_json_has_null_and_the_reason_where_there_is_no_interval(folder: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,13 +17,14 @@ from dampyr.cli._output import as_json_option, findings_below, print_json, print
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.cli._report import report_options
-from dampyr.errors import InputError
+from dampyr.errors import DampyrError, InputError
 from dampyr.findings import Finding, worst_first
 
 BUDGET = 480.0  # counted s: that of dampyr.identification.leaderboard, which is imported only when it runs
 
 if TYPE_CHECKING:
     from dampyr.identification import Fit, Identified, Score, Specimens, Validation
+    from dampyr.models import Damper
     from dampyr.records import Record
 
 
@@ -189,21 +190,37 @@ def command(
     if each:
         print_json([one.as_dict() for one in fits]) if as_json else _print_each(fits)
         return
+    # Files first, as a reader of the first lines alone closes the pipe; what cannot be written is said after what is printed.
     if by_specimen:
+        problem = _written(specimens.damper, save)
         print_json(specimens.as_dict()) if as_json else _print_specimens(specimens)
-        if save:
-            specimens.damper().save(save)
-        return
-    if as_json:
-        print_json(result.as_dict())
     else:
-        _print(result, records)
-    if save:
-        result.card.save(save)
-    if report:
-        from dampyr.report import write_fit_page
+        problem = _written(lambda: result.card, save) or _reported(result, report)
+        print_json(result.as_dict()) if as_json else _print(result, records)
+    if problem is not None:
+        raise problem
 
-        write_fit_page(result, report)
+
+def _written(card: Callable[[], Damper], path: Path | None) -> Exception | None:
+    """Save a card where a path is given; why it could not be saved."""
+    try:
+        if path:
+            card().save(path)
+    except (DampyrError, OSError) as problem:
+        return problem
+    return None
+
+
+def _reported(result: Identified, path: Path | None) -> Exception | None:
+    """Write the page where a path is given; why it could not be written."""
+    try:
+        if path:
+            from dampyr.report import write_fit_page
+
+            write_fit_page(result, path)
+    except (DampyrError, OSError) as problem:
+        return problem
+    return None
 
 
 def _laws(given: tuple[str, ...]) -> str | dict[str, str] | None:

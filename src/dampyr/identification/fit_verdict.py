@@ -10,6 +10,7 @@ import numpy as np
 
 from dampyr.findings import Finding
 from dampyr.identification.score import Score
+from dampyr.representation import rounded
 
 # of the force (L1): bands of acceptance are 10 to 15 % wide, so that a model beyond 10 % is not that damper, and one within
 # half of it leaves them to the specimens
@@ -45,7 +46,7 @@ def fit_verdict(scores: Mapping[str, Score], converged: bool, reason: str) -> Fi
     l1, worst = float(np.mean(list(by_record.values()))), max(by_record, key=lambda name: by_record[name])
     what = "this record" if len(by_record) == 1 else "these records"
     search = "The search converged" if converged else f"The search did not converge ({reason})"
-    size = f"{100 * l1:.2g} % of the force" if np.isfinite(l1) else "without a number"
+    size = f"{rounded(100 * l1, 2)} % of the force" if np.isfinite(l1) else "without a number"
     if l1 <= DESCRIBES and by_record[worst] <= MISSES:
         kind, model = "good", f"the model describes {what}"
     elif l1 <= MISSES:
@@ -54,5 +55,5 @@ def fit_verdict(scores: Mapping[str, Score], converged: bool, reason: str) -> Fi
         kind, model = "bad", f"the model does not describe {what}"
     misfit = f"misfit {size} (L1 ratio)"
     if kind != "good" and len(by_record) > 1 and np.isfinite(l1):
-        misfit += f", {100 * by_record[worst]:.2g} % in {worst}"
+        misfit += f", {rounded(100 * by_record[worst], 2)} % in {worst}"
     return FitVerdict(kind if converged else "bad", f"{search}; {misfit}: {model}.")  # type: ignore[arg-type]

@@ -21,7 +21,7 @@ from dampyr.report.prediction_section import mean_l1, prediction_section
 from dampyr.report.range_section import range_section
 from dampyr.report.residual_section import residual_section
 from dampyr.report.uncertainty_section import uncertainty_section
-from dampyr.representation import sentence
+from dampyr.representation import rounded, sentence
 
 
 def write_fit_page(
@@ -80,7 +80,7 @@ def _summary(fit: Fit, checks: Sequence[Validation], listed: Sequence[Finding]) 
     """What a reader who reads nothing else should know."""
     inputs, precision = _inputs(fit), _precision(fit)
     l1 = {name: one.l1 for name, one in fit.scores.items()}
-    worst = extremes(fit.scores)[-1][1]
+    mean, worst = 100 * float(np.mean(list(l1.values()))), extremes(fit.scores)[-1][1]
     rows: list[list[Cell]] = [
         ["model", str(fit.problem.composition)],
         ["search and misfit", _verdict(fit)],
@@ -88,7 +88,7 @@ def _summary(fit: Fit, checks: Sequence[Validation], listed: Sequence[Finding]) 
         ["input", inputs],
         [
             "fits its records",
-            f"L1 {100 * float(np.mean(list(l1.values()))):.2g} % on average, {100 * l1[worst]:.2g} % in {worst}",
+            f"L1 {rounded(mean, 2)} % on average, {rounded(100 * l1[worst], 2)} % in {worst}",
         ],
     ]
     for one in checks:

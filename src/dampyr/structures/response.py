@@ -475,9 +475,10 @@ class Response(Representation):
             "converged": int(self.converged),
             "title": self.title,
             "damper_origin": self.origin,
-            "findings": list(map(str, self.findings)),
             "after_s": self.after,
         }
+        if self.findings:  # not every format of files takes an empty list
+            attributes["findings"] = list(map(str, self.findings))
         if self.error_estimate is not None:
             attributes["error_estimate"] = self.error_estimate
         attributes |= {f"error_estimate_{name}": value for name, value in self.error_estimates.items()}
