@@ -42,9 +42,8 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "floors": list(result.cases[BARE].floors),
         "unit": result.unit,
         "end": result.end,
-        "note": " ".join(
-            [*(finding.sentence for finding in result.findings), *([f"{result.note}."] * bool(result.note))]
-        ),
+        "findings": [{"severity": one.severity, "sentence": one.sentence} for one in result.findings],
+        "note": f"{result.note}." if result.note else "",
         "cases": [_summarise(name, each) for name, each in result.cases.items()],
     }
 
@@ -70,8 +69,6 @@ def _summarise(name: str, r: Response) -> dict[str, Any]:
         "energy": {word: float(values[-1]) for word, values in ends.items()},
         "scheme": r.scheme,
         "step": r.step,
-        "converged": r.converged,
-        "reason": r.reason,
     }
     return dict(plain(summary))
 

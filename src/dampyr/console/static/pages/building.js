@@ -107,7 +107,7 @@ export async function show(root, query) {
     const energies = () => redraw(energy, { label: `Energies over time, ${chosen.value}`, x: TIME, y: { words: "energy", unit: "J" }, height: 260, zero: true,
       series: Object.entries(curves.cases[chosen.value].energy).map(([name, line]) => ({ ...ENERGIES[name], ...line })) });
     sheet.replaceChildren(
-      section(r.title, r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null, r.cases.flatMap((one) => [...one.outside, ...(one.converged ? [] : [one.reason])].map((words) => h("p", { class: "verdict bad" }, `${one.name}: ${words}.`))), moving.element),
+      section(r.title, r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null, (r.findings ?? []).map((one) => h("p", { class: `verdict ${one.severity === "wrong" ? "bad" : "fair"}` }, one.sentence)), moving.element),
       section("Peaks", peaks(r), r.note ? h("p", { class: "soft" }, r.note) : "", h("div", { class: "row" }, page(id))),
       section("Histories", field("Floor", floor), lines),
       damped.length ? section("The damper", plot({ label: `Damper force over stroke, ${damped.join(", ")}`, x: { words: "stroke", unit: "mm", pad: 0.04 }, y: { words: "force", unit: "N" }, height: 340,
