@@ -73,6 +73,11 @@ class Finding:
         return cls(table["severity"], str(table["words"]), about, str(table.get("source", "")))
 
 
+def as_dicts(findings: Iterable[Finding]) -> list[dict[str, Any]]:
+    """The findings of a result for its JSON and for a card."""
+    return [finding.as_dict() for finding in findings]
+
+
 class HasFindings(Protocol):
     """A result: a record, a fit, a damper, a response."""
 

@@ -56,7 +56,7 @@ def command(
     An FMU is compiled on this machine, and needs a C compiler.
     """
     from dampyr.export import export
-    from dampyr.findings import OF_DAMPER, handed_on
+    from dampyr.findings import OF_DAMPER, as_dicts, handed_on
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
     given = {"single": single or None, "history": history, "fmi": int(fmi) if fmi else None, "drive": drive}
@@ -65,7 +65,7 @@ def command(
     state_origin(damper.origin)
     findings = handed_on([damper], OF_DAMPER)
     if as_json:
-        listed = [finding.as_dict() for finding in findings]
+        listed = as_dicts(findings)
         print_json({"damper_origin": damper.origin, "findings": listed, "written": written})
         return
     print_notice(findings)

@@ -24,7 +24,6 @@ BUDGET = 480.0  # counted s: that of dampyr.identification.leaderboard, which is
 
 if TYPE_CHECKING:
     from dampyr.identification import Fit, Identified, Score, Specimens, Validation
-    from dampyr.models import Damper
     from dampyr.records import Record
 
 
@@ -192,35 +191,30 @@ def command(
         return
     # Files first, as a reader of the first lines alone closes the pipe; what cannot be written is said after what is printed.
     if by_specimen:
-        problem = _written(specimens.damper, save)
+        problem = _problem_of(lambda: specimens.damper().save(save)) if save else None
         print_json(specimens.as_dict()) if as_json else _print_specimens(specimens)
     else:
-        problem = _written(lambda: result.card, save) or _reported(result, report)
+        problem = _problem_of(lambda: result.card.save(save)) if save else None
+        if report:
+            problem = problem or _problem_of(lambda: _write_page(result, report))
         print_json(result.as_dict()) if as_json else _print(result, records)
     if problem is not None:
         raise problem
 
 
-def _written(card: Callable[[], Damper], path: Path | None) -> Exception | None:
-    """Save a card where a path is given; why it could not be saved."""
+def _problem_of(write: Callable[[], object]) -> Exception | None:
+    """Why a file cannot be written, or a card not be made; None where it is written."""
     try:
-        if path:
-            card().save(path)
+        write()
     except (DampyrError, OSError) as problem:
         return problem
     return None
 
 
-def _reported(result: Identified, path: Path | None) -> Exception | None:
-    """Write the page where a path is given; why it could not be written."""
-    try:
-        if path:
-            from dampyr.report import write_fit_page
+def _write_page(result: Identified, path: Path) -> None:
+    from dampyr.report import write_fit_page
 
-            write_fit_page(result, path)
-    except (DampyrError, OSError) as problem:
-        return problem
-    return None
+    write_fit_page(result, path)
 
 
 def _laws(given: tuple[str, ...]) -> str | dict[str, str] | None:

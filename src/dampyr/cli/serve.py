@@ -65,7 +65,7 @@ def command(
     """
     from dampyr import ground_motions
     from dampyr.export import opensees_server
-    from dampyr.findings import OF_DAMPER, handed_on
+    from dampyr.findings import OF_DAMPER, as_dicts, handed_on
     from dampyr.structures.simulate import law_of
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
@@ -100,7 +100,7 @@ def command(
                 ),
             )
     if as_json:
-        listed = [finding.as_dict() for finding in findings]
+        listed = as_dicts(findings)
         print_json({"damper_origin": damper.origin, "findings": listed, **asdict(summary)})
         return
     per_step = f"{summary.trials / summary.steps:.2f} trials a step" if summary.steps else "no step"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.findings import OF_DAMPER, Finding, handed_on, worst_first
+from dampyr.findings import OF_DAMPER, Finding, as_dicts, handed_on, worst_first
 from dampyr.identification.acceptance import (
     QUANTITIES,
     Acceptance,
@@ -130,7 +130,7 @@ class Accepted(Representation):
             "reference": self.reference,
             "origin": self.origin,
             "verdict": self.verdict,
-            "findings": [finding.as_dict() for finding in self.findings],
+            "findings": as_dicts(self.findings),
             "records": records,
         }
         return dict(plain(answer | more))

@@ -199,7 +199,7 @@ def _pairs(fit: Fit) -> list[Inseparable]:
     pairs = sorted(pairs, key=lambda pair: -abs(pair.correlation))[:MAX_PAIRS]
     blocks = [block for block in fit.optimum.blocks if any(pair.block is block for pair in pairs)]
     candidates = dict(zip(blocks, _candidates(fit.optimum, blocks), strict=True))
-    return [_finding(fit, pair, candidates[pair.block]) for pair in pairs]
+    return [_pair_in_words(fit, pair, candidates[pair.block]) for pair in pairs]
 
 
 def _correlation(covariance: Array) -> Array:
@@ -217,7 +217,7 @@ class _Pair:
     correlation: float
 
 
-def _finding(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Inseparable:
+def _pair_in_words(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Inseparable:
     labels, block, r = list(fit.parameters), pair.block, pair.correlation
     a, b = (pair.usable[place] for place in pair.places)
     places = block.places[a], block.places[b]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.findings import Finding, handed_on, worst_first
+from dampyr.findings import Finding, as_dicts, handed_on, worst_first
 from dampyr.identification.fit import Fit, fit
 from dampyr.identification.fit_data import WEIGHTINGS
 from dampyr.identification.identifiability import Identifiability, identifiability
@@ -194,7 +194,7 @@ class Identified(Representation):
 
     def as_dict(self) -> dict[str, Any]:
         """All results for JSON, SI units."""
-        data = self.fit.as_dict() | {"findings": [finding.as_dict() for finding in self.findings]}
+        data = self.fit.as_dict() | {"findings": as_dicts(self.findings)}
         data["identifiability"] = self.identifiability.as_dict()["inseparable"]
         if self.validations:
             data["predictions"] = list(self.validations)

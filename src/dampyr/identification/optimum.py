@@ -19,21 +19,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
-    """A problem at the end of its search, or an independent block of it there (``block``, of the optimum ``whole``).
+    """A problem at the end of its search, or an independent block of it there: ``part_of`` is then the whole, and which block.
 
     All that follows from the model's forces and derivatives at that point is worked out when it is first needed, and once.
     """
 
     problem: Problem
     point: Point
-    whole: Optimum | None = None
-    block: Block | None = None
+    part_of: tuple[Optimum, Block] | None = None
 
     @cached_property
     def forces(self) -> list[Array]:
         """The modelled force (n,) along each record, its own offset, gain and initial states included, N."""
-        if self.whole is not None and self.block is not None:
-            return [self.whole.forces[r] for r in self.block.records]
+        if self.part_of is not None:
+            whole, block = self.part_of
+            return [whole.forces[r] for r in block.records]
         return [modelled_force(self.problem, self.point, r) for r in range(len(self.problem.pieces))]
 
     @cached_property
@@ -48,8 +48,9 @@ class Optimum:
         J'WJ, J'Wr and r'Wr of derivatives by the coefficients themselves, also of those that are searched in their logarithm;
         the priors of a record's nuisances go with its first cluster.
         """
-        if self.whole is not None and self.block is not None:
-            return _of_block(self.whole.cluster_sums, self.block, self.problem)
+        if self.part_of is not None:
+            whole, block = self.part_of
+            return _of_block(whole.cluster_sums, block, self.problem)
         return _by_cluster(self.problem, self.point)
 
     @cached_property
@@ -57,8 +58,9 @@ class Optimum:
         """The same, weighted by the second derivative of the loss: `cluster_sums` where the loss is squares."""
         if not self.is_robust:
             return self.cluster_sums
-        if self.whole is not None and self.block is not None:
-            return _of_block(self.whole.curvature_sums, self.block, self.problem)
+        if self.part_of is not None:
+            whole, block = self.part_of
+            return _of_block(whole.curvature_sums, block, self.problem)
         return _by_cluster(
             replace(self.problem, pieces=list(map(_weighted_by_curvature, self.problem.pieces))), self.point
         )
@@ -105,16 +107,16 @@ class Optimum:
 
     @cached_property
     def blocks(self) -> tuple[Optimum, ...]:
-        """The blocks that share no coefficient, each with its ``block``; one where the problem has no such blocks."""
+        """The blocks that share no coefficient, one where the problem has no such blocks."""
         return tuple(
-            Optimum(block.problem, self.point.in_block(block), self, block)
+            Optimum(block.problem, self.point.in_block(block), (self, block))
             for block in independent_blocks(self.problem)
         )
 
     @property
     def places(self) -> list[int]:
         """The places of the coefficients among those of the whole problem."""
-        return list(range(self.problem.size)) if self.block is None else self.block.coefficients
+        return list(range(self.problem.size)) if self.part_of is None else self.part_of[1].coefficients
 
 
 def _by_cluster(problem: Problem, point: Point) -> list[Array]:

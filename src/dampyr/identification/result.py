@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import FindingWarning, InputError
-from dampyr.findings import Finding, Findings, handed_on, worst_first
+from dampyr.findings import Finding, Findings, as_dicts, handed_on, worst_first
 from dampyr.identification.data_sheet import SHEETS, contradictions
 from dampyr.identification.diagnostics import no_interval, notes, residual_findings, trouble_of
 from dampyr.identification.fit_data import Piece
@@ -346,7 +346,7 @@ class Fit(Representation):
             "converged": self.converged,
             "reason": self.reason,
             "verdict": {"kind": self.verdict.kind, "words": self.verdict.words},
-            "findings": [finding.as_dict() for finding in self.findings],
+            "findings": as_dicts(self.findings),
             "clusters": self.clusters,
             "parameters": self.parameters,
             "stderr": self.stderr,

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.findings import Finding, Findings, handed_on, worst_first
+from dampyr.findings import Finding, Findings, as_dicts, handed_on, worst_first
 from dampyr.identification.fit import check_model_and_records, fit
 from dampyr.identification.profile_likelihood import variance_ratios
 from dampyr.identification.random_effects import MIN_GROUPS, RandomEffects, random_effects
@@ -405,7 +405,7 @@ class Specimens(Representation):
                     "parameters": dict(self.spreads),
                     "left_out": self.left_out,
                     "not_estimated": self.not_estimated,
-                    "findings": [finding.as_dict() for finding in self.findings],
+                    "findings": as_dicts(self.findings),
                 }
             )
         )

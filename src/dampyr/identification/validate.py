@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.findings import OF_DAMPER, Finding, handed_on, worst_first
+from dampyr.findings import OF_DAMPER, Finding, as_dicts, handed_on, worst_first
 from dampyr.identification.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
 from dampyr.identification.score import Array, Score, compare, group_by_input, prediction
 from dampyr.identification.scoring_window import SETTLING, check_settling
@@ -183,7 +183,7 @@ class Validated(Representation):
         answer = {
             "card": self.card,
             "origin": self.origin,
-            "findings": [finding.as_dict() for finding in self.findings],
+            "findings": as_dicts(self.findings),
             "scores": scores,
             "by_input": self.by_input,
             "bands": bands,

@@ -11,7 +11,7 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.config import parse_toml
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.findings import Finding, worst_first
+from dampyr.findings import Finding, as_dicts, worst_first
 from dampyr.models import prediction_error
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
@@ -45,7 +45,7 @@ def _tables(damper: Any) -> dict[str, Any]:
     units = {name: q.unit or "1" for name, q in damper.composition.quantities.items()}
     tables: dict[str, Any] = {"schema": SCHEMA, "damper": head}
     if damper.findings:  # before the long tables, where who opens the file sees them
-        tables["findings"] = [finding.as_dict() for finding in damper.findings]
+        tables["findings"] = as_dicts(damper.findings)
     tables["laws"] = {name: {"unit": units[name], **law.card()} for name, law in damper.all_laws.items()}
     if damper.ranges:
         tables["ranges"] = {name: list(map(float, span)) for name, span in damper.ranges.items()}

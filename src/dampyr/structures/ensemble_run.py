@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dampyr.errors import InputError
-from dampyr.findings import Finding, worst_first
+from dampyr.findings import Finding, as_dicts, worst_first
 from dampyr.ground_motions import GroundMotion, end_in_words, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.origin import NOT_STATED, Origin
@@ -185,7 +185,7 @@ class EnsembleResult(Representation):
             }
             for each in self.curves
         ]  # fmt: skip
-        attributes = {**self.dataset.attrs, "findings": [finding.as_dict() for finding in self.findings]}
+        attributes = {**self.dataset.attrs, "findings": as_dicts(self.findings)}
         return dict(plain({**attributes, "peaks": summary(self.dataset), "fragility": curves}))
 
 

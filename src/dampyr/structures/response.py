@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.findings import Finding, worst_first
+from dampyr.findings import Finding, as_dicts, worst_first
 from dampyr.ground_motions import end_in_words
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing
@@ -447,7 +447,7 @@ class Response(Representation):
             "peak_base_shear_N": self.peak_base_shear,
             "peak_force_N": self.peak_force.tolist(),
             "damper_origin": self.origin,
-            "findings": [finding.as_dict() for finding in self.findings],
+            "findings": as_dicts(self.findings),
             "sites": list(self.sites),
             "laws": list(self.laws),
             "mean_input": self.mean_input.tolist(),

@@ -16,7 +16,7 @@ from dampyr.campaigns.hybrid.substructure import LARGEST_LAG, Substructure, Subs
 from dampyr.campaigns.kinds import kind
 from dampyr.config import fill
 from dampyr.errors import InputError
-from dampyr.findings import Finding, handed_on, worst_first
+from dampyr.findings import Finding, as_dicts, handed_on, worst_first
 from dampyr.models.codegen.kernels import bind
 from dampyr.origin import NOT_STATED, Origin, notice
 from dampyr.records import Record, read
@@ -111,7 +111,7 @@ class HybridResult(Representation):
             "lag_s": self.lag,
             "energy_error": self.energy_error,
             "static_force_N": self.static_force,
-            "findings": [finding.as_dict() for finding in self.findings],
+            "findings": as_dicts(self.findings),
         }
 
     def plot(self) -> Any:
