@@ -14,8 +14,8 @@ from dampyr.cli import cli
 from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import OF_DAMPER, Finding, Findings, handed_on, worst_first
 from dampyr.ground_motions import el_centro
-from dampyr.models import Damper
-from dampyr.structures import respond, two_storey
+from dampyr.models import Damper, Interpolation
+from dampyr.structures import SimulateOptions, respond, simulate, two_storey
 
 
 def test_the_worst_comes_first_and_everything_once() -> None:
@@ -46,6 +46,29 @@ def test_findings_are_made_when_they_are_looked_at_and_travel_as_a_tuple() -> No
 @dataclass
 class Result:
     findings: Sequence[Finding]
+
+
+def test_what_differs_in_more_than_numbers_is_not_merged() -> None:
+    """Both begin alike, up to a number; and lists, and one sample or many, are said alike."""
+    mean = "at 0 V the residual's mean differs between the directions"
+    variance = "at 0, 1.98 V, 15 to 35 % of the residual's variance does not change its sign"
+    some = [Finding("doubt", words, (name,)) for name, words in (("a", mean), ("a", variance), ("b", variance))]
+    assert [(one.words, one.about) for one in worst_first(some)] == [(mean, ("a",)), (variance, ("a", "b"))]
+    alike = ["force has 1 false sample, it seems: at 2.5 s", "force has 2 false samples, it seems: at 2.5, 4.5 s"]
+    assert len({Finding("doubt", words).kind for words in alike}) == 1
+
+
+def test_cases_that_leave_different_limits_say_each_its_own() -> None:
+    laws = {"dahl.kx": 900.0, "dahl.kw": Interpolation((0.0, 3.0), (50.0, 600.0)), "dahl.rho": 2500.0}
+    damper = Damper("dahl", laws, ranges={"displacement": (0.0, 0.012), "velocity": (0.0, 0.05)})
+    options = SimulateOptions(inputs=(0.0, 3.0))
+    with pytest.warns(FindingWarning):
+        result = simulate(two_storey(), el_centro(), damper, options)
+    said = {name: response.doubts for name, response in result.cases.items() if response.sites}
+    assert len(said["0 V"]) > len(said["3 V"]) > 0  # only the velocity leaves its range with the strong damper
+    assert {str(one) for one in result.findings} == {
+        f"{name}: {words}" for name, some in said.items() for words in some
+    }
 
 
 def test_what_matters_is_handed_on_with_its_source_and_notes_stay_behind() -> None:
@@ -103,7 +126,7 @@ def test_the_command_says_each_once_below_its_table(card: Path) -> None:
     done = CliRunner().invoke(cli, words, catch_exceptions=False)
     assert "it was calibrated up to" not in done.stderr
     text = " ".join(done.stdout.split())
-    assert text.count("it was calibrated up to 0.0001 m") == 1  # of both cases together
+    assert text.count("it was calibrated up to 0.0001 m") == 1  # a damper without input: the same in both cases
     assert text.count("force may be saturated: 12 samples") == 1
     assert "quiet" not in text
 

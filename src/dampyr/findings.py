@@ -16,7 +16,8 @@ from dampyr.errors import InputError
 
 Severity = Literal["wrong", "doubt", "note"]
 SEVERITIES: tuple[Severity, ...] = get_args(Severity)
-NUMBER = re.compile(r"[-+−]?\d")
+NUMBERS = re.compile(r"[-+−]?\d[\d.]*(e[-+]?\d+)?(, [-+−]?\d[\d.]*(e[-+]?\d+)?)*")  # one, or several in a list
+PLURAL = re.compile(r"(# (?:\w+ )?\w+?)s\b")  # of what is counted, such as "2 false samples"
 OF_DAMPER = "the damper's fit"  # the source of what a damper hands on
 
 
@@ -25,8 +26,8 @@ class Finding:
     """One sentence, without its capital and its full stop, on what a person should look at.
 
     ``severity`` is "wrong" (the numbers cannot be used as they are), "doubt" (look before you use them) or "note" (good to
-    know). ``about`` names the records or cases that it is about, none where it is about the whole result. ``source`` says what
-    has handed it on, such as "the damper's fit"; empty where it is of the result itself.
+    know). ``about`` names the records that it is about, none where it is about the whole result. ``source`` says what
+    has handed it on, such as "the damper's fit" or a case; empty where it is of the result itself.
     """
 
     severity: Severity
@@ -56,8 +57,8 @@ class Finding:
 
     @property
     def kind(self) -> str:
-        """What it says up to its first number, which is the same for all records that it is said of."""
-        return NUMBER.split(self.words, maxsplit=1)[0]
+        """What it says without its numbers, which is the same for all records that it is said of."""
+        return PLURAL.sub(r"\1", NUMBERS.sub("#", self.words))
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, cards and files: severity and words, and about and source where there are any."""

@@ -263,6 +263,7 @@ def _print(proposal: Proposal, out: Path | None) -> None:
         ["coefficient", "now", "expected"],
         widths,
         notes=[*proposal.notes, f"{reached}{then}"],
+        findings=proposal.findings,
     )
 
 
@@ -281,4 +282,5 @@ def _print_planned(planned: Planned) -> None:
         ["round", "95 % interval over the value", "expected", "achieved"],
         rows,
         notes=[f"the damper's card: {planned.folder / 'damper.toml'}"] if planned.fit.damper is not None else [],
+        findings=planned.findings,
     )

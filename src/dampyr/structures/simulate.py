@@ -130,7 +130,7 @@ class Simulated(Representation):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """Those of all cases, the worst first; what is not said of every case with a damper is said of which."""
+        """Those of all cases, the worst first; what is not said of every case with a damper has its case as the source."""
         cases = {name: response for name, response in self.cases.items() if response.sites} or self.cases
         shared = [
             finding
@@ -140,7 +140,7 @@ class Simulated(Representation):
         return worst_first(
             shared,
             (
-                replace(finding, about=(name,))
+                replace(finding, source=finding.source or name)
                 for name, response in self.cases.items()
                 for finding in response.findings
                 if finding not in shared

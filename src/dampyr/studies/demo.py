@@ -7,6 +7,7 @@ real damper would.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +18,8 @@ from numpy.typing import NDArray
 
 from dampyr import campaigns, ground_motions, structures
 from dampyr.campaigns.journal import NAME as JOURNAL
+from dampyr.errors import FindingWarning
+from dampyr.findings import as_dicts, worst_first
 from dampyr.identification import Fit, Score, fit, prediction, score
 from dampyr.models import Damper
 from dampyr.models.numerics.differentiation import differentiate
@@ -32,11 +35,12 @@ from dampyr.report import (
     loops,
     page,
     scores,
-    sentence,
     write_page,
 )
+from dampyr.report.blocks import to_look_at
 from dampyr.report.fit_sections import fit_blocks, score_table
 from dampyr.rig import RigSettings, simulated
+from dampyr.structures import Simulated
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
@@ -96,6 +100,11 @@ class Demo:
         return self.fit.origin
 
     @property
+    def simulated(self) -> Simulated:
+        """The responses as `dampyr.structures.simulate` gives them."""
+        return Simulated("two-storey building", "El Centro", "V", self.responses)
+
+    @property
     def card(self) -> Path:
         """The file of the identified damper."""
         return self.folder / "damper.toml"
@@ -107,6 +116,7 @@ class Demo:
             "origin": self.origin,
             "converged": self.fit.converged,
             "reason": self.fit.reason,
+            "findings": as_dicts(worst_first(self.fit.findings, self.simulated.findings)),
             "parameters": self.fit.parameters,
             "stderr": self.fit.stderr,
             "within_records_only": list(self.fit.within_records),
@@ -173,7 +183,9 @@ def _responses(damper: Damper, progress: Progress) -> dict[str, Any]:
     responses = {}
     for k, (name, options) in enumerate(cases.items()):
         progress("simulating the building", k / len(cases))
-        responses[name] = structures.respond(building, motion, **options)
+        with warnings.catch_warnings():  # what it warns of stands on the page, and below the table
+            warnings.simplefilter("ignore", FindingWarning)
+            responses[name] = structures.respond(building, motion, **options)
     progress("simulating the building", 1.0)
     return responses
 
@@ -238,7 +250,8 @@ def _identified(demo: Demo) -> Section:
                 f"The card is in {demo.card.name}."
             ),
             *fit_blocks(demo.fit),
-            Text("\n\n".join((verdict.words, *(sentence(str(one)) for one in verdict.besides(demo.fit.findings))))),
+            Text(verdict.words),
+            *to_look_at(verdict.besides(demo.fit.findings)),
         ],
     )
 
@@ -302,6 +315,7 @@ def _building(demo: Demo) -> Section:
                 "The static offset is left out. The motion exceeds the calibrated stroke and speed, so these are "
                 "extrapolations of the tests."
             ),
+            *to_look_at(demo.simulated.findings),
             Table(
                 (
                     "case",

@@ -26,6 +26,7 @@ from dampyr.campaigns.planning.goal import is_named, peak_goal, peak_half_of_fit
 from dampyr.campaigns.planning.proposal import PlanOptions, Proposal, fitted, propose
 from dampyr.campaigns.run_control import Control
 from dampyr.errors import InputError
+from dampyr.findings import Finding, as_dicts
 from dampyr.identification import Fit
 from dampyr.models import Damper
 from dampyr.origin import Named, Origin, check_one_kind
@@ -95,6 +96,11 @@ class Planned(Representation):
         """That of all records together."""
         return self.fit.origin
 
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Those of the fit to all records."""
+        return self.fit.findings
+
     def widths_figure(self) -> Figure:
         """Expected against achieved half widths of every round, one marker a coefficient."""
         from dampyr.figures.expected_widths import expected_widths
@@ -137,6 +143,7 @@ class Planned(Representation):
             "goal": self.goal,
             "reached": self.reached,
             "reason": self.reason,
+            "findings": as_dicts(self.findings),
             "rounds": [
                 {
                     "number": one.number,

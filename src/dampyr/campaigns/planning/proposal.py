@@ -30,6 +30,7 @@ from dampyr.campaigns.planning.expected_information import (
 )
 from dampyr.campaigns.planning.goal import GOALS, Peak, parameter_goal, peak_goal, peak_half_of_fit
 from dampyr.errors import InputError
+from dampyr.findings import OF_DAMPER, Finding, as_dicts, handed_on
 from dampyr.identification import Fit, fit
 from dampyr.models import Constant, Damper
 from dampyr.origin import Origin
@@ -157,6 +158,11 @@ class Proposal(Representation):
         return self.damper.origin
 
     @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What is wrong or in doubt in the damper that it rests on."""
+        return handed_on([self.damper], OF_DAMPER)
+
+    @property
     def duration(self) -> float:
         """s of all tests, without the rests between them."""
         return sum(test.candidate.duration for test in self.tests)
@@ -233,6 +239,7 @@ class Proposal(Representation):
         """Tests and intervals by name, for `dampyr.to_json`, SI units."""
         return {
             "damper_origin": self.origin,
+            "findings": as_dicts(self.findings),
             "goal": self.goal,
             "model": self.model,
             "rig": self.rig.name,
