@@ -41,7 +41,7 @@ def test_the_table_says_where_there_is_no_interval(folder: Path) -> None:
     assert re.fullmatch(r"[\d.]+ \(no interval\)", values[3])
     assert re.fullmatch(r"[\d.e-]+ \([\d.e-]+\)", errors[2])
     assert errors[3].endswith(", within these records only")
-    assert "between-record variance is not estimated from 1 record" in done.stdout
+    assert "Between-record variance is not estimated from 1 record" in done.stdout
     # that sessions are not known, and how to settle it, is said once
     assert done.stdout.count("to settle it, repeat") == 1
     assert "Not separated: voltage and session" not in done.stdout
