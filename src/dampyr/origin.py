@@ -1,35 +1,156 @@
-"""Origin of records, of dampers and of what is made of them: measured, simulated, virtual, derived or not stated.
+"""Origin of records, of dampers and of what is made of them: its kind, and by whom, of what, when and from which files.
 
-*measured* is only what the driver of a real instrument has read; *simulated* is of a rig, or a board, that is a model;
+The kind *measured* is only what the driver of a real instrument has read; *simulated* is of a rig, or a board, that is a model;
 *virtual* is computed without any rig; *derived* comes from published numbers or somebody else's fit, not from records at
 hand. What a file or an array does not say is *not stated*. Every page, table, figure and export of what is simulated or
-virtual says so by `notice`.
+virtual says so by `Origin.notice`.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, get_args
 
 from dampyr.errors import InputError
+from dampyr.source_digest import full_version
+from dampyr.source_file import SourceFile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Origin = Literal["measured", "simulated", "virtual", "derived", "not stated"]
-MEASURED: Origin = "measured"
-SIMULATED: Origin = "simulated"
-VIRTUAL: Origin = "virtual"
-DERIVED: Origin = "derived"
-NOT_STATED: Origin = "not stated"
-ORIGINS: tuple[Origin, ...] = get_args(Origin)
+OriginKind = Literal["measured", "simulated", "virtual", "derived", "not stated"]
+ORIGIN_KINDS: tuple[OriginKind, ...] = get_args(OriginKind)
 
 NOTICES: Mapping[str, str] = {
-    SIMULATED: "SIMULATED: based on a simulated test rig, not on measurements",
-    VIRTUAL: "VIRTUAL: based on a test without a rig, not on measurements",
+    "simulated": "SIMULATED: based on a simulated test rig, not on measurements",
+    "virtual": "VIRTUAL: based on a test without a rig, not on measurements",
 }
 SIMULATED_SERIAL = "01A2B3C4"  # of the NI board whose other end is the simulated rig
 MIXED_FITS = "mixed_origins=True (--mixed-origins)"  # how a fit of records of both kinds is asked for
+FEW = 6  # names of operators, specimens or sessions that a page lists one by one
+DAY = len("2026-03-01")  # of a date with a time of day
+SHOWN_DIGITS = 12  # of a checksum in one line: enough to tell any two files apart
+
+
+@dataclass(frozen=True, order=True)
+class PublishedData:
+    """A published data set that a file belongs to: its ``name`` (`dampyr.records.datasets`), DOI and licence."""
+
+    name: str
+    doi: str = ""
+    licence: str = ""
+
+    def __str__(self) -> str:
+        stated = [f"doi:{self.doi}"] * bool(self.doi) + [self.licence] * bool(self.licence)
+        return f"{self.name} ({', '.join(stated)})" if stated else self.name
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where records, and what is made of them, come from.
+
+    Parameters
+    ----------
+    kind
+        "measured", "simulated", "virtual", "derived" or "not stated".
+    sources
+        The files, each with its SHA-256.
+    operators, specimens, sessions
+        Who tested, which dampers, and in which measurement sessions, as far as it is stated.
+    dates
+        Days of the tests, such as "2026-03-01".
+    data_sets
+        The published data sets that the files belong to.
+    versions
+        Of dampyr, with the digest of its sources, each that had part in it.
+    """
+
+    kind: OriginKind = "not stated"
+    sources: tuple[SourceFile, ...] = ()
+    operators: tuple[str, ...] = ()
+    specimens: tuple[str, ...] = ()
+    sessions: tuple[str, ...] = ()
+    dates: tuple[str, ...] = ()
+    data_sets: tuple[PublishedData, ...] = ()
+    versions: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.kind not in ORIGIN_KINDS:
+            raise InputError(f"origin = {self.kind!r} is not known; choose from {', '.join(ORIGIN_KINDS)}")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Kind, files (name, sha256), operators, specimens, sessions, dates, data sets (name, doi, licence), versions."""
+        return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
+
+    @classmethod
+    def from_dict(cls, table: Mapping[str, Any]) -> Origin:
+        """The inverse of `as_dict`; InputError for what is not an origin's."""
+        types: Mapping[str, type] = {"sources": SourceFile, "data_sets": PublishedData}
+        allowed = [field.name for field in fields(cls)]
+        values: dict[str, Any] = {}
+        for name, value in table.items():
+            if name not in allowed:
+                raise InputError(f"origin.{name} is not known; choose from {', '.join(allowed)}")
+            if name != "kind" and not isinstance(value, list):
+                raise InputError(f"origin.{name} = {value!r} is not allowed; give a list")
+            try:
+                made = types.get(name, str)
+                values[name] = (
+                    value if name == "kind" else tuple(made(**x) if name in types else made(x) for x in value)
+                )
+            except TypeError:
+                keys = ", ".join(field.name for field in fields(types[name]))
+                raise InputError(
+                    f"origin.{name} = {value!r} is not allowed; its entries are tables of {keys}"
+                ) from None
+        return cls(**values)
+
+    def as_json(self) -> str:
+        """`as_dict` as text, for an attribute of a file."""
+        return json.dumps(self.as_dict())
+
+    @classmethod
+    def from_json(cls, text: str) -> Origin:
+        """The inverse of `as_json`; dampyr up to 0.3.0 wrote the kind alone."""
+        return as_origin(text) if text in ORIGIN_KINDS else cls.from_dict(json.loads(text))
+
+    @property
+    def notice(self) -> str:
+        """What the first line of a page, table or export says; empty unless it is simulated or virtual."""
+        return NOTICES.get(self.kind, "")
+
+    @property
+    def series(self) -> str:
+        """What a figure calls the curve of a record: "measured" unless it is simulated or virtual."""
+        return self.kind if self.notice else "measured"
+
+    def facts(self) -> dict[str, str]:
+        """What is stated, as a page and the head of an export list it: name -> value."""
+        dates = [self.dates[0], self.dates[-1]] if len(self.dates) > 2 else self.dates
+        stated = {
+            "origin": [] if self.kind == "not stated" else [self.kind],
+            "operator": self.operators,
+            "specimen": self.specimens,
+            "session": self.sessions,
+            "tested": [" to ".join(dates)] if dates else [],
+            "data set": [str(data_set) for data_set in self.data_sets],
+            "earlier versions": [f"dampyr {version}" for version in self.versions if version != full_version()],
+        }
+        return {name: _listing(values) for name, values in stated.items() if values}
+
+    def in_words(self) -> str:
+        """`facts` and the first of the files in one line, for the comment of an export; empty where nothing is stated."""
+        files = [f"{file.name} (SHA-256 {file.sha256[:SHOWN_DIGITS]})" for file in self.sources]
+        stated = self.facts() | ({"files": _listing(files)} if files else {})
+        return "; ".join(f"{name}: {value}" for name, value in stated.items())
+
+
+NOT_STATED = Origin()
+SIMULATED = Origin("simulated")
+VIRTUAL = Origin("virtual")
+DERIVED = Origin("derived")
 
 
 class Source(Protocol):
@@ -51,43 +172,40 @@ class Named(NamedTuple):
     origin: Origin
 
 
-def as_origin(text: Any) -> Origin:
-    """One of `ORIGINS`, or an :class:`~dampyr.errors.InputError`."""
-    if text not in ORIGINS:
-        raise InputError(f"origin = {text!r} is not known; choose from {', '.join(ORIGINS)}")
-    origin: Origin = text
-    return origin
+def as_origin(given: Any) -> Origin:
+    """An `Origin` of which only the kind is given, or one as it is; an :class:`~dampyr.errors.InputError` for anything else."""
+    return given if isinstance(given, Origin) else Origin(given)
 
 
 def of_board(identity: str) -> Origin:
     """What the identity of a board tells, also in records of before their origin was written."""
-    return SIMULATED if SIMULATED in identity.lower() or SIMULATED_SERIAL in identity else NOT_STATED
+    return SIMULATED if "simulated" in identity.lower() or SIMULATED_SERIAL in identity else NOT_STATED
 
 
 def combined(origins: Iterable[Origin]) -> Origin:
-    """The origin of what is made of several: simulated or virtual where one of them is, else theirs where all agree."""
-    given = set(origins)
-    for unreal in (SIMULATED, VIRTUAL):
-        if unreal in given:
-            return unreal
-    return given.pop() if len(given) == 1 else NOT_STATED
+    """The origin of what this dampyr makes of several.
 
-
-def notice(origin: Origin) -> str:
-    """What the first line of a page or a table says of an origin; empty unless it is simulated or virtual."""
-    return NOTICES.get(origin, "")
-
-
-def series(origin: Origin) -> str:
-    """What a figure calls the curve of a record: "measured" unless it is simulated or virtual."""
-    return origin if notice(origin) else MEASURED
+    Its kind is simulated or virtual where that of one of them is, else theirs where all agree, else not stated; files, people,
+    specimens, sessions, dates, data sets and versions are those of all.
+    """
+    parts = list(origins)
+    kinds = {part.kind for part in parts}
+    unreal: list[OriginKind] = [kind for kind in ("simulated", "virtual") if kind in kinds]
+    kind = unreal[0] if unreal else kinds.pop() if len(kinds) == 1 else "not stated"
+    lists = {
+        field.name: tuple(sorted({one for part in parts for one in getattr(part, field.name)}))
+        for field in fields(Origin)
+        if field.name not in ("kind", "versions")
+    }
+    versions = dict.fromkeys([*(one for part in parts for one in part.versions), full_version()])
+    return Origin(kind, **lists, versions=tuple(versions))
 
 
 def check_one_kind(records: Iterable[Source]) -> None:
     """Refuse records of which some are simulated or virtual, and others are not or do not say."""
     unreal, others = list[Source](), list[Source]()
     for record in records:
-        (unreal if notice(record.origin) else others).append(record)
+        (unreal if record.origin.notice else others).append(record)
     if unreal and others:
         raise InputError(
             f"{_some(unreal)} and {_some(others)} are not fitted together, for the fit would be of neither; "
@@ -96,8 +214,8 @@ def check_one_kind(records: Iterable[Source]) -> None:
 
 
 def stamp(figure: Figure, origin: Origin) -> Figure:
-    """Write what `notice` begins with across a figure, once; the figure."""
-    word, _, _ = notice(origin).partition(":")
+    """Write what `Origin.notice` begins with across a figure, once; the figure."""
+    word, _, _ = origin.notice.partition(":")
     if word and all(text.get_text() != word for text in figure.texts):
         figure.text(0.5, 0.5, word, size=40, color="#79828c", alpha=0.3, rotation=20, ha="center", va="center")
     return figure
@@ -105,5 +223,10 @@ def stamp(figure: Figure, origin: Origin) -> Figure:
 
 def _some(records: list[Source]) -> str:
     more = f" and {len(records) - 2} more" if len(records) > 2 else ""
-    words = " or ".join(dict.fromkeys(record.origin for record in records))
+    words = " or ".join(dict.fromkeys(record.origin.kind for record in records))
     return f"{', '.join(record.name for record in records[:2])}{more} ({words})"
+
+
+def _listing(names: Iterable[str]) -> str:
+    names = list(names)
+    return ", ".join(names[:FEW]) + (f" and {len(names) - FEW} more" if len(names) > FEW else "")

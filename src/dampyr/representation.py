@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dampyr.errors import InputError
-from dampyr.origin import NOT_STATED, notice, stamp
+from dampyr.origin import NOT_STATED, stamp
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,7 +58,7 @@ class Representation:
     def _whole_summary(self) -> Summary:
         """The summary, before it what an ``origin`` that is not measured says, and the worst of the ``findings``."""
         title, rows = self._summary()
-        text = notice(getattr(self, "origin", NOT_STATED))
+        text = getattr(self, "origin", NOT_STATED).notice
         origin = [("origin", text)] if text else []
         return title, [*origin, *findings_row(getattr(self, "findings", ())), *rows]
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from dataclasses import dataclass
 from pathlib import Path
+
+from dampyr.errors import InputError
 
 BLOCK = 1 << 20  # bytes that are in memory at a time
 
@@ -15,6 +18,19 @@ class SourceFile:
 
     name: str
     sha256: str
+
+    def __str__(self) -> str:
+        return f"{self.sha256}  {self.name}"
+
+    @classmethod
+    def from_line(cls, line: str) -> SourceFile:
+        """That of a line as ``str`` gives it and ``sha256sum`` writes it; InputError where it is not one."""
+        sha256, _, name = line.partition("  ")
+        if not (name and re.fullmatch("[0-9a-f]{64}", sha256)):
+            raise InputError(
+                f"{line!r} is not a SHA-256, 64 hexadecimal digits, two spaces and a file's name; correct it"
+            )
+        return cls(name, sha256)
 
 
 def source_file(path: str | Path) -> SourceFile:

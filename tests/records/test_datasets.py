@@ -1,5 +1,6 @@
 """Fetching and finding the published data: checked by sha256, missing data said in one line."""
 
+import csv
 import hashlib
 import re
 import shutil
@@ -16,7 +17,7 @@ from scipy.io import savemat
 import dampyr as dp
 from dampyr.config import parse_toml
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
-from dampyr.records import campaign_folder, campaign_rows, datasets, fetch, locate
+from dampyr.records import campaign_rows, datasets, fetch, locate
 
 
 @pytest.fixture
@@ -29,8 +30,8 @@ def source(tmp_path, monkeypatch):
     for name in ("one.mat", "two.mat"):
         (folder / name).write_bytes(name.encode() * 100)
         text += row.format(name, hashlib.sha256((folder / name).read_bytes()).hexdigest())
-    rows = campaign_folder._rows(Path("table"), text + ",4.2,2,0,20,1,\n", None)
-    monkeypatch.setattr(datasets, "campaign_rows", lambda: rows)
+    rows = list(csv.DictReader((text + ",4.2,2,0,20,1,\n").splitlines()))
+    monkeypatch.setattr(datasets, "_table_rows", lambda table: rows)
     return folder
 
 

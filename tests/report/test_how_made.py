@@ -14,9 +14,9 @@ from dampyr import records
 from dampyr.cli import cli
 from dampyr.ground_motions import el_centro
 from dampyr.models import Damper, Interpolation
-from dampyr.records import Record
+from dampyr.origin import combined
 from dampyr.report import made_by, write_motion_page
-from dampyr.report.how_made import files_of, how_made, moment, people_and_parts
+from dampyr.report.how_made import how_made, moment
 from dampyr.source_digest import full_version
 from dampyr.source_file import source_file
 
@@ -54,7 +54,7 @@ def test_a_command_leaves_its_own_words_the_moment_the_version_and_the_checksums
     at, _, version = shown["made"].partition(" by dampyr ")
     assert version == full_version()
     assert abs((datetime.fromisoformat(at) - datetime.now().astimezone()).total_seconds()) < 60
-    assert shown["version of the card"] == "dampyr 0.1.0"
+    assert shown["earlier versions of the card"] == "dampyr 0.1.0"
     for name in ("mine.toml", "r0.h5", "r1.h5"):
         digits = hashlib.sha256((folder / name).read_bytes()).hexdigest()
         assert f'<span>{name}</span> <code>{digits[:12]}<span class="rest">{digits[12:]}</span></code>' in html
@@ -91,7 +91,8 @@ def test_only_files_are_listed_and_the_request_before_comes_back(tmp_path: Path)
 def test_a_record_remembers_the_file_that_it_was_read_from(folder: Path) -> None:
     one = records.read(folder / "r0.h5")
     assert one.source_file == source_file(folder / "r0.h5")
-    assert files_of([one, one.until(2.0), sine(CARD, 1.0, "made", 0.005, 1.0)]) == [one.source_file]
+    whole = combined(record.origin for record in (one, one.until(2.0), sine(CARD, 1.0, "made", 0.005, 1.0)))
+    assert whole.sources == (one.source_file,)
     records.write(one, folder / "copy.h5")
     copy = records.read(folder / "copy.h5")
     assert copy.source_file is not None
@@ -101,6 +102,5 @@ def test_a_record_remembers_the_file_that_it_was_read_from(folder: Path) -> None
 
 def test_many_specimens_are_counted() -> None:
     many = [sine(CARD, 1.0, f"r{k}", 0.005, 1.2).replace(note="n", specimen=f"s{k}") for k in range(8)]
-    assert people_and_parts(many) == {"specimen": "s0, s1, s2, s3, s4, s5 and 2 more"}
-    plain: list[Record] = []
-    assert people_and_parts(plain) == {}
+    assert combined(record.origin for record in many).facts() == {"specimen": "s0, s1, s2, s3, s4, s5 and 2 more"}
+    assert combined([]).facts() == {}

@@ -13,7 +13,7 @@ from dampyr.errors import InputError
 from dampyr.identification import Score, Validated, score
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
-from dampyr.report.validate_page import beyond, seen_by, write_validate_page
+from dampyr.report.validate_page import beyond, write_validate_page
 
 CARD = Damper(
     "dahl",
@@ -64,7 +64,8 @@ def test_a_page_says_which_records_the_card_was_fitted_on(tmp_path: Path) -> Non
     [("a, b", [True, True, False]), ("", [None] * 3), ("120 records", [None] * 3), ("c", [False, False, True])],
 )
 def test_what_the_card_does_not_say_is_not_known(records: str, expected: list[bool | None]) -> None:
-    assert list(seen_by(replace(CARD, provenance={"records": records}), RECORDS).values()) == expected
+    card = replace(CARD, provenance={"records": records})
+    assert list(validated({}, RECORDS, card, "card.toml").fitted_on.values()) == expected
 
 
 def test_what_lies_outside_is_listed_in_the_units_of_people() -> None:

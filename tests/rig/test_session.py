@@ -646,7 +646,7 @@ def test_a_rig_says_where_it_is() -> None:
     with simulated() as wired, simulated(in_process=True) as here:
         assert "simulated in a process of its own" in repr(wired)
         assert "simulated in this process" in repr(here)
-        assert wired.origin == here.origin == "simulated"
+        assert wired.origin.kind == here.origin.kind == "simulated"
         assert "simulated" not in wired.identity  # its board speaks as a real one does
 
 

@@ -49,7 +49,7 @@ def test_the_demonstration_needs_nothing_but_the_installation_and_is_the_same_tw
     peaks = [case[0] for case in done["peak_displacement_m"].values()]
     assert peaks[0] > peaks[1] > peaks[2]
     page = (tmp_path / "demo" / "report.html").read_text()
-    assert done["origin"] == "simulated"
+    assert done["origin"]["kind"] == "simulated"
     assert NOTICES["simulated"] in page[: page.index("<h1>")]
     assert "http://" not in page.replace("http://www.w3.org", "")
     again = run_json("validate", done["card"], tmp_path / "demo" / "records", "--role", "validation")

@@ -5,6 +5,8 @@ import re
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +22,17 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.export import available_kinds
 from dampyr.identification import fit
 from dampyr.models import Damper, published
-from dampyr.origin import NOTICES, ORIGINS, combined, notice, of_board, stamp
+from dampyr.origin import NOTICES, ORIGIN_KINDS, SIMULATED, Origin, as_origin, combined, of_board, stamp
 from dampyr.records import Record, convert, read, read_campaign, write
 from dampyr.records.record_files import REGISTRY as FORMATS
 from dampyr.representation import Representation
+from dampyr.source_digest import full_version
 
 CAMPAIGN = """
 name = "one"
-operator = "me"
+operator = "operator on duty"
+specimen = "MR-7"
+measurement_session = "mounting 3"
 rest_between = "1 s"
 [[step]]
 kind = "sine"
@@ -36,7 +41,13 @@ frequency = "1 Hz"
 voltage = ["0 V", "1.98 V"]
 cycles = 3
 """
-NOTICE, WORD = notice("simulated"), "SIMULATED"
+NOTICE, WORD = NOTICES["simulated"], "SIMULATED"
+STATED = {
+    "operators": ["operator on duty"],
+    "specimens": ["MR-7"],
+    "sessions": ["mounting 3"],
+    "versions": [full_version()],
+}
 SHAKE = ("--voltage", "1.98", "--allow-extrapolation")
 ENSEMBLE = (*SHAKE, "--synthetic", "3", "--duration", "3", "--scale", "0.5:1:0.5", "--limit", "12mm")
 
@@ -55,6 +66,24 @@ class Made:
         assert done.exit_code in (0, 1, 3), done.output  # accept judges
         return done.stdout
 
+    @property
+    def files(self) -> dict[str, str]:
+        """The SHA-256 of each record's file, by the file's name."""
+        return {path.name: sha256(path.read_bytes()).hexdigest() for path in self.folder.glob("*.h5")}
+
+
+def origins(data: Any) -> list[dict[str, Any]]:
+    """Every origin in data as JSON has them."""
+    if isinstance(data, list):
+        return [origin for each in data for origin in origins(each)]
+    if not isinstance(data, dict):
+        return []
+    return [
+        origin
+        for name, each in data.items()
+        for origin in ([each] if name in ("origin", "damper_origin") else origins(each))
+    ]
+
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
@@ -71,13 +100,13 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
 
 
 def test_the_file_the_journal_and_the_card_say_it(made: Made) -> None:
-    assert [record.origin for record in made.records] == ["simulated"] * 2
+    assert [record.origin.kind for record in made.records] == ["simulated"] * 2
     for record in made.records:
         with h5py.File(made.folder / f"{record.name}.h5") as file:
             assert file.attrs["origin"] == "simulated"
-    assert journal_origin(made.folder) == "simulated"
+    assert journal_origin(made.folder).kind == "simulated"
     assert any(event.detail.endswith("; simulated") for event in Journal(made.folder).events())
-    assert Damper.load(made.card).origin == "simulated"
+    assert Damper.load(made.card).origin.kind == "simulated"
     assert made.card.read_text().startswith(f"# {NOTICE}.\n")
 
 
@@ -85,7 +114,7 @@ def test_the_file_the_journal_and_the_card_say_it(made: Made) -> None:
 def test_each_format_that_is_written_brings_it_back(made: Made, tmp_path: Path, to: str) -> None:
     path = convert(made.records[:1], tmp_path, to)[0]
     units = {} if to != "mat" else {"displacement": "mm", "velocity": "mm/s", "force": "N"}
-    assert read(path, voltage=made.records[0].voltage, units=units).origin == "simulated"
+    assert read(path, voltage=made.records[0].voltage, units=units).origin.kind == "simulated"
 
 
 COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
@@ -117,8 +146,16 @@ def test_no_command_is_forgotten() -> None:
 @pytest.mark.parametrize("name", COMMANDS)
 def test_each_command_says_it_first_and_in_json(made: Made, name: str) -> None:
     words = COMMANDS[name](made)
-    said = json.dumps(json.loads(made.call(*words, "--json")))
-    assert re.search(r'"(damper_)?origin": "simulated"', said)
+    said = json.loads(made.call(*words, "--json"))
+    stated = [
+        origin for origin in origins(said) if name != "simulate" or origin["sources"]
+    ]  # not of the case without a damper
+    assert {origin["kind"] for origin in stated} == {"simulated"}
+    files = {one: digits for one, digits in made.files.items() if name != "records of one" or one.startswith("01")}
+    if name != "run":  # the journal states the kind; its records state the rest
+        assert {name: sorted({each for origin in stated for each in origin[name]}) for name in STATED} == STATED
+        assert {file["name"]: file["sha256"] for origin in stated for file in origin["sources"]} == files
+        assert all(origin["dates"] == [str(datetime.now(UTC).date())] for origin in stated)
     if name == "export":  # what it prints are paths
         return
     lines = made.call(*words).splitlines()
@@ -145,7 +182,12 @@ def test_each_page_and_each_of_its_figures_says_it(made: Made, tmp_path: Path, n
     page, figures = tmp_path / "page.html", tmp_path / "figures"
     made.call(*PAGES[name](made), "--report", page, "--figures", figures)
     _looks_right(page, figures)
-    assert "measured</text>" not in page.read_text()  # no curve is called so
+    html = page.read_text("utf-8")
+    assert "measured</text>" not in html  # no curve is called so
+    for words in ("operator operator on duty", "specimen MR-7", "session mounting 3"):
+        assert f"<li>{words}</li>" in html
+    for file, digits in made.files.items():
+        assert f'<span>{file}</span> <code>{digits[:12]}<span class="rest">{digits[12:]}</span></code>' in html
 
 
 def _looks_right(page: Path, figures: Path | None, said: str = NOTICE) -> None:
@@ -182,7 +224,11 @@ def test_each_object_says_it_and_each_of_its_plots(made: Made) -> None:
     drawn = 0
     for name, one in _objects(made).items():
         assert isinstance(one, Representation)
-        assert one.origin == "simulated", name  # type: ignore[attr-defined]
+        origin: Origin = one.origin  # type: ignore[attr-defined]
+        assert origin.kind == "simulated", name
+        assert {each: list(getattr(origin, each)) for each in STATED} == STATED, name
+        assert {file.name: file.sha256 for file in origin.sources}.items() <= made.files.items(), name
+        assert origin.sources
         assert NOTICE in repr(one), name
         assert one._small_figure() is None or f"{WORD}</text>" in one._repr_html_(), name
         plots = one.plot  # type: ignore[attr-defined]
@@ -205,11 +251,15 @@ def test_each_export_says_it(made: Made, tmp_path: Path, kind: str) -> None:
     files = dp.export.export(damper, kind, tmp_path)
     if kind == "fmu":
         with zipfile.ZipFile(files[0]) as archive:
-            assert NOTICE in archive.read("modelDescription.xml").decode()
-        return
-    for path in files:
-        if path.name in ("damper.h", "damper.c", "damper.m", "damper.py", "damper.tcl"):
-            assert NOTICE in path.read_text("utf-8"), path
+            texts = [archive.read("modelDescription.xml").decode()]
+    else:
+        with_heads = ("damper.h", "damper.c", "damper.m", "damper.py", "damper.tcl")
+        texts = [path.read_text("utf-8") for path in files if path.name in with_heads]
+    assert texts
+    assert all(NOTICE in text for text in texts)
+    heads = [" ".join(re.sub(r"\n *[*%#]", " ", text).split()) for text in texts]
+    stated = "operator: operator on duty; specimen: MR-7; session: mounting 3;"
+    assert any(stated in head and all(digits[:12] in head for digits in made.files.values()) for head in heads)
 
 
 def test_the_console_says_it_in_its_lists_and_results(made: Made, tmp_path: Path) -> None:
@@ -221,15 +271,15 @@ def test_the_console_says_it_in_its_lists_and_results(made: Made, tmp_path: Path
     from dampyr.console.dampers import dampers
     from dampyr.console.jobs import identify, respond
 
-    assert run_folder(made.folder).origin == "simulated"
+    assert run_folder(made.folder).origin.kind == "simulated"
     shutil.copytree(made.folder, tmp_path / "records" / "one")
     (tmp_path / "cards").mkdir()
     shutil.copy(made.card, tmp_path / "cards" / "mine.toml")
     job = tmp_path / "console" / "jobs" / "1"
     job.mkdir(parents=True)
     links = {link.name: link for link in dampers(tmp_path)}
-    assert (links["cards/mine.toml"].title, links["cards/mine.toml"].origin) == ("mine (simulated)", "simulated")
-    assert record_answers.description(made.records[0])["origin"] == "simulated"
+    assert (links["cards/mine.toml"].title, links["cards/mine.toml"].origin.kind) == ("mine (simulated)", "simulated")
+    assert record_answers.description(made.records[0])["origin"]["kind"] == "simulated"
     keys = [f"data/records/one/{record.name}.h5" for record in made.records]
     tell = lambda stage, done: None  # noqa: E731
     identified = identify.run({"records": keys, "model": "dahl"}, job, tell)
@@ -237,7 +287,7 @@ def test_the_console_says_it_in_its_lists_and_results(made: Made, tmp_path: Path
     with pytest.warns(DampyrWarning, match="calibrated up to"):
         responded = respond.run(request, job, tell)
     assert (identified["notice"], responded["notice"]) == (NOTICE, NOTICE)
-    assert identified["data"]["origin"] == "simulated"
+    assert identified["data"]["origin"]["kind"] == "simulated"
 
 
 def test_a_virtual_hybrid_test_is_virtual_everywhere(tmp_path: Path) -> None:
@@ -254,7 +304,7 @@ def test_a_virtual_hybrid_test_is_virtual_everywhere(tmp_path: Path) -> None:
     for name in ("virtual hybrid test:", "virtual</text>"):
         assert name in text  # legends
     output = CliRunner().invoke(cli, [*words[:7], "--json"], catch_exceptions=False).stdout
-    assert json.loads(output)["origin"] == "virtual"
+    assert json.loads(output)["origin"]["kind"] == "virtual"
 
 
 def test_simulated_and_other_records_are_fitted_together_only_by_name(made: Made, tmp_path: Path) -> None:
@@ -267,7 +317,7 @@ def test_simulated_and_other_records_are_fitted_together_only_by_name(made: Made
             refused(both)
     mixed = fit("dahl", both, mixed_origins=True)
     assert mixed.damper is not None
-    assert (mixed.origin, mixed.damper.provenance["origins"]) == ("simulated", "2 simulated, 2 measured")
+    assert (mixed.origin.kind, mixed.damper.provenance["origins"]) == ("simulated", "2 simulated, 2 measured")
     for record in both:
         write(record, tmp_path / f"{record.name}.h5")
     words = ["identify", str(tmp_path), "--model", "dahl"]
@@ -278,33 +328,36 @@ def test_simulated_and_other_records_are_fitted_together_only_by_name(made: Made
 
 
 def test_only_what_all_measured_is_measured(made: Made, tmp_path: Path) -> None:
-    assert combined(["measured", "measured"]) == "measured"
-    assert combined(["measured", "not stated"]) == combined([]) == combined(["measured", "derived"]) == "not stated"
-    assert combined(["measured", "simulated", "virtual"]) == "simulated"
-    assert combined(["measured", "virtual"]) == "virtual"
+    def of(*kinds: str) -> str:
+        return combined(as_origin(kind) for kind in kinds).kind
+
+    assert of("measured", "measured") == "measured"
+    assert of("measured", "not stated") == of() == of("measured", "derived") == "not stated"
+    assert of("measured", "simulated", "virtual") == "simulated"
+    assert of("measured", "virtual") == "virtual"
     measured = fit("dahl", made.plain)
-    assert measured.origin == "measured"
+    assert measured.origin.kind == "measured"
     assert "origin" not in repr(measured)  # nothing is said where nothing is wrong
     for to in ("h5", "csv", "mat"):
-        assert read(convert(made.plain[:1], tmp_path, to)[0], voltage=0.0).origin in ("measured",)
+        assert read(convert(made.plain[:1], tmp_path, to)[0], voltage=0.0).origin.kind == "measured"
 
 
 def test_what_says_nothing_is_not_stated(tmp_path: Path) -> None:
     t = dp.studies.raminelli_2020.damper()
     x = [0.001 * k % 7 for k in range(20)]
     record = Record([0.01 * k for k in range(20)], x, x)
-    assert record.origin == "not stated"
+    assert record.origin.kind == "not stated"
     path = write(record, tmp_path / "plain.csv")
     assert "origin" not in path.read_text()
-    assert read(path).origin == "not stated"
+    assert read(path).origin.kind == "not stated"
     path.write_text(f"# origin: our laboratory\n{path.read_text()}")  # somebody else's words
-    assert read(path).origin == "not stated"
-    assert t.origin == "derived"
+    assert read(path).origin.kind == "not stated"
+    assert t.origin.kind == "derived"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # of unusual values
-        assert all(published.damper(name).origin == "derived" for name in published.available_sets())
-    assert Damper("dahl", {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 1.0}).origin == "not stated"
-    with pytest.raises(InputError, match=f"choose from {', '.join(ORIGINS)}"):
+        assert all(published.damper(name).origin.kind == "derived" for name in published.available_sets())
+    assert Damper("dahl", {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 1.0}).origin.kind == "not stated"
+    with pytest.raises(InputError, match=f"choose from {', '.join(ORIGIN_KINDS)}"):
         record.replace(note="", origin="real")
 
 
@@ -313,12 +366,12 @@ def test_records_of_before_are_recognised_by_their_board(made: Made, tmp_path: P
     boards = {"PCI-6221 01A2B3C4, Uno firmware 2.0": "simulated", "simulated OUR-BOARD 7": "simulated",
               "PCI-6221 01B00000, Uno firmware 2.0": "not stated"}  # fmt: skip
     for board, origin in boards.items():
-        assert of_board(board) == origin
+        assert of_board(board).kind == origin
         path = tmp_path / f"{origin} {len(board)}.h5"
         write(record.replace(note="", provenance=dict(record.provenance) | {"board": board}), path)
         with h5py.File(path, "a") as file:
             del file.attrs["origin"]  # dampyr 0.2.0 wrote none
-        assert read(path).origin == origin
+        assert read(path).origin.kind == origin
 
 
 def test_a_figure_is_stamped_once() -> None:
@@ -326,6 +379,6 @@ def test_a_figure_is_stamped_once() -> None:
 
     figure = Figure()
     for _ in range(2):
-        stamp(figure, "simulated")
+        stamp(figure, SIMULATED)
     assert [text.get_text() for text in figure.texts] == [WORD]
-    assert not stamp(Figure(), "measured").texts
+    assert not stamp(Figure(), Origin("measured")).texts

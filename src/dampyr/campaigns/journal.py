@@ -98,7 +98,7 @@ class Journal(Representation):
     @property
     def origin(self) -> Origin:
         """Origin of the records, as the campaign was run."""
-        return as_origin(self.said("origin") or NOT_STATED)
+        return as_origin(self.said("origin") or NOT_STATED.kind)
 
     def to_dataframe(self) -> Any:
         """The tests in their order as a ``pandas.DataFrame``: state, attempt and reason."""
@@ -110,7 +110,7 @@ class Journal(Representation):
         states = Counter(entry.state for entry in self.tests())
         return f"Journal of {self.said('name')!r}", [
             ("folder", self.path.parent.name),
-            ("origin", self.origin),
+            ("origin", self.origin.kind),
             ("tests", ", ".join(f"{count} {state}" for state, count in states.items()) or "none"),
             ("events", str(len(self.events()))),
         ]

@@ -105,8 +105,8 @@ def perform(
             _enter(campaign_plan, rig, journal, folder)
             before = journal.said("origin")
             origin = combined([rig.origin, *([as_origin(before)] if before else [])])
-            if origin != before:  # a complete campaign on a disk that takes nothing is read as it is
-                journal.say({"origin": origin})
+            if origin.kind != before:  # a complete campaign on a disk that takes nothing is read as it is
+                journal.say({"origin": origin.kind})
             _reconcile(journal, folder)
             for path in moved:
                 journal.note("set aside", f"{path.name}: it cannot be read")
@@ -284,7 +284,7 @@ class _Run:
         self.groups = groups_of(self.rig.settings, self.plan.campaign, datetime.now().astimezone())
         check_disk(self.folder, self.rig, left, self.plan.campaign, self.groups)
         self.journal.note(
-            "armed", f"{len(left)} of {len(self.plan.tests)} tests to run; {self.rig.identity}; {self.rig.origin}"
+            "armed", f"{len(left)} of {len(self.plan.tests)} tests to run; {self.rig.identity}; {self.rig.origin.kind}"
         )
         try:
             while left:  # a test that was skipped has cut the coil: the rig is armed again for the next one

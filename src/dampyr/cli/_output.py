@@ -15,7 +15,7 @@ import click
 
 from dampyr.errors import FindingWarning
 from dampyr.findings import Finding
-from dampyr.origin import Origin, notice
+from dampyr.origin import Origin
 from dampyr.to_json import plain
 
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for machines, in SI units.")
@@ -28,7 +28,7 @@ WIDTH_OF_A_FILE = 240  # characters: more than the widest table takes
 
 def state_origin(origin: Origin) -> None:
     """Have every table that the running command prints begin with what an origin that is not measured says."""
-    if text := notice(origin):
+    if text := origin.notice:
         click.get_current_context().meta[NOTICE] = text
 
 

@@ -66,7 +66,7 @@ def command(
     findings = handed_on([damper], OF_DAMPER)
     if as_json:
         listed = as_dicts(findings)
-        print_json({"damper_origin": damper.origin, "findings": listed, "written": written})
+        print_json({"damper_origin": damper.origin.as_dict(), "findings": listed, "written": written})
         return
     print_notice(findings)
     for path in written:

@@ -168,7 +168,6 @@ def _tell_plan(plan: Plan, as_json: bool) -> None:
 
 
 def _tell(result: HybridResult, report: Path | None, as_json: bool) -> None:
-    from dampyr.origin import VIRTUAL
 
     if report:
         from dampyr.report import write_hybrid_page
@@ -179,7 +178,7 @@ def _tell(result: HybridResult, report: Path | None, as_json: bool) -> None:
         print_json(result.as_dict())
         return
     _, rows = result._table()
-    moved = "computed actuator" if result.origin == VIRTUAL else "table"
+    moved = "computed actuator" if result.origin.kind == "virtual" else "table"
     print_table(
         f"{result.tested.capitalize()} of {result.title}, scaled to {result.scale:g}, {result.voltage:g} V: peaks",
         ["floor", result.tested, "computed", "difference"],

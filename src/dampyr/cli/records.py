@@ -98,10 +98,14 @@ def command(
     else:
         notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent] + short
         groups = {name: word for name, word in GROUPS.items() if any(each[name] for each in descriptions)}
-        if any(each["origin"] != NOT_STATED for each in descriptions):
+        if any(each["origin"]["kind"] != NOT_STATED.kind for each in descriptions):
             groups["origin"] = "origin"
         rows = [
-            [*_row(each), *(each[name] for name in groups), "; ".join(finding["words"] for finding in each["findings"])]
+            [
+                *_row(each),
+                *(each["origin"]["kind"] if name == "origin" else each[name] for name in groups),
+                "; ".join(finding["words"] for finding in each["findings"]),
+            ]
             for each in descriptions
         ]
         names, units = [*COLUMNS, *groups.values(), "to look at"], [*UNITS, *("" for _ in groups), ""]
@@ -191,7 +195,7 @@ def _print_one(description: dict[str, Any]) -> None:
 
     m, q = description["measured"], description["quality"]
     lines: list[tuple[str, Any]] = [("role", description["role"]), ("input", _input(description))]
-    lines.append(("origin", description["origin"]))
+    lines.append(("origin", description["origin"]["kind"]))
     lines += [(word, description[name]) for name, word in GROUPS.items() if description[name]]
     lines += [("duration", f"{description['duration_s']:.6g} s"), ("samples", f"{q.samples}, every {q.dt:.6g} s")]
     if m:

@@ -147,7 +147,13 @@ def _tell_outcome(plan: Plan, out: Path, as_json: bool) -> None:
         state_origin(origin)
         if as_json:
             print_json(
-                {"folder": str(out), "origin": origin, "tests": tests, "events": events, "fitted": _fitted(plan)}
+                {
+                    "folder": str(out),
+                    "origin": origin.as_dict(),
+                    "tests": tests,
+                    "events": events,
+                    "fitted": _fitted(plan),
+                }
             )
         elif tests:
             _summary(plan, out, tests)

@@ -101,7 +101,7 @@ def command(
             )
     if as_json:
         listed = as_dicts(findings)
-        print_json({"damper_origin": damper.origin, "findings": listed, **asdict(summary)})
+        print_json({"damper_origin": damper.origin.as_dict(), "findings": listed, **asdict(summary)})
         return
     per_step = f"{summary.trials / summary.steps:.2f} trials a step" if summary.steps else "no step"
     click.echo(

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from dampyr.identification import Validated
 
 NAMES = ["record", "input", "fitted on", "L1", "NRMSE", "R²", "pointwise", "peak force", "energy", "window"]
+FITTED = {True: "yes", False: "no", None: "unknown"}
 
 
 @click.command(
@@ -98,13 +99,13 @@ def _count(number: int, noun: str) -> str:
 
 
 def _print(result: Validated) -> None:
-    rows = []
+    rows, fitted_on = [], result.fitted_on
     for r in result.records:
         s = result.scores[r.name]
         energy = None if math.isnan(s.energy) else 100 * s.energy
         window = f"{s.window.start:.2f}–{s.window.end:.2f}"
         errors = [100 * s.l1, 100 * s.nrmse, s.r2, 100 * s.pointwise, 100 * s.peak_force, energy]
-        rows.append([r.name, r.input_value, "yes" if r.name in result.fitted_on else "no", *errors, window])
+        rows.append([r.name, r.input_value, FITTED[fitted_on[r.name]], *errors, window])
     mean = sum(s.l1 for s in result.scores.values()) / len(result.scores)
     notes = [f"mean L1 {100 * mean:.2f} % over {_count(len(rows), 'record')}"]
     if any(row[8] is None for row in rows):

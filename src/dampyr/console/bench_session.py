@@ -40,7 +40,6 @@ from dampyr.console.manual_motion import check_coil, coil_drive, play, sine_driv
 from dampyr.console.rigs import Opener, opened
 from dampyr.console.run_reference import RunReference
 from dampyr.errors import InputError, RigFault
-from dampyr.origin import notice
 from dampyr.rig import Rig, Table
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.load_cell_calibration import Calibrating
@@ -366,7 +365,7 @@ class Bench:
             fastest,
             about,
             limits,
-            notice(rig.origin),
+            rig.origin.notice,
         )
         return ConnectedRig(settings.name, self._simulated, self._thread.identity, *values)
 

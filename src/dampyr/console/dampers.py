@@ -12,7 +12,7 @@ from dampyr import studies
 from dampyr.console import safe_paths
 from dampyr.errors import DampyrError, InputError
 from dampyr.models import Damper
-from dampyr.origin import Origin, notice
+from dampyr.origin import Origin
 
 CARDS = "cards"
 MAX_CARD = 2**20  # bytes: a card with the covariance of 60 parameters has a tenth
@@ -62,7 +62,7 @@ def dampers(data: Path) -> list[DamperLink]:
         except DampyrError:
             continue
         title = name.removeprefix(f"{CARDS}/").removesuffix(".toml") if name in cards else f"published: {name}"
-        title += f" ({damper.origin})" if notice(damper.origin) else ""
+        title += f" ({damper.origin.kind})" if damper.origin.notice else ""
         links.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high, origin=damper.origin))
     return links
 

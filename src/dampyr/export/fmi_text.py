@@ -15,7 +15,6 @@ from xml.sax.saxutils import quoteattr
 from dampyr.export.kinds.c import before_use
 from dampyr.models import Damper
 from dampyr.models.damper import INPUTS
-from dampyr.origin import notice
 
 UNITS = {
     "m": 'm="1"', "m/s": 'm="1" s="-1"', "N": 'kg="1" m="1" s="-2"', "V": 'kg="1" m="2" s="-3" A="-1"', "A": 'A="1"',
@@ -70,7 +69,7 @@ def model_description(damper: Damper, name: str, fmi: int, drive: str, token: st
         f"    <Unit name={quoteattr(unit)}>" + (f"<BaseUnit {UNITS[unit]}/>" if unit in UNITS else "") + "</Unit>"
         for unit in used
     )
-    said = f". {text}" if (text := notice(damper.origin)) else ""
+    said = f". {text}" if (text := damper.origin.notice) else ""
     about = quoteattr(f"Damper: {damper.composition}{said}. {before_use(damper)}".removesuffix(". "))
     head = f'modelName={quoteattr(name)} description={about} generationTool="dampyr {version}"'
     start = damper.range[0]

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from dampyr.figures import style
 from dampyr.figures.style import FORCE, TIME
-from dampyr.origin import NOT_STATED, Origin, series
+from dampyr.origin import NOT_STATED, Origin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,7 +41,7 @@ def band(
             lw=0.0,
             label=f"{100 * level:g} % band",
         )
-        style.line(top, t, force, color=style.INK, lw=0.9, label=series(record_origin))
+        style.line(top, t, force, color=style.INK, lw=0.9, label=record_origin.series)
         outside = (force < below) | (force > above)
         if outside.any():
             top.plot(t[outside], force[outside], ".", color=style.VERMILLION, ms=2.0, label="outside")

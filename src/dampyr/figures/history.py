@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from dampyr.figures import style
 from dampyr.figures.style import FORCE, TIME, Axis
-from dampyr.origin import NOT_STATED, Origin, series
+from dampyr.origin import NOT_STATED, Origin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,7 +35,7 @@ def history(
         fig, axes = style.figure(3.4, 2, 1, title, sharex=True, height_ratios=(2.4, 1))
     with style.style():
         top = axes[0, 0]
-        style.line(top, time, axis.of(measured), color=style.MEASURED, lw=1.6, label=series(record_origin))
+        style.line(top, time, axis.of(measured), color=style.MEASURED, lw=1.6, label=record_origin.series)
         top.set_ylabel(axis.label)
         if model is not None:
             style.line(top, time, axis.of(model), color=style.VERMILLION, lw=1.1, label=name)

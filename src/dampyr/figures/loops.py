@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from dampyr.figures import style
 from dampyr.figures.style import DISPLACEMENT, FORCE, VELOCITY
-from dampyr.origin import NOT_STATED, Origin, series
+from dampyr.origin import NOT_STATED, Origin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ def loops(
         for panel, (values, axis) in zip(axes[0], panels, strict=True):
             x = axis.of(values)
             if measured is not None:
-                style.line(panel, x, FORCE.of(measured), color=style.MEASURED, lw=1.2, label=series(record_origin))
+                style.line(panel, x, FORCE.of(measured), color=style.MEASURED, lw=1.2, label=record_origin.series)
             for colour, (name, force) in zip(cycle(style.SERIES), (models or {}).items(), strict=False):
                 own = (colours or {}).get(name, colour)
                 panel.plot(*style.thin(x, FORCE.of(force), points), color=own, lw=1.1, label=name)

@@ -128,7 +128,7 @@ class Accepted(Representation):
         more = {"relevelled": [one.as_dict() for one in self.relevelled]} if self.relevelled else {}
         answer = {
             "reference": self.reference,
-            "origin": self.origin,
+            "origin": self.origin.as_dict(),
             "verdict": self.verdict,
             "findings": as_dicts(self.findings),
             "records": records,

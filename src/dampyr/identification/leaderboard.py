@@ -267,7 +267,7 @@ class Leaderboard(Representation):
     def as_dict(self) -> dict[str, Any]:
         """The ranking and the screening for `dampyr.to_json`, without the fits and validations of the entries."""
         return {
-            "origin": self.origin,
+            "origin": self.origin.as_dict(),
             "entries": [{key: getattr(entry, key) for key in ENTRY_KEYS} for entry in self.entries],
             "screened": self.screened,
             "chosen": None if self.cut else self.winner.model,

@@ -34,7 +34,6 @@ from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.origin import Origin, combined
 from dampyr.records import Record, cycles, motion_start
 from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing, percent, rounded
-from dampyr.source_digest import full_version
 from dampyr.units import for_people
 
 if TYPE_CHECKING:
@@ -341,7 +340,7 @@ class Fit(Representation):
         """Parameters, errors, findings and scores by name, for `dampyr.to_json`; 95 % intervals, None where there is none."""
         return {
             "model": str(self.problem.composition),
-            "origin": self.origin,
+            "origin": self.origin.as_dict(),
             "records": [record.name for record in self.records],
             "converged": self.converged,
             "reason": self.reason,
@@ -584,11 +583,10 @@ def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple
 
 
 def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
-    names, origins = [r.name for r in records], Counter(r.origin for r in records)
+    names, origins = [r.name for r in records], Counter(r.origin.kind for r in records)
     shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
     return {
         "method": "least squares over whole records (dampyr.identification.fit)",
         "records": shown,
         **({"origins": ", ".join(f"{count} {each}" for each, count in origins.items())} if len(origins) > 1 else {}),
-        "dampyr": full_version(),
     }

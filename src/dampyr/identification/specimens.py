@@ -399,7 +399,7 @@ class Specimens(Representation):
             plain(
                 {
                     "model": str(self._reference.problem.composition),
-                    "origin": self.origin,
+                    "origin": self.origin.as_dict(),
                     "level": self.level,
                     "specimens": {name: [record.name for record in one.records] for name, one in self.fits.items()},
                     "parameters": dict(self.spreads),

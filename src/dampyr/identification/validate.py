@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -127,7 +128,7 @@ class Validated(Representation):
     def _summary(self) -> Summary:
         l1 = {name: one.l1 for name, one in self.scores.items()}
         worst = max(l1, key=lambda name: l1[name])
-        seen = len(self.fitted_on & set(l1))
+        seen = list(self.fitted_on.values()).count(True)
         return f"Validated {self.card!r}", [
             ("model", str(self.damper.composition)),
             ("records", f"{counted(len(self.records), 'record')}, of which the damper was fitted on {seen}"),
@@ -148,9 +149,13 @@ class Validated(Representation):
         return mean_relevelled(self.scores)
 
     @property
-    def fitted_on(self) -> set[str]:
-        """The names of the records that the damper was fitted on, by its card."""
-        return {name.strip() for name in self.damper.provenance.get("records", "").split(",")}
+    def fitted_on(self) -> dict[str, bool | None]:
+        """Whether the damper was fitted on each record, by the card; None where the card does not tell.
+
+        A record whose file has the SHA-256 of one of the card's was fitted, whatever it is called; one that only shares its
+        name with a record of the card, and whose file is another, may be either. A card without files is judged by names.
+        """
+        return {record.name: _was_fitted(self.damper, record) for record in self.records}
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -177,12 +182,13 @@ class Validated(Representation):
 
     def as_dict(self) -> dict[str, Any]:
         """All results for JSON, SI units."""
-        scores = {name: one.as_dict() | {"fitted_on": name in self.fitted_on} for name, one in self.scores.items()}
+        fitted_on = self.fitted_on
+        scores = {name: one.as_dict() | {"fitted_on": fitted_on[name]} for name, one in self.scores.items()}
         bands = {name: one.as_dict() for name, one in self.bands.items()}
         more = {"no_band": self.no_band} if self.no_band else {}
         answer = {
             "card": self.card,
-            "origin": self.origin,
+            "origin": self.origin.as_dict(),
             "findings": as_dicts(self.findings),
             "scores": scores,
             "by_input": self.by_input,
@@ -200,6 +206,19 @@ class Validated(Representation):
             write_comparison(r, self.forces[r.name], folder / file_name(r), offset=self.scores[r.name].offset)
             for r in self.records
         ]
+
+
+def _was_fitted(damper: Damper, record: Record) -> bool | None:
+    listed = damper.provenance.get("records", "")
+    names = {name.strip() for name in listed.split(",")} - {""}
+    if len(names) == 1 and re.fullmatch(r"\d+ records", listed.strip()):  # too many to be named
+        names = set()
+    digests = {file.sha256 for file in damper.origin.sources}
+    if record.source_file is not None and digests:
+        if record.source_file.sha256 in digests:
+            return True
+        return None if record.name in names else False
+    return record.name in names if names else None
 
 
 def validate(

@@ -149,7 +149,7 @@ class Validation(Representation):
         """Split, folds and inputs with their unit, for `dampyr.to_json`."""
         return {
             "split": self.split,
-            "origin": self.origin,
+            "origin": self.origin.as_dict(),
             "error": self.error,
             "relevelled": self.relevelled,
             "folds": self.folds,

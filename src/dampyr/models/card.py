@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,8 +16,9 @@ from dampyr.findings import Finding, as_dicts, worst_first
 from dampyr.models import prediction_error
 from dampyr.models.codegen.composition import compose
 from dampyr.models.laws import from_card
-from dampyr.origin import NOT_STATED, as_origin, notice
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.source_digest import full_version
+from dampyr.source_file import SourceFile
 
 SCHEMA = 1  # the one that this version writes and reads
 Damper = TypeVar("Damper")
@@ -27,7 +29,7 @@ def write(damper: Any, path: Path) -> Path:
     import tomli_w
 
     head = f"# A damper, written by dampyr {full_version()}. SI units. Schema: docs/reference/card.md\n"
-    if text := notice(damper.origin):
+    if text := damper.origin.notice:
         head = f"# {text}.\n{head}"
     error = damper.prediction_error
     if error is not None and not error.session_estimated:
@@ -39,7 +41,7 @@ def write(damper: Any, path: Path) -> Path:
 
 
 def _tables(damper: Any) -> dict[str, Any]:
-    head: dict[str, Any] = {"parts": list(damper.parts), "input": damper.input, "origin": damper.origin}
+    head: dict[str, Any] = {"parts": list(damper.parts), "input": damper.input, "origin": damper.origin.kind}
     if damper.bandwidth is not None:
         head["velocity_bandwidth_Hz"] = damper.bandwidth
     units = {name: q.unit or "1" for name, q in damper.composition.quantities.items()}
@@ -55,6 +57,9 @@ def _tables(damper: Any) -> dict[str, Any]:
             tables["covariance"]["within_records_only"] = list(damper.within_records)
     if damper.prediction_error is not None:
         tables["prediction_error"] = damper.prediction_error.card()
+    origin = damper.origin.as_dict() | {"sources": list(map(str, damper.origin.sources))}
+    if stated := {name: entries for name, entries in origin.items() if entries and name != "kind"}:
+        tables["origin"] = stated
     if damper.provenance:
         tables["provenance"] = dict(damper.provenance)
     return tables
@@ -114,8 +119,19 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
         "provenance": tables.get("provenance", {}),
         "within_records": tuple(within),
         "findings": _findings(tables.get("findings", [])),
-        "origin": as_origin(head.get("origin", NOT_STATED)),
+        "origin": _origin(tables),
     }
+
+
+def _origin(tables: dict[str, Any]) -> Origin:
+    """Kind and what else is stated; a card of dampyr up to 0.3.0 has the version among its provenance, and no files."""
+    stated = dict(tables.get("origin", {}))
+    version = tables.get("provenance", {}).get("dampyr")
+    if version and "versions" not in stated:
+        stated["versions"] = [version]
+    if isinstance(lines := stated.get("sources"), list):
+        stated["sources"] = [asdict(SourceFile.from_line(str(line))) for line in lines]
+    return Origin.from_dict(stated | {"kind": tables["damper"].get("origin", NOT_STATED.kind)})
 
 
 def _findings(tables: Any) -> tuple[Finding, ...]:

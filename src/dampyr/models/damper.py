@@ -161,7 +161,7 @@ class Damper(Representation):
     origin: Origin = NOT_STATED
 
     def __post_init__(self) -> None:
-        as_origin(self.origin)
+        object.__setattr__(self, "origin", as_origin(self.origin))
         names, constants = _names_and_constants(self.parts)
         twice = sorted(set(constants) & set(self.laws))
         if twice:

@@ -18,12 +18,12 @@ from typing import Unpack, cast
 
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.records.folder import read_folder
+from dampyr.records.folder_metadata import TABLE
 from dampyr.records.record import CHANNELS, GROUPS, Label, Record, Role, as_group, as_role
 from dampyr.records.record_files import Layout, read
 from dampyr.representation import Representation, Summary
 from dampyr.units import round_trip, to_si
 
-TABLE = "campaign.csv"
 COLUMNS = ("file", "table", "row", "voltage_V", "peak_to_peak_mm", "frequency_Hz")
 PUBLISHED = {
     "kx_Ns_per_mm": ("kx", "N s/mm", "N s/m"),

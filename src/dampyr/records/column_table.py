@@ -290,7 +290,9 @@ def _time(
             f"{where} have the same time stamp ({len(same)} such pairs): the clock is coarser than the samples; give their "
             "interval, such as --column time=- --dt 0.01, or columns={'time': None} and dt=0.01",
         )
-    return seconds - seconds[0], {"first_sample": first}, (note,)
+    day = re.match(r"(\d{4})\D(\d{1,2})\D(\d{1,2})", first)
+    date = {"date": "{}-{:0>2}-{:0>2}".format(*day.groups())} if day else {}
+    return seconds - seconds[0], {"first_sample": first} | date, (note,)
 
 
 def _in_si(path: Path, table: Table, channel: str, column: int, request: Request) -> Array:

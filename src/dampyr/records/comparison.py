@@ -9,7 +9,6 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError
-from dampyr.origin import notice
 from dampyr.records.record import Array, Record
 
 SIGNATURE = "# written by dampyr: measured and predicted force"
@@ -31,7 +30,7 @@ def write_comparison(record: Record, predicted: Array, path: str | Path, offset:
     check_free(path)
     page = io.StringIO()
     values = np.column_stack([record.time, record.displacement, record.force, predicted + offset])
-    said = f"# {text}\n" if (text := notice(record.origin)) else ""
+    said = f"# {text}\n" if (text := record.origin.notice) else ""
     head = f"{SIGNATURE}\n{said}# record {record.name}; the predicted force holds an offset of {offset:.6g} N\n{HEADER}"
     np.savetxt(page, values, delimiter=",", header=head, comments="", fmt="%.9g")
     write_whole(path, page.getvalue())

@@ -18,7 +18,7 @@ from dampyr.records.lowpass import DisplacementNoise, displacement_noise
 from dampyr.records.measure import measure
 from dampyr.records.overview import Overview, overview
 from dampyr.records.quality import Quality, quality
-from dampyr.records.record import COMMENTS, Record
+from dampyr.records.record import GROUPS, Record
 from dampyr.records.smoothing_recognition import Recognised, recognise_smoothing
 
 SAME_WINDOW = 0.02  # of the window: as well as the zeros of a short record tell it
@@ -46,7 +46,8 @@ def describe(record: Record) -> dict[str, Any]:
     return {
         "name": record.name,
         "role": record.role,
-        **{name: getattr(record, name) for name in COMMENTS},
+        **{name: getattr(record, name) for name in GROUPS},
+        "origin": record.origin.as_dict(),
         "input": record.input,
         "input_value": record.input_value,
         "input_range": _range(record),

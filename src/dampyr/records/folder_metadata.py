@@ -57,6 +57,7 @@ from dampyr.records.record import CHANNELS, as_group
 from dampyr.units import parse
 
 NAME = "reading.toml"
+TABLE = "campaign.csv"  # names the files of a campaign (`dampyr.records.campaign_folder`)
 INPUTS = ("voltage", "current")
 DECIMAL = re.compile(r"[,pPxX]")
 """What stands for the point of a number in a file's name."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.findings import Finding, findings_of
-from dampyr.origin import NOT_STATED, Origin, as_origin
+from dampyr.origin import DAY, NOT_STATED, Origin, PublishedData, as_origin
 from dampyr.records.channel_uncertainty import Uncertainty
 from dampyr.records.moving_average import MovingAverage
 from dampyr.representation import Representation, Summary, column_name, data_frame, extent
@@ -49,7 +49,7 @@ GROUPS: Mapping[str, str] = MappingProxyType({"measurement_session": "session", 
 """The fields by which records belong together, each with the word for it in tables."""
 
 COMMENTS = (*GROUPS, "origin")
-"""The fields that files of columns hold in words, where they are stated."""
+"""What files of columns hold in words, where it is stated: groups, and the kind of the origin."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,9 @@ class Record(Representation):
     uncertainty
         The standard uncertainty of channels by their names, with its parts; empty where nobody stated it.
     origin
-        Whether it was measured, simulated or computed (:mod:`dampyr.origin`); "not stated" where nothing says it.
+        Its kind: "measured", "simulated", "virtual", "derived", or "not stated" where nothing says it. It is completed to an
+        :class:`~dampyr.origin.Origin` by the record's own file, specimen and session, and by what its provenance says of the
+        operator, the date, the data set and dampyr's version.
     source_file
         The name and the SHA-256 of the file that it was read from, or None; reports list them.
 
@@ -195,7 +197,7 @@ class Record(Representation):
             object.__setattr__(self, name, tuple(map(str, getattr(self, name))))
         for name in GROUPS:
             object.__setattr__(self, name, as_group(name, getattr(self, name)))
-        as_origin(self.origin)
+        object.__setattr__(self, "origin", _whole_origin(self))
         _check_shapes(self)
         _check_values(self)
         if self.voltage is not None and self.current is not None:
@@ -312,6 +314,26 @@ class Record(Representation):
         return self.replace(note=note, **{c: v[window] for c, v in channels.items() if isinstance(v, np.ndarray)})
 
 
+def _whole_origin(record: Record) -> Origin:
+    """The kind that was given, with what the record says of itself."""
+    about = record.provenance
+
+    def stated(value: Any) -> tuple[Any, ...]:
+        return (value,) if value else ()
+
+    data_set = about.get("data_set", "")
+    return Origin(
+        as_origin(record.origin).kind,
+        sources=stated(record.source_file),
+        operators=stated(about.get("operator")),
+        specimens=stated(record.specimen),
+        sessions=stated(record.measurement_session),
+        dates=stated((about.get("date") or about.get("started", ""))[:DAY]),
+        data_sets=stated(data_set and PublishedData(data_set, about.get("doi", ""), about.get("licence", ""))),
+        versions=stated(about.get("dampyr")),
+    )
+
+
 def _rebuilt(values: dict[str, Any]) -> Record:
     return Record(**values)
 
@@ -373,8 +395,8 @@ def _check_values(record: Record) -> None:
 
 def stated(record: Record) -> dict[str, str]:
     """The `COMMENTS` that a record has."""
-    held = {name: getattr(record, name) for name in COMMENTS}
-    return {name: text for name, text in held.items() if text not in (None, NOT_STATED)}
+    held = {name: getattr(record, name) for name in GROUPS} | {"origin": record.origin.kind}
+    return {name: text for name, text in held.items() if text not in (None, NOT_STATED.kind)}
 
 
 def as_group(name: str, text: Any) -> str | None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from dampyr import registry
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
+from dampyr.records.datasets import set_of_file
 from dampyr.records.folder_metadata import KEYS, FolderReading, reading_of
 from dampyr.records.integrated_displacement import INTEGRATED, is_integrated
 from dampyr.records.lowpass import as_lowpass, with_lowpass
@@ -221,7 +222,12 @@ def read_file(path: Path, **said: Any) -> Record:
         metadata = reading_of(path.parent)
         request = _request(metadata, path, {name: value for name, value in said.items() if value is not None})
         record = _as_said(registry.member(REGISTRY, kind).read(path, request), request, metadata, path)
-        return replace(record, source_file=source_file(path))
+        source = source_file(path)
+        dataset = set_of_file(source)
+        published = (
+            {"data_set": dataset.name, "doi": dataset.doi, "licence": dataset.licence_in_words} if dataset else {}
+        )
+        return replace(record, source_file=source, provenance=dict(record.provenance) | published)
     except FileError:
         raise
     except InputError as problem:

@@ -310,7 +310,7 @@ def _made(path: Path, capacity: int, header: Header) -> tuple[dict[str, Place], 
     """
     with whole_file(path, new=True) as temporary, new_file(temporary, libver="earliest") as file:
         file.attrs.update({"format": FORMAT, "schema": SCHEMA, "complete": np.uint8(0), "name": header.name})
-        file.attrs["origin"] = header.origin
+        file.attrs["origin"] = header.origin.kind
         file.attrs.update({"role": header.role, "test": header.test, "try": header.attempt, **header.groups})
         for name in header.channels:
             _allocate_dataset(file, f"calibrated/{name}", capacity, "f8").attrs["unit"] = CHANNELS[name]

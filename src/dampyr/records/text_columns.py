@@ -23,7 +23,7 @@ from typing import TextIO
 import numpy as np
 
 from dampyr.errors import FileError
-from dampyr.origin import ORIGINS
+from dampyr.origin import ORIGIN_KINDS
 from dampyr.records.column_table import SPELLINGS, TEMPERATURES, Table, name_and_unit, record_of
 from dampyr.records.record import GROUPS, Array, Record
 from dampyr.records.record_files import Request
@@ -47,7 +47,7 @@ KINDS = {
 }
 """What a cell may be besides a number."""
 IN_WORDS = {"number": "a number", "clock": "a time of day", "date": "a date", "stamp": "a date with a time of day"}
-GROUP = re.compile(rf"[#%]\s*(?:({'|'.join(GROUPS)})\s*:\s*(\S.*)|(origin)\s*:\s*({'|'.join(ORIGINS)}))")
+GROUP = re.compile(rf"[#%]\s*(?:({'|'.join(GROUPS)})\s*:\s*(\S.*)|(origin)\s*:\s*({'|'.join(ORIGIN_KINDS)}))")
 """A comment above the numbers that states the session or the specimen, as dampyr writes it."""
 
 

@@ -13,7 +13,6 @@ from dampyr.figures.acceptance import band_used, peak_velocity_band
 from dampyr.identification import Acceptance, Accepted
 from dampyr.identification.acceptance import BEYOND, UNITS, forces_and_band, in_short, percent, used_of_band
 from dampyr.report.blocks import Block, Cell, FigureBlock, Kind, Section, Table, Text, Verdict, to_look_at
-from dampyr.report.how_made import files_of, people_and_parts
 from dampyr.report.html_page import page, write_page
 from dampyr.representation import sentence
 
@@ -49,8 +48,6 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
             "reference."
         ),
         provenance={"reference": reference, "tolerance": str(results[0].tolerance), "offset": _offset(results[0])},
-        facts=people_and_parts(result.records),
-        files=files_of((*result.records, *result.reference_records)),
         call=f"dampyr.report.write_acceptance_page(result, {Path(path).name!r})",
         origin=result.origin,
     )

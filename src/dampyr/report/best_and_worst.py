@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from dampyr.figures.history import history
 from dampyr.figures.loops import loops
 from dampyr.identification import Fit, Score
-from dampyr.origin import NOT_STATED, Origin, series
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.report.blocks import FigureBlock, Section
 
 Array = NDArray[np.float64]
@@ -43,9 +43,9 @@ def record_section(
             FigureBlock(loops(x, v, measured, {model: force}, record_origin=origin), f"{name}: loops."),
             FigureBlock(
                 history(t[few], measured[few], force[few], name=model, record_origin=origin),
-                f"{name}: the first {SECONDS:g} s that were scored, and the residual ({series(origin)} minus {model})."
+                f"{name}: the first {SECONDS:g} s that were scored, and the residual ({origin.series} minus {model})."
                 if not np.all(few)
-                else f"{name}: {series(origin)}, {model}, and the residual ({series(origin)} minus {model}).",
+                else f"{name}: {origin.series}, {model}, and the residual ({origin.series} minus {model}).",
             ),
         ],
     )

@@ -12,7 +12,6 @@ from dampyr.identification import Fit, Identified, Validation, findings, identif
 from dampyr.report.best_and_worst import best_and_worst_sections, extremes
 from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, to_look_at
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks
-from dampyr.report.how_made import files_of, people_and_parts
 from dampyr.report.html_page import page, write_page
 from dampyr.report.identifiability_section import identifiability_section
 from dampyr.report.leaderboard_section import leaderboard_section
@@ -47,7 +46,7 @@ def write_fit_page(
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
     if damper is not None:
-        provenance = {name: text for name, text in damper.provenance.items() if name != "dampyr"}
+        provenance = dict(damper.provenance)
     else:
         provenance = {"records": ", ".join(record.name for record in fit.records)}
     html = page(
@@ -68,8 +67,6 @@ def write_fit_page(
         ],
         subtitle=f"{records} by least squares over the whole motion.",
         provenance=provenance,
-        facts=people_and_parts(fit.records),
-        files=files_of(fit.records),
         call=f"dampyr.report.write_fit_page(fit, {Path(path).name!r})",
         origin=fit.origin,
     )

@@ -9,21 +9,14 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from dampyr.source_file import SourceFile, source_file
-
-if TYPE_CHECKING:
-    from dampyr.models import Damper
-    from dampyr.records import Record
-
-FEW = 6  # names of operators, specimens or sessions that a page lists one by one
 
 
 @dataclass(frozen=True)
@@ -63,31 +56,3 @@ def moment() -> str:
     fixed = os.environ.get("SOURCE_DATE_EPOCH", "")
     at = datetime.fromtimestamp(int(fixed), UTC) if fixed.isdigit() else datetime.now().astimezone()
     return at.isoformat(timespec="seconds")
-
-
-def files_of(records: Iterable[Record]) -> list[SourceFile]:
-    """The files that records were read from, each once."""
-    return list(dict.fromkeys(record.source_file for record in records if record.source_file is not None))
-
-
-def people_and_parts(records: Iterable[Record]) -> Mapping[str, str]:
-    """Operator, specimen and session of records, those that are stated."""
-    records = list(records)
-    stated = {
-        "operator": [record.provenance.get("operator", "") for record in records],
-        "specimen": [record.specimen or "" for record in records],
-        "session": [record.measurement_session or "" for record in records],
-    }
-    listed = {name: sorted({each for each in values if each}) for name, values in stated.items()}
-    return {name: _listing(values) for name, values in listed.items() if values}
-
-
-def of_card(damper: Damper) -> dict[str, str]:
-    """What the card says of its fit; its version of dampyr is not that of the page."""
-    return {
-        ("version" if k == "dampyr" else k): f"dampyr {v}" if k == "dampyr" else v for k, v in damper.provenance.items()
-    }
-
-
-def _listing(names: list[str]) -> str:
-    return ", ".join(names[:FEW]) + (f" and {len(names) - FEW} more" if len(names) > FEW else "")

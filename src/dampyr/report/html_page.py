@@ -17,7 +17,7 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
-from dampyr.origin import NOT_STATED, Origin, notice, stamp
+from dampyr.origin import NOT_STATED, Origin, stamp
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
 from dampyr.report.figure_files import keep
 from dampyr.report.how_made import how_made, moment
@@ -59,10 +59,11 @@ def page(
 ) -> str:
     """The page as a string of HTML.
 
-    ``subtitle`` stands under the title, and below it the date, the version and ``facts`` (name -> value), such as the operator;
-    ``provenance`` (a sentence, or name -> value) at the foot says where the numbers came from. There stand, too, the command
-    (`made_by`, else ``call`` of a writer) and the checksums of ``files`` and of those of the command. All text is escaped:
-    none of it is taken for HTML. Where ``origin`` is not measured, the first line says so, and every figure.
+    ``subtitle`` stands under the title, and below it the date, the version and facts: those of the ``origin``, and ``facts``
+    (name -> value). ``provenance`` (a sentence, or name -> value) at the foot says where the numbers came from. There stand,
+    too, the command (`made_by`, else ``call`` of a writer) and the checksums of the origin's files, of ``files`` and of those
+    of the command. All text is escaped: none of it is taken for HTML. Where ``origin`` is not measured, the first line says
+    so, and every figure.
     """
     if not sections:
         raise InputError("a page needs at least one section")
@@ -91,16 +92,16 @@ def page(
     return str(
         template.render(
             title=title,
-            notice=notice(origin),
+            notice=origin.notice,
             subtitle=subtitle,
             sections=ready,
             provenance=given if provenance else {},
             marks=_MARKS,
             date=date,
             version=full_version(),
-            facts=({} if origin == NOT_STATED else {"origin:": origin}) | dict(facts or {}),
+            facts=origin.facts() | dict(facts or {}),
             command=source.command,
-            files=sorted({*files, *source.files}),
+            files=sorted({*origin.sources, *files, *source.files}),
             digits=DIGITS,
             margin=_in_the_margin(f"{_shortened(title)} · {date}"),
         )

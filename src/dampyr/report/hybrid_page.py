@@ -12,18 +12,18 @@ from dampyr.figures.building import building_response
 from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import DISPLACEMENT
-from dampyr.origin import DERIVED, MEASURED, NOT_STATED, SIMULATED, VIRTUAL, Origin, series
+from dampyr.origin import OriginKind
 from dampyr.report.blocks import FigureBlock, Section, Table, Text, to_look_at
 from dampyr.report.html_page import page, write_page
 from dampyr.report.response_page import floor_name
 from dampyr.representation import sentence
 
-FORCES: Mapping[Origin, str] = {
-    MEASURED: "The building was computed and its damper measured",
-    SIMULATED: "The building was computed, and the force of its damper is that of a simulated test rig",
-    VIRTUAL: "No rig took part: building, actuator and damper were computed",
-    DERIVED: "The building was computed and its damper tested",
-    NOT_STATED: "The building was computed and its damper tested",
+FORCES: Mapping[OriginKind, str] = {
+    "measured": "The building was computed and its damper measured",
+    "simulated": "The building was computed, and the force of its damper is that of a simulated test rig",
+    "virtual": "No rig took part: building, actuator and damper were computed",
+    "derived": "The building was computed and its damper tested",
+    "not stated": "The building was computed and its damper tested",
 }
 
 
@@ -47,8 +47,8 @@ def write_hybrid_page(result: HybridResult, path: str | Path) -> Path:
             if result.clock == 1.0
             else f"{result.clock:g} times slower than the building's",
             "static force": "none: the damper is its model"
-            if result.origin == VIRTUAL
-            else f"{result.static_force:.4g} N, {series(result.origin)} before the test and taken from the force",
+            if result.origin.kind == "virtual"
+            else f"{result.static_force:.4g} N, {result.origin.series} before the test and taken from the force",
             "computed": f"{computed.scheme}, step {1e3 * computed.step:.4g} ms",
         },
         call=f"dampyr.report.write_hybrid_page(result, {Path(path).name!r})",
@@ -63,13 +63,13 @@ def in_short(result: HybridResult) -> str:
     by = 100 * result.differences[worst]
     slower = f"{result.clock:g}"
     clock = f" on a clock {slower} times slower" if slower != "1" else ""
-    virtual = result.origin == VIRTUAL
+    virtual = result.origin.kind == "virtual"
     errors = "the actuator's error and the loop's" if virtual else "the model's error, the table's and the loop's"
     moved = "computed actuator" if virtual else "table"
     return (
-        f"{FORCES[result.origin]}, step by step{clock}; the ground motion was scaled to {result.scale:g}. The peaks differ by "
-        f"up to {by:+.2g} % ({floor_name(result.computed.floors[worst])}) from the response with the damper's model in its "
-        f"place: this is {errors} together. The {moved} followed what the building wanted to "
+        f"{FORCES[result.origin.kind]}, step by step{clock}; the ground motion was scaled to {result.scale:g}. The peaks "
+        f"differ by up to {by:+.2g} % ({floor_name(result.computed.floors[worst])}) from the response with the damper's model "
+        f"in its place: this is {errors} together. The {moved} followed what the building wanted to "
         f"{100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late "
         f"in the building's time after compensation; its errors put {100 * result.energy_error:.2g} % of the ground's energy "
         "into the building."
@@ -106,6 +106,6 @@ def _damper(result: HybridResult) -> list[FigureBlock]:
         ),
         FigureBlock(
             loops(result.achieved, velocity, result.force, {"model": result.modelled}, record_origin=result.origin),
-            f"The damper's loops: {series(result.origin)}, less the static force, and the model along the same path.",
+            f"The damper's loops: {result.origin.series}, less the static force, and the model along the same path.",
         ),
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,11 +17,11 @@ from dampyr.identification import Score, Validated, prediction
 from dampyr.identification.residuals import motion
 from dampyr.identification.score import group_by_input
 from dampyr.models import Damper
+from dampyr.origin import combined
 from dampyr.records import Record, with_velocity
 from dampyr.report.best_and_worst import extremes, record_section
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, to_look_at
 from dampyr.report.fit_sections import score_table
-from dampyr.report.how_made import files_of, of_card, people_and_parts
 from dampyr.report.html_page import page, write_page
 from dampyr.report.level_sections import bands_section
 from dampyr.report.range_section import SHOWN, range_table
@@ -30,7 +31,7 @@ SLACK = 1.01  # a record that reaches 1 % beyond the range, as noise does, is st
 OF_ONE = {
     True: "The card was fitted on this record, so its score describes the fit and predicts nothing.",
     False: "The card was not fitted on this record: the score is a prediction.",
-    None: "The card does not name the records that it was fitted on, so this score may be no prediction.",
+    None: "The card does not say whether this record was fitted, so this score may be no prediction.",
 }
 SEEN = {True: "fitted", False: "unseen", None: "unknown"}
 
@@ -44,7 +45,9 @@ def write_validate_page(result: Validated, path: str | Path) -> Path:
     damper, records, card = result.damper, result.records, result.card
     _check(records, result.scores)
     record_scores = {record.name: result.scores[record.name] for record in records}
-    seen = seen_by(damper, records)
+    seen = result.fitted_on
+    stated = {name: text for name, text in damper.provenance.items() if name != "dampyr"}  # of cards up to 0.3.0
+    of_card = damper.origin.facts() | stated
     html = page(
         f"Validated: {Path(card).name}",
         [
@@ -55,27 +58,15 @@ def write_validate_page(result: Validated, path: str | Path) -> Path:
             *(_record(damper, records, record_scores, words, name) for words, name in extremes(record_scores)),
         ],
         subtitle=f"{damper.composition}: a free run along {_along(records)}, of which only the offset is taken.",
-        provenance={"card": card, **{f"{name} of the card": text for name, text in of_card(damper).items()}},
-        facts=people_and_parts(records),
-        files=files_of(records),
+        provenance={"card": card, **{f"{name} of the card": text for name, text in of_card.items()}},
         call=f"dampyr.report.write_validate_page(result, {Path(path).name!r})",
-        origin=result.origin,
+        origin=replace(combined(record.origin for record in records), kind=result.origin.kind),
     )
     return write_page(path, html)
 
 
 def _along(records: Sequence[Record]) -> str:
     return f"each of {len(records)} records" if len(records) > 1 else "one record"
-
-
-def seen_by(damper: Damper, records: Sequence[Record]) -> dict[str, bool | None]:
-    """Whether the damper was fitted on each record, by the names on its card; None where the card names no records."""
-    names_text = damper.provenance.get("records", "")
-    names = {name.strip() for name in names_text.split(",")} - {""}
-    counted = len(names) == 1 and names_text.strip().endswith(" records") and names_text.split()[0].isdigit()
-    if counted or not names:
-        return {record.name: None for record in records}
-    return {record.name: record.name in names for record in records}
 
 
 def _check(records: Sequence[Record], scores: Mapping[str, Score]) -> None:
@@ -98,7 +89,7 @@ def _short(records: Sequence[Record], scores: Mapping[str, Score], seen: Mapping
     hint = {
         True: "These records were fitted, so their scores describe the fit and predict nothing.",
         False: "None of these records was fitted: the scores are predictions.",
-        None: "The card does not name the records that it was fitted on, so these scores may be no predictions.",
+        None: "The card does not say whether these records were fitted, so these scores may be no predictions.",
     }
     if len(records) == 1:
         name, one = next(iter(scores.items()))

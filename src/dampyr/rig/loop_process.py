@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from dampyr.errors import DampyrError, InputError, RigFault
-from dampyr.origin import Origin
+from dampyr.origin import OriginKind
 from dampyr.rig.acquisition import HELD, SETTLED, Acquisition
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
@@ -218,10 +218,10 @@ class StandIn:
             raise AttributeError(name)
         return lambda *given: self._process.ask(f"{self._name}.{name}", *given)
 
-    def origin(self) -> Origin:
+    def origin(self) -> OriginKind:
         """What the board says of its samples."""
-        origin: Origin = self._process.ask("origin")
-        return origin
+        kind: OriginKind = self._process.ask("origin")
+        return kind
 
     def close(self) -> None:
         """Nothing: the other process closes its instruments when it ends."""

@@ -18,7 +18,7 @@ from multiprocessing.connection import Client, Connection
 from typing import Any
 
 from dampyr.errors import RigFault
-from dampyr.origin import Origin
+from dampyr.origin import OriginKind
 from dampyr.rig.acquisition import SETTLED, Acquisition
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
@@ -99,9 +99,9 @@ class LoopServer:
         self.uno, self.board = self.opener(rig, shared_clock is not None)
         self.release_gc = disable_gc()
 
-    def do_origin(self) -> Origin:
+    def do_origin(self) -> OriginKind:
         """What the board says of its samples."""
-        return stated_origin(self.board)
+        return stated_origin(self.board).kind
 
     def do_acquire(self, calibration: Calibration, interlocked: bool, warm: WarmthState) -> Status:
         """Make a loop for a rig that is about to be armed; the Uno's status."""

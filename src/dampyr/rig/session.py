@@ -258,7 +258,7 @@ class Rig(Representation):
     @cached_property
     def origin(self) -> Origin:
         """Origin of what it records: "measured" only where the driver of its board says so."""
-        if self.simulated or of_board(self.identity) == SIMULATED:
+        if self.simulated or of_board(self.identity).kind == "simulated":
             return SIMULATED
         return stated_origin(self.board)
 

@@ -115,8 +115,7 @@ class EnsembleResult(Representation):
     @property
     def origin(self) -> Origin:
         """That of the dampers' cards together; the responses are computed, whatever these rest on."""
-        origin: Origin = self.dataset.attrs.get("damper_origin", NOT_STATED)
-        return origin
+        return Origin.from_json(self.dataset.attrs.get("damper_origin", NOT_STATED.kind))
 
     @property
     def plot(self) -> EnsemblePlots:
@@ -185,7 +184,7 @@ class EnsembleResult(Representation):
             }
             for each in self.curves
         ]  # fmt: skip
-        attributes = {**self.dataset.attrs, "findings": as_dicts(self.findings)}
+        attributes = self.dataset.attrs | {"damper_origin": self.origin.as_dict(), "findings": as_dicts(self.findings)}
         return dict(plain({**attributes, "peaks": summary(self.dataset), "fragility": curves}))
 
 

@@ -333,7 +333,7 @@ def fragility(
         INTENSITIES.get(named, ""),
         motions,
         seed,
-        dataset.attrs.get("damper_origin", NOT_STATED),
+        Origin.from_json(dataset.attrs.get("damper_origin", NOT_STATED.kind)),
     )
 
 

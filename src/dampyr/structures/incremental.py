@@ -154,7 +154,7 @@ def incremental(
         named,
         INTENSITIES.get(named, ""),
         requested,
-        dataset.attrs.get("damper_origin", NOT_STATED),
+        Origin.from_json(dataset.attrs.get("damper_origin", NOT_STATED.kind)),
     )
 
 

@@ -446,7 +446,7 @@ class Response(Representation):
             "peak_acceleration_m_s2": self.peak_acceleration.tolist(),
             "peak_base_shear_N": self.peak_base_shear,
             "peak_force_N": self.peak_force.tolist(),
-            "damper_origin": self.origin,
+            "damper_origin": self.origin.as_dict(),
             "findings": as_dicts(self.findings),
             "sites": list(self.sites),
             "laws": list(self.laws),
@@ -474,7 +474,7 @@ class Response(Representation):
             "step_s": self.step,
             "converged": int(self.converged),
             "title": self.title,
-            "damper_origin": self.origin,
+            "damper_origin": self.origin.as_json(),
             "after_s": self.after,
         }
         if self.findings:  # not every format of files takes an empty list

@@ -15,7 +15,7 @@ from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.findings import Finding
 from dampyr.ground_motions import GroundMotion, sa
-from dampyr.origin import NOT_STATED, Origin, combined
+from dampyr.origin import NOT_STATED, combined
 from dampyr.records.self_contained import check_contained
 from dampyr.structures.building import Building
 from dampyr.structures.control_law import describe_law, is_control_law
@@ -69,7 +69,7 @@ class Labels:
     pga: list[float]
     sa: list[list[float]]
     input_name: list[str] = field(default_factory=list)
-    damper_origin: Origin = NOT_STATED
+    damper_origin: str = NOT_STATED.kind  # as JSON; of files of dampyr up to 0.3.0 the kind alone
     calibrated: list[float] = field(default_factory=list)
 
     @classmethod
@@ -87,7 +87,7 @@ class Labels:
             [motion.pga for motion in what.motions],
             [[_sa(motion, period) for motion in what.motions] for period in periods],
             [_input_name(u, UNIT_OF[what.kind]) for u in what.inputs],
-            combined(damper.origin for placed in what.placements for _, damper in places_and_dampers(placed)),
+            combined(damper.origin for placed in what.placements for _, damper in places_and_dampers(placed)).as_json(),
             sorted(
                 {each for placed in what.placements for each in calibrated_displacements(placed) if np.isfinite(each)}
             ),

@@ -113,7 +113,7 @@ class Demo:
         """The figures of the page as plain numbers, SI."""
         return {
             "model": MODEL,
-            "origin": self.origin,
+            "origin": self.origin.as_dict(),
             "converged": self.fit.converged,
             "reason": self.fit.reason,
             "findings": as_dicts(worst_first(self.fit.findings, self.simulated.findings)),

@@ -208,13 +208,13 @@ def test_only_a_board_that_the_driver_calls_real_measures(connect: Open, monkeyp
     board, clock = connect()
     assert board.origin() == "simulated"  # NI-DAQmx says so of its device, by IS_SIMULATED
     rig = Rig(board.rig, Uno(InProcess(clock.rig.serial)), board, threaded=False)
-    assert rig.origin == "simulated"
+    assert rig.origin.kind == "simulated"
     monkeypatch.setattr("nidaqmx.system.Device.is_simulated", property(lambda device: False))
     monkeypatch.setattr("nidaqmx.system.Device.serial_num", property(lambda device: 0x01B00000))
     assert board.origin() == "measured"
     real = Rig(board.rig, Uno(InProcess(clock.rig.serial)), board, threaded=False)
-    assert real.origin == "measured"
-    assert replace(real, simulated=True).origin == "simulated"  # whatever the driver says of a simulated rig
+    assert real.origin.kind == "measured"
+    assert replace(real, simulated=True).origin.kind == "simulated"  # whatever the driver says of a simulated rig
 
 
 def test_a_driver_that_does_not_say_it_measures_nothing(connect: Open) -> None:
@@ -226,7 +226,7 @@ def test_a_driver_that_does_not_say_it_measures_nothing(connect: Open) -> None:
 
     clock = connect()[1]
     rig = Rig(RigSettings(), Uno(InProcess(clock.rig.serial)), Own(), threaded=False)  # type: ignore[arg-type]
-    assert rig.origin == "not stated"
+    assert rig.origin.kind == "not stated"
 
 
 def test_listening_is_no_error_where_the_output_runs_out(connect: Open) -> None:

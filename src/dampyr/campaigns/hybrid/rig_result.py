@@ -18,7 +18,7 @@ from dampyr.config import fill
 from dampyr.errors import InputError
 from dampyr.findings import Finding, as_dicts, handed_on, worst_first
 from dampyr.models.codegen.kernels import bind
-from dampyr.origin import NOT_STATED, Origin, notice
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.records import Record, read
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.rig import RigSettings
@@ -63,7 +63,7 @@ class HybridResult(Representation):
     @property
     def tested(self) -> str:
         """What tables and legends call the test: a hybrid test, simulated or virtual where it is."""
-        return f"{self.origin} hybrid test" if notice(self.origin) else "hybrid test"
+        return f"{self.origin.kind} hybrid test" if self.origin.notice else "hybrid test"
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -98,7 +98,7 @@ class HybridResult(Representation):
         """The figures, for JSON; SI units."""
         return {
             "title": self.title,
-            "origin": self.origin,
+            "origin": self.origin.as_dict(),
             "scale": self.scale,
             "clock": self.clock,
             "voltage_V": self.voltage,

@@ -139,7 +139,7 @@ class Planned(Representation):
         """Rounds, fit and reason by name, for `dampyr.to_json`, SI units."""
         return {
             "folder": str(self.folder),
-            "origin": self.origin,
+            "origin": self.origin.as_dict(),
             "goal": self.goal,
             "reached": self.reached,
             "reason": self.reason,

@@ -238,7 +238,7 @@ class Proposal(Representation):
     def as_dict(self) -> dict[str, Any]:
         """Tests and intervals by name, for `dampyr.to_json`, SI units."""
         return {
-            "damper_origin": self.origin,
+            "damper_origin": self.origin.as_dict(),
             "findings": as_dicts(self.findings),
             "goal": self.goal,
             "model": self.model,

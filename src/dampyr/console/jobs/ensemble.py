@@ -14,7 +14,6 @@ from dampyr.console.dampers import damper_of
 from dampyr.console.equivalent_commands import ensemble_command
 from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.safe_paths import data_of
-from dampyr.origin import notice
 from dampyr.report import made_by, write_ensemble_page
 from dampyr.report.ensemble_page import summary_rows, trust
 from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, remarks
@@ -46,7 +45,7 @@ def _summarise(result: EnsembleResult) -> dict[str, Any]:
     dataset, curves = result.dataset, result.curves[0]
     columns, units, rows = summary_rows(dataset)
     summary = {
-        "notice": notice(result.origin),
+        "notice": result.origin.notice,
         "cases": dataset.attrs["cases"],
         "limit": curves.limit_in_words,
         "motions": curves.motions,

@@ -21,7 +21,6 @@ from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
 from dampyr.identification import Fit, Identified, findings, identify, prediction, score
 from dampyr.identification.leaderboard import choice_in_words
-from dampyr.origin import notice
 from dampyr.records import Record
 from dampyr.report import made_by, write_fit_page
 from dampyr.report.fit_sections import parameter_tables, score_table
@@ -53,7 +52,7 @@ def _summarise(result: Identified) -> dict[str, Any]:
     l1 = [one.l1 for one in fit.scores.values()]
     return {
         "model": str(fit.problem.composition),
-        "notice": notice(result.origin),
+        "notice": result.origin.notice,
         "card": fit.damper is not None,
         "converged": fit.converged,
         "reason": fit.reason,

@@ -16,7 +16,6 @@ from dampyr.console.dampers import damper_of
 from dampyr.console.equivalent_commands import response_command
 from dampyr.console.jobs import CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
-from dampyr.origin import notice
 from dampyr.report import made_by, write_response_page
 from dampyr.structures import Response, simulate
 from dampyr.structures.simulate import BARE
@@ -38,7 +37,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     return {
         DATA: result.as_dict(),
         "title": result.title,
-        "notice": notice(result.origin),
+        "notice": result.origin.notice,
         "floors": list(result.cases[BARE].floors),
         "unit": result.unit,
         "end": result.end,

@@ -15,7 +15,6 @@ from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, func
 from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
-from dampyr.origin import notice
 from dampyr.source_digest import full_version
 
 Array = NDArray[np.float64]
@@ -76,8 +75,10 @@ def check_name(name: str) -> None:
 
 
 def before_use(damper: Damper) -> str:
-    """What is wrong or in doubt in a damper as text that can stand in a comment of any language; empty where it has none."""
-    text = " ".join(" ".join(f"Before you use it: {one}." for one in handed_on([damper], OF_DAMPER)).split())
+    """What is wrong or in doubt in a damper, and its origin, as text that can stand in a comment of any language."""
+    sentences = [f"Before you use it: {finding}." for finding in handed_on([damper], OF_DAMPER)]
+    sentences += [f"Where it comes from: {origin}."] if (origin := damper.origin.in_words()) else []
+    text = " ".join(" ".join(sentences).split())
     for mark, instead in (("*/", "* /"), ("\\", "/"), ('"', "'")):
         text = text.replace(mark, instead)
     return text
@@ -132,7 +133,7 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
     )
     guard = f"{name.upper()}_H"
     warned = "".join(f"\n * {line}" for line in wrap(before_use(damper), WIDTH))
-    said = f"\n *\n * {text}." if (text := notice(damper.origin)) else ""
+    said = f"\n *\n * {text}." if (text := damper.origin.notice) else ""
     return f"""\
 /* A damper written by dampyr {full_version()}: {damper.composition}.{said}
  *
@@ -186,7 +187,7 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Pre
     return (
         "\n\n".join(
             [
-                *([f"/* {text}. */"] if (text := notice(damper.origin)) else []),
+                *([f"/* {text}. */"] if (text := damper.origin.notice) else []),
                 f'#include "{name}.h"\n#include <math.h>',
                 *laws,
                 _values(damper, prefix, precision),

@@ -11,7 +11,6 @@ from dampyr.export.kinds.c import ARRAYS, EXPORTED, WIDTH, before_use, check_exp
 from dampyr.export.matlab_text import SUPPORT, function, number
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
-from dampyr.origin import notice
 from dampyr.source_digest import full_version
 
 
@@ -47,7 +46,7 @@ def _main(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     late = composition.delay is not None
     delayed = f"\n        [f(k), state] = {prefix}late(state, f(k), p({(composition.delay or 0) + 1}));" if late else ""
     empty = "\n        state.late_t = []; state.late_f = [];" if late else ""
-    said = f"\n%   {text}." if (text := notice(damper.origin)) else ""
+    said = f"\n%   {text}." if (text := damper.origin.notice) else ""
     return f"""\
 function [f, state] = {name}(t, x, v, u, state)
 %{name.upper()}  Force of a damper along a path.

@@ -13,7 +13,6 @@ from dampyr.errors import InputError
 from dampyr.export.kinds.c import WIDTH, before_use, check_name
 from dampyr.models import Damper, Interpolation
 from dampyr.models.damper import INPUTS
-from dampyr.origin import notice
 from dampyr.source_digest import full_version
 
 HYSTERETIC = ("dahl", "bouc_wen")
@@ -86,7 +85,7 @@ def _head(damper: Damper, name: str) -> list[str]:
     left_out = "; its static offset is left out" if "offset.f0" in damper.all_laws else ""
     return [
         f"{name}: a damper written by dampyr {full_version()}, {damper.composition}{left_out}.",
-        *([f"{text}."] if (text := notice(damper.origin)) else []),
+        *([f"{text}."] if (text := damper.origin.notice) else []),
         "Units: m, N, s. One material for each input at the coil, which stays constant.",
         "OpenSees integrates BoucWen by backward Euler: its error is proportional to the step. Halve it until the peaks stay.",
         *wrap(before_use(damper), WIDTH),

@@ -14,6 +14,7 @@ in tables ``[[files]]`` (`DataFile`), or, where many lie in one place, in tables
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import os
 from collections.abc import Callable, Mapping
@@ -28,11 +29,13 @@ from urllib.parse import quote
 from dampyr.atomic_write import whole_file
 from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records.campaign_folder import TABLE, campaign_rows
 from dampyr.records.folder_metadata import NAME as READING
+from dampyr.records.folder_metadata import TABLE
+from dampyr.source_file import SourceFile
 
 __all__ = [
     "DataFile", "DataSet", "available_data_sets", "data_root", "data_set", "describe", "fetch", "locate", "missing_files",
+    "set_of_file",
 ]  # fmt: skip
 
 SUMS = "SHA256SUMS"
@@ -104,7 +107,7 @@ class DataSet:
     def contents(self) -> tuple[DataFile, ...]:
         """Its files, as far as dampyr knows them."""
         if self.table:
-            return tuple(DataFile(row.file_name, sha256=row.sha256) for row in campaign_rows() if row.file_name)
+            return tuple(DataFile(row["file"], sha256=row["sha256"]) for row in _table_rows(self.table) if row["file"])
         grouped = (DataFile(name, group.prefix + name) for group in self.groups for name in group.names)
         return (*self.files, *grouped)
 
@@ -143,6 +146,21 @@ def data_set(name: str) -> DataSet:
     close = get_close_matches(name, available_data_sets(), n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
     raise InputError(f"{name!r} is no data set; {hint}choose from {', '.join(available_data_sets())}")
+
+
+def _table_rows(table: str) -> list[dict[str, str]]:
+    text = resources.files("dampyr.records").joinpath(table).read_text("utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
+@lru_cache(maxsize=1)
+def _set_by_sha256() -> Mapping[str, DataSet]:
+    return {file.sha256: dataset for dataset in _sets().values() for file in dataset.contents if file.sha256}
+
+
+def set_of_file(file: SourceFile) -> DataSet | None:
+    """The data set of which ``file`` is a file, by its SHA-256, whatever it is called; None where dampyr knows none."""
+    return _set_by_sha256().get(file.sha256)
 
 
 def data_root() -> Path:

@@ -287,7 +287,7 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
             _fill_channels(file, n, first, record, sums)
             first, until = first + record.n, record.time[-1]
         _fill_raw(file, raw, sums)
-        file.attrs.update({"name": record.name, "role": record.role, "origin": record.origin})
+        file.attrs.update({"name": record.name, "role": record.role, "origin": record.origin.kind})
         file.attrs.update({name: getattr(record, name) for name in GROUPS if getattr(record, name) is not None})
         file.attrs["test"] = record.provenance.get("test", record.name)
         file.attrs["try"] = int(record.provenance.get("try", "1"))

@@ -20,7 +20,7 @@ import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
-from dampyr.origin import ORIGINS
+from dampyr.origin import ORIGIN_KINDS
 from dampyr.records.column_table import Table, record_of
 from dampyr.records.record import COMMENTS, GROUPS, Array, Record, stated
 from dampyr.records.record_files import Request
@@ -51,7 +51,7 @@ class _Stored:
         texts = {name: self.variables.get(name) for name in GROUPS}
         stated = {name: text.strip() for name, text in texts.items() if isinstance(text, str) and text.strip()}
         origin = self.variables.get("origin")  # which a file of somebody else's may call something else
-        return stated | ({"origin": origin} if isinstance(origin, str) and origin in ORIGINS else {})
+        return stated | ({"origin": origin} if isinstance(origin, str) and origin in ORIGIN_KINDS else {})
 
 
 def read(path: Path, request: Request) -> Record:

@@ -6,7 +6,7 @@ import threading
 
 import numpy as np
 
-from dampyr.origin import Origin
+from dampyr.origin import OriginKind
 from dampyr.rig.instruments.contract import AcquisitionBoard, Array, CoilSupply, Counts, stated_origin
 
 
@@ -74,9 +74,9 @@ class SeparatelySupplied:
         """s by which a change of the command may be late."""
         return self.block + self.supply.latency
 
-    def origin(self) -> Origin:
+    def origin(self) -> OriginKind:
         """That of the acquisition."""
-        return stated_origin(self.acquisition)
+        return stated_origin(self.acquisition).kind
 
     def identity(self) -> str:
         """Both; the supply with its delay, since it is of every record."""

@@ -87,7 +87,7 @@ class Study(Representation):
             plain(
                 {
                     "study": "vrths_2020",
-                    "origin": self.origin,
+                    "origin": self.origin.as_dict(),
                     "compared": [asdict(value) for value in self.compared],
                     "criteria": [
                         {"motion": shaking, "compensator": name, "case": case, "true": true, "measured": measured}

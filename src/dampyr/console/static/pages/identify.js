@@ -111,7 +111,7 @@ export async function show(root, query) {
       if (!lines) return;
       clear();
       const series = (over, factor) => [
-        { name: r.notice ? r.data.origin : "measured", colour: "muted", width: 2.4, ...scaled(lines[over].measured, factor) }, { name: r.model, colour: "vermillion", ...scaled(lines[over].model, factor) }];
+        { name: r.notice ? r.data.origin.kind : "measured", colour: "muted", width: 2.4, ...scaled(lines[over].measured, factor) }, { name: r.model, colour: "vermillion", ...scaled(lines[over].model, factor) }];
       const pair = (over, unit, factor, height) => ({ label: `Measured and modelled force of ${record} over ${over}`, x: { words: over, unit }, y: FORCE, height, series: series(over, factor) });
       const residual = { label: `Residual force of ${record}`, x: { words: "time", unit: "s" }, y: { words: "residual", unit: "N" }, height: 150, series: [{ name: "measured minus modelled", colour: "blue", ...lines.residual }] };
       plots.replaceChildren(

@@ -199,7 +199,7 @@ export async function show(root, query) {
     const m = a.measured;
     const q = a.quality;
     const facts = [
-      ["origin", a.origin], ["role", a.role], ["input", inputOf(a)?.show ?? "unknown"],
+      ["origin", a.origin.kind], ["role", a.role], ["input", inputOf(a)?.show ?? "unknown"],
       ...(a.measurement_session ? [["session", a.measurement_session]] : []), ...(a.specimen ? [["specimen", a.specimen]] : []),
       ["duration", `${number(a.duration_s)} s, ${q.samples} samples, every ${number(1e3 * q.dt)} ms`],
       ...(m ? [["whole cycles", `${m.cycles} from ${number(m.motion_start)} s on`], ["frequency", `${number(m.frequency_hz)} Hz`], ["peak to peak", `${number(1e3 * m.peak_to_peak_m)} mm`],

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import RigFault, install_line
-from dampyr.origin import MEASURED, SIMULATED, Origin
+from dampyr.origin import OriginKind
 from dampyr.rig.instruments.contract import Array, Counts
 from dampyr.rig.settings import RigSettings
 
@@ -93,7 +93,7 @@ class NiBoard:
         """Product and serial number, as the driver gives them."""
         return self._call(self._identity)
 
-    def origin(self) -> Origin:
+    def origin(self) -> OriginKind:
         """Whether NI-DAQmx says that its samples are of a real board."""
         return self._call(self._origin)
 
@@ -219,8 +219,8 @@ class NiBoard:
         device = self._device()
         return f"{device.product_type} {device.serial_num:08X}"
 
-    def _origin(self) -> Origin:
-        return SIMULATED if self._device().is_simulated else MEASURED
+    def _origin(self) -> OriginKind:
+        return "simulated" if self._device().is_simulated else "measured"
 
     def _device(self) -> Any:
         from nidaqmx.system import Device
