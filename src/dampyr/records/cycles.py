@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.records.channel_noise import last_at_rest, rest_tolerance
 from dampyr.records.record import Array, Record
+from dampyr.records.record_cache import cached_by_record
 from dampyr.representation import Representation, Summary
 
 Indices = NDArray[np.int64]
@@ -47,9 +47,6 @@ SAME_STROKE, SAME_PERIOD = 0.1, 0.2  # relative: cycles of one level
 RISING, RANGE, IN_ORDER = 4, 2.0, 0.9
 SHOWN = 5  # levels in a summary
 RUN_IN_TO = 3  # cycles of a level: single cycles that grow up to it, or fall from it, are its run-in or run-out
-# Records never change, and every package needs their cycles.
-_cache: WeakKeyDictionary[Record, Indices] = WeakKeyDictionary()
-_cuts: WeakKeyDictionary[Record, Cut] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True)
@@ -170,9 +167,7 @@ def cut_cycles(record: Record) -> Cut:
     >>> [(each.count, round(each.stroke_m, 4)) for each in made.levels]
     [(3, 0.008), (3, 0.016)]
     """
-    if record not in _cuts:
-        _cuts[record] = _cut(record)
-    return _cuts[record]
+    return _cut(record)
 
 
 def turning_points(record: Record, threshold: float | None = None) -> Indices:
@@ -186,11 +181,15 @@ def turning_points(record: Record, threshold: float | None = None) -> Indices:
         if not threshold > 0:
             raise InputError(f"threshold = {threshold:g} m is not allowed; it must be greater than 0")
         return _zigzag(record.displacement, threshold)
-    if record not in _cache:
-        own = _threshold(record.displacement)
-        _cache[record] = _zigzag(record.displacement, own) if own > 0 else np.zeros(0, dtype=np.int64)
-        _cache[record].setflags(write=False)
-    return _cache[record]
+    return _turning_points(record)
+
+
+@cached_by_record
+def _turning_points(record: Record) -> Indices:
+    threshold = _threshold(record.displacement)
+    points = _zigzag(record.displacement, threshold) if threshold > 0 else np.zeros(0, dtype=np.int64)
+    points.setflags(write=False)
+    return points
 
 
 def legs(record: Record) -> Array:
@@ -207,6 +206,11 @@ def cycles(record: Record) -> list[tuple[int, int]]:
     Those in between are kept, so the ranges follow on one another. Of the two ways to cut (upper or lower turning points) the
     one with more cycles is taken, the earlier one when they are equal. An empty list says that there is no whole cycle.
     """
+    return list(_full_cycles(record))
+
+
+@cached_by_record
+def _full_cycles(record: Record) -> list[tuple[int, int]]:
     spans = similar_cycles(record)
     if not spans:
         return []
@@ -221,6 +225,11 @@ def cycles(record: Record) -> list[tuple[int, int]]:
 
 def similar_cycles(record: Record) -> list[tuple[int, int]]:
     """The ranges of `cycles` with those of ramps at both ends that differ by less than 30 % from the median cycle."""
+    return list(_similar_cycles(record))
+
+
+@cached_by_record
+def _similar_cycles(record: Record) -> list[tuple[int, int]]:
     points = turning_points(record)
     made = cut_cycles(record)
     if made.stepped:
@@ -303,6 +312,7 @@ def _like_the_others(record: Record, points: Indices) -> list[tuple[int, int]]:
     return [(int(edges[k]), int(edges[k + 1])) for k in range(indices[0], indices[-1] + 1)]
 
 
+@cached_by_record
 def _cut(record: Record) -> Cut:
     points = _fine_turning_points(record)
     if len(points) < 2:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -19,14 +18,12 @@ from dampyr.records.measure import measure
 from dampyr.records.overview import Overview, overview
 from dampyr.records.quality import Quality, quality
 from dampyr.records.record import GROUPS, Record
+from dampyr.records.record_cache import cached_by_record
 from dampyr.records.smoothing_recognition import Recognised, recognise_smoothing
 
 SAME_WINDOW = 0.02  # of the window: as well as the zeros of a short record tell it
 FEW = 3  # notes of one kind that a record has one by one
-# Records never change, and every result that is made of them repeats their findings.
-_findings_by_record: WeakKeyDictionary[Record, tuple[Finding, ...]] = WeakKeyDictionary()
 LookedAt = tuple[Overview, Quality, DisplacementNoise, tuple[Recognised, ...]]
-_looked_at_by_record: WeakKeyDictionary[Record, LookedAt] = WeakKeyDictionary()
 
 
 def describe(record: Record) -> dict[str, Any]:
@@ -71,11 +68,9 @@ def describe(record: Record) -> dict[str, Any]:
     }
 
 
+@cached_by_record
 def _looked_at(record: Record) -> LookedAt:
-    if record not in _looked_at_by_record:
-        looked = overview(record), quality(record), displacement_noise(record), recognise_smoothing(record)
-        _looked_at_by_record[record] = looked
-    return _looked_at_by_record[record]
+    return overview(record), quality(record), displacement_noise(record), recognise_smoothing(record)
 
 
 def describe_levels(record: Record) -> list[dict[str, Any]]:
@@ -107,13 +102,13 @@ def _in_levels(record: Record) -> str:
 
 
 @findings_of.register(Record)
+@cached_by_record
 def _(record: Record) -> tuple[Finding, ...]:
     """All that a person should look at in a record: its ``findings``."""
-    if record not in _findings_by_record:
-        by_kind = findings_by_kind(record).values()
-        each = (Finding(severity, words, (record.name,)) for severity, some in by_kind for words in some)
-        _findings_by_record[record] = tuple(dict.fromkeys(each))
-    return _findings_by_record[record]
+    by_kind = findings_by_kind(record).values()
+    return tuple(
+        dict.fromkeys(Finding(severity, words, (record.name,)) for severity, some in by_kind for words in some)
+    )
 
 
 def findings_by_kind(record: Record) -> dict[str, tuple[Severity, list[str]]]:

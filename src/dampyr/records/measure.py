@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -22,12 +21,11 @@ from dampyr.records.drift import drift
 from dampyr.records.force_offset import mean_force
 from dampyr.records.quality import motion_start
 from dampyr.records.record import Array, Record
+from dampyr.records.record_cache import cached_by_record
 from dampyr.records.velocity import default_bandwidth, differentiate
 from dampyr.representation import Representation, Summary
 
 ORDERS = 7  # harmonics of the motion: those of a distorted sine fall off, and higher ones lie in the noise
-# Records never change, and a description needs it six times.
-_fundamentals: WeakKeyDictionary[Record, tuple[float, float]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, repr=False)
@@ -118,12 +116,11 @@ def measure(record: Record) -> Measured:
     )
 
 
+@cached_by_record
 def fundamental(record: Record) -> tuple[float, float]:
     """The frequency in Hz and the distortion of :class:`Measured`, without the rest; an InputError without a whole cycle."""
-    if record not in _fundamentals:
-        frequency, _, distortion = _harmonics(record, require_cycles(record, "a measurement"))
-        _fundamentals[record] = frequency, distortion
-    return _fundamentals[record]
+    frequency, _, distortion = _harmonics(record, require_cycles(record, "a measurement"))
+    return frequency, distortion
 
 
 def total_harmonic_distortion(record: Record) -> float:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dampyr.records.channel_noise import last_at_rest, quantum, rest_tolerance
 from dampyr.records.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
+from dampyr.records.record_cache import cached_by_record
 from dampyr.representation import Representation, Summary
 
 GAP = 1.5  # median intervals: halfway to one missing sample
@@ -313,6 +314,7 @@ def _in_runs(flags: Array, long: float) -> int:
     return int(np.sum(runs[runs >= long]))
 
 
+@cached_by_record
 def motion_start(record: Record) -> float:
     """The time, s, of the last sample at rest; the first sample's time where the record starts moving.
 
