@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from tests.campaigns.planning.laboratory import DAHL
+from tests.planning.laboratory import DAHL
 
 from dampyr import campaigns
 from dampyr.cli import cli

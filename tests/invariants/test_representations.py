@@ -105,14 +105,14 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "campaigns.Violation": lambda made: dp.campaigns.Violation("voltage", "needs 9 V; the limit is 4.4 V"),
     "campaigns.Header": lambda made: made.campaign.header,
     "campaigns.Journal": lambda made: made.journal,
-    "campaigns.Peak": lambda made: dp.campaigns.Peak(made.building, made.motion, 1.98),
-    "campaigns.PlanOptions": lambda made: dp.campaigns.PlanOptions(tests=2),
-    "campaigns.Planned": lambda made: dp.campaigns.Planned(
+    "planning.Peak": lambda made: dp.planning.Peak(made.building, made.motion, 1.98),
+    "planning.PlanOptions": lambda made: dp.planning.PlanOptions(tests=2),
+    "planning.Planned": lambda made: dp.planning.Planned(
         Path("lab"), (made.round,), made.fit, False, "all 2 tests are performed", "all parameters"
     ),
-    "campaigns.Proposal": lambda made: made.proposal,
-    "campaigns.ProposedTest": lambda made: made.proposal.tests[0],
-    "campaigns.Round": lambda made: made.round,
+    "planning.Proposal": lambda made: made.proposal,
+    "planning.ProposedTest": lambda made: made.proposal.tests[0],
+    "planning.Round": lambda made: made.round,
     "campaigns.Peaks": lambda made: dp.campaigns.Peaks(0.010, 0.063),
     "campaigns.Plan": lambda made: made.plan,
     "campaigns.PlannedTest": lambda made: made.plan.tests[0],
@@ -241,9 +241,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespace]:
     made.page_table = dp.report.Table(("x", "y"), [[k, 0.5 * k] for k in range(1000)], ("mm", "N"))
     made.campaign = dp.campaigns.campaign_of({"name": "a notebook", "operator": "me", "step": STEPS})
     made.plan = dp.campaigns.plan(made.campaign)
-    made.proposal = dp.campaigns.propose(made.damper, tests=2, seconds=4.0, voltages=(0.0, 1.98), kinds=("sine",))
+    made.proposal = dp.planning.propose(made.damper, tests=2, seconds=4.0, voltages=(0.0, 1.98), kinds=("sine",))
     halves = {"dahl.kx @ 0 V": 0.02, "dahl.rho @ 0 V": 0.1}
-    made.round = dp.campaigns.Round(1, Path("lab/round-01"), ("01-sine",), 20.0, halves, halves)
+    made.round = dp.planning.Round(1, Path("lab/round-01"), ("01-sine",), 20.0, halves, halves)
     made.journal = dp.campaigns.Journal(tmp_path_factory.mktemp("journal"))
     made.journal.plan("1234", [test.name for test in made.campaign.tests], {"name": "a notebook"})
     finding = dp.studies.raminelli_2020.ComparedValue("table 4.1", "kx", 0.802, 0.8017, "N s/mm", "agrees", "")

@@ -16,17 +16,6 @@ from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import available_steps, kind
 from dampyr.campaigns.perform import perform
 from dampyr.campaigns.plan import Plan, PlannedTest, plan, planned
-from dampyr.campaigns.planning import (
-    Peak,
-    Planned,
-    PlanOptions,
-    Proposal,
-    ProposedTest,
-    Round,
-    choose_records,
-    plan_and_perform,
-    propose,
-)
 from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped, exit_status
 from dampyr.campaigns.step import Peaks, Step
 
@@ -57,13 +46,4 @@ __all__ = [
     "read_journal",
     "specimen",
     "envelope",
-    "propose",
-    "plan_and_perform",
-    "choose_records",
-    "PlanOptions",
-    "Proposal",
-    "ProposedTest",
-    "Planned",
-    "Round",
-    "Peak",
 ]

@@ -16,7 +16,7 @@ from dampyr.cli._records import Reading, gather, pairs
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.campaigns import Peak, Planned, PlanOptions, Proposal
+    from dampyr.planning import Peak, Planned, PlanOptions, Proposal
 
 
 @click.command(
@@ -115,7 +115,7 @@ def command(
     performs. With --perform the tests are run in rounds until the targets are reached, or the tests or the time are used up;
     the same command goes on where it stopped.
     """
-    from dampyr import campaigns
+    from dampyr import planning
     from dampyr.models import published
     from dampyr.origin import stamp
     from dampyr.units import parse
@@ -125,7 +125,7 @@ def command(
             "records and --card are both given; a card stands in place of records, so leave one of them out"
         )
     evidence: Any = published.card_or_published(str(card), Path()) if card else None
-    options = campaigns.PlanOptions(
+    options = planning.PlanOptions(
         model=model,
         laws=pairs(laws),
         bandwidth=bandwidth,
@@ -136,7 +136,7 @@ def command(
         peak=_peak(goal, structure, motion, ground, voltage, peak_of),
         peak_target=None if peak_target is None else share(peak_target, "the peak's target"),
         voltages=voltages or None,
-        kinds=kinds or campaigns.PlanOptions.kinds,
+        kinds=kinds or planning.PlanOptions.kinds,
         seconds=seconds,
         mixed_origins=mixed_origins,
     )
@@ -150,7 +150,7 @@ def command(
     if out is not None and out.exists():
         raise InputError(f"{out} is there already; give another --out, or remove it")
     with stages() as show:
-        proposal = campaigns.propose(evidence, rig, options, show)
+        proposal = planning.propose(evidence, rig, options, show)
     if out is not None:
         proposal.save(out)
     if figure is not None:
@@ -175,7 +175,7 @@ def _peak(
     goal: str, structure: str | None, motion: Path | None, ground: Ground, voltage: float | None, peak_of: str
 ) -> Peak | None:
     """The peak that is planned for, where one is."""
-    from dampyr.campaigns import Peak
+    from dampyr.planning import Peak
 
     if goal != "peak":
         if structure is not None or motion is not None or voltage is not None:
@@ -199,7 +199,7 @@ def _perform(
     as_json: bool,
 ) -> None:
     """Run the rounds, and say how it went."""
-    from dampyr import campaigns
+    from dampyr import planning
     from dampyr.cli._running import stopped_by_signals
     from dampyr.origin import stamp
     from dampyr.rig.connect import open_rig
@@ -210,7 +210,7 @@ def _perform(
         def watch(now: Any) -> None:
             show(f"testing, {now.name}" if now.total > 1 else "testing", now.fraction)
 
-        planned = campaigns.plan_and_perform(
+        planned = planning.plan_and_perform(
             evidence, opened, out, options, per_round=per_round, progress=show, watcher=watch
         )
     if planned.fit.damper is not None:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.campaigns.planning.laboratory import DAHL
 from tests.identification.synthetic import sine
+from tests.planning.laboratory import DAHL
 
 from dampyr import campaigns, ground_motions, structures
-from dampyr.campaigns import Peak, Proposal, propose
 from dampyr.errors import FileError, InputError, RangeError
+from dampyr.planning import Peak, Proposal, propose
 from dampyr.records import Record
 from dampyr.rig import RigSettings
 from dampyr.to_json import plain

@@ -5,13 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.campaigns.planning.laboratory import BANDWIDTH, DAHL, HYPERBOLIC_TANGENT, VOLTAGES, laboratory
+from tests.planning.laboratory import BANDWIDTH, DAHL, HYPERBOLIC_TANGENT, VOLTAGES, laboratory
 
 from dampyr import campaigns, ground_motions, structures
-from dampyr.campaigns import Peak, kind, largest, plan_and_perform
+from dampyr.campaigns import kind, largest
 from dampyr.errors import DampyrWarning
 from dampyr.identification import Fit, fit
 from dampyr.models import Damper
+from dampyr.planning import Peak, plan_and_perform
 from dampyr.records import read_campaign
 from dampyr.rig import RigSettings, simulated
 

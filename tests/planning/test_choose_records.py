@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.campaigns.planning.laboratory import DAHL
 from tests.identification.synthetic import sine
+from tests.planning.laboratory import DAHL
 
-from dampyr.campaigns import choose_records
 from dampyr.errors import InputError
 from dampyr.identification import fit, score
+from dampyr.planning import choose_records
 from dampyr.records import Record, read_campaign
 
 RATIO = 1.1  # of the error of fits to all others

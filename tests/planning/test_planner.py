@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import pytest
-from tests.campaigns.planning.laboratory import BANDWIDTH, DAHL, laboratory
+from tests.planning.laboratory import BANDWIDTH, DAHL, laboratory
 
-from dampyr.campaigns import Planned, plan_and_perform
-from dampyr.campaigns.planning.planner import CAMPAIGN, EXPECTED, PLAN
 from dampyr.errors import InputError
+from dampyr.planning import Planned, plan_and_perform
+from dampyr.planning.planner import CAMPAIGN, EXPECTED, PLAN
 from dampyr.rig import simulated
 
 QUICK = {"bandwidth": BANDWIDTH, "seconds": 4.0, "voltages": (0.0, 1.98), "kinds": ("sine", "voltage_steps")}

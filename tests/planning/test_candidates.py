@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.campaigns.planning.laboratory import DAHL, VOLTAGES
+from tests.planning.laboratory import DAHL, VOLTAGES
 
 from dampyr import campaigns
-from dampyr.campaigns.planning.candidates import LEAST, Envelope, envelope, voltages_of
 from dampyr.errors import InputError
 from dampyr.models import Damper, Interpolation
+from dampyr.planning.candidates import LEAST, Envelope, envelope, voltages_of
 from dampyr.rig import RigSettings
 
 RIG = RigSettings()

@@ -4,10 +4,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from tests.campaigns.planning.laboratory import DAHL
 from tests.identification.test_coverage import TESTED, as_measured
+from tests.planning.laboratory import DAHL
 
-from dampyr.campaigns.planning.expected_information import (
+from dampyr.campaigns.steps.voltage_steps import VoltageSteps
+from dampyr.errors import InputError
+from dampyr.identification import Fit, fit
+from dampyr.planning.expected_information import (
     assumed_spread,
     expected,
     expected_information,
@@ -15,9 +18,6 @@ from dampyr.campaigns.planning.expected_information import (
     layout,
     learned,
 )
-from dampyr.campaigns.steps.voltage_steps import VoltageSteps
-from dampyr.errors import InputError
-from dampyr.identification import Fit, fit
 from dampyr.rig import RigSettings
 
 

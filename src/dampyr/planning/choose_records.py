@@ -23,7 +23,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.planning.expected_information import (
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.models import Constant, Damper
+from dampyr.planning.expected_information import (
     GAIN,
     RIDGE,
     Layout,
@@ -31,8 +33,6 @@ from dampyr.campaigns.planning.expected_information import (
     expected_information,
     layout,
 )
-from dampyr.errors import DampyrWarning, InputError
-from dampyr.models import Constant, Damper
 from dampyr.records import Record, measure, nominal_inputs
 
 Array = NDArray[np.float64]

@@ -3,16 +3,16 @@
 from itertools import combinations
 
 import numpy as np
-from tests.campaigns.planning.laboratory import DAHL, VOLTAGES
+from tests.planning.laboratory import DAHL, VOLTAGES
 
-from dampyr.campaigns.planning.choose import ParameterGoal, best_tests, pool_of
-from dampyr.campaigns.planning.expected_information import (
+from dampyr.campaigns.steps.sine import Sine
+from dampyr.planning.choose import ParameterGoal, best_tests, pool_of
+from dampyr.planning.expected_information import (
     assumed_spread,
     expected_information,
     expected_record,
     layout,
 )
-from dampyr.campaigns.steps.sine import Sine
 from dampyr.rig import RigSettings
 
 RIG = RigSettings()

@@ -13,9 +13,14 @@ from numpy.typing import NDArray
 from dampyr.atomic_write import whole_file
 from dampyr.campaigns.campaign import Campaign, campaign_of
 from dampyr.campaigns.force_prediction import specimen
-from dampyr.campaigns.planning.candidates import KINDS, SECONDS, Candidate, Envelope, envelope, voltages_of
-from dampyr.campaigns.planning.choose import ParameterGoal, PeakGoal, best_tests, pool_of
-from dampyr.campaigns.planning.expected_information import (
+from dampyr.errors import InputError
+from dampyr.findings import OF_DAMPER, Finding, as_dicts, handed_on
+from dampyr.identification import Fit, fit
+from dampyr.models import Constant, Damper
+from dampyr.origin import Origin
+from dampyr.planning.candidates import KINDS, SECONDS, Candidate, Envelope, envelope, voltages_of
+from dampyr.planning.choose import ParameterGoal, PeakGoal, best_tests, pool_of
+from dampyr.planning.expected_information import (
     Expected,
     Information,
     Layout,
@@ -28,12 +33,7 @@ from dampyr.campaigns.planning.expected_information import (
     layout,
     learned,
 )
-from dampyr.campaigns.planning.goal import GOALS, Peak, parameter_goal, peak_goal, peak_half_of_fit
-from dampyr.errors import InputError
-from dampyr.findings import OF_DAMPER, Finding, as_dicts, handed_on
-from dampyr.identification import Fit, fit
-from dampyr.models import Constant, Damper
-from dampyr.origin import Origin
+from dampyr.planning.goal import GOALS, Peak, parameter_goal, peak_goal, peak_half_of_fit
 from dampyr.records import Record, nominal_inputs
 from dampyr.representation import Representation, Summary, Table, counted, listing
 from dampyr.rig import RigSettings, load_settings

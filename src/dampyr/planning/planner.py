@@ -21,15 +21,15 @@ from dampyr.atomic_write import write_whole
 from dampyr.campaigns.campaign import read
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.perform import Watcher, perform
-from dampyr.campaigns.planning.expected_information import LEARNED_FROM, layout
-from dampyr.campaigns.planning.goal import is_named, peak_goal, peak_half_of_fit
-from dampyr.campaigns.planning.proposal import PlanOptions, Proposal, fitted, propose
 from dampyr.campaigns.run_control import Control
 from dampyr.errors import InputError
 from dampyr.findings import Finding, as_dicts
 from dampyr.identification import Fit
 from dampyr.models import Damper
 from dampyr.origin import Named, Origin, check_one_kind
+from dampyr.planning.expected_information import LEARNED_FROM, layout
+from dampyr.planning.goal import is_named, peak_goal, peak_half_of_fit
+from dampyr.planning.proposal import PlanOptions, Proposal, fitted, propose
 from dampyr.records import Record, read_campaign
 from dampyr.representation import Representation, Summary, Table, counted
 from dampyr.rig import Rig

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.planning.choose import ParameterGoal, PeakGoal
-from dampyr.campaigns.planning.expected_information import Layout
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.identification import Fit
 from dampyr.models import Damper
+from dampyr.planning.choose import ParameterGoal, PeakGoal
+from dampyr.planning.expected_information import Layout
 from dampyr.representation import Representation, Summary
 from dampyr.structures import Building, respond
 

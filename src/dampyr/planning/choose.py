@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.planning.expected_information import Expected, Information, Layout, Spread, expected_from
+from dampyr.planning.expected_information import Expected, Information, Layout, Spread, expected_from
 
 Array = NDArray[np.float64]
 Criterion = Callable[[Expected], float]
