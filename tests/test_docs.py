@@ -49,6 +49,7 @@ NOT_RUN = {
     ("docs/how-to/opensees.md", "ops.element"): "a line of a model: tests/export/test_opensees.py",
     ("docs/how-to/opensees.md", "dampyr serve"): "serves until a model ends: tests/export/test_opensees.py",
     ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --goal"): "tests/cli/test_examples.py runs its like",
+    ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --tests 6 --per"): "tests/cli/test_examples.py runs its like",
     ("docs/how-to/rig.md", "dampyr doctor"): "needs a rig; on the simulated one tests/cli/test_doctor.py",
     ("docs/how-to/rig.md", "dampyr calibrate"): "needs a rig; on the simulated one tests/rig/test_calibration.py",
     ("docs/reference/commands.md", "dampyr accept"): "tests/cli/test_examples.py runs each of them",

@@ -48,7 +48,7 @@ def test_intervals_shrink_as_promised(damper: Damper, fixed: dict[str, float], t
     assert 1.0 - PROMISED < mean < 1.0 + PROMISED
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand  # the intervals of parameters are a proof
 def test_the_interval_of_a_peak_shrinks_as_promised(tmp_path: Path) -> None:
     """Of the two-storey building in El Centro: six tests from the card, then six promised by what the first six say."""
     settings = laboratory(tmp_path / "rig", DAHL)

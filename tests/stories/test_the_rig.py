@@ -34,6 +34,7 @@ def test_three_tests_over_the_wires_and_their_fit(tmp_path: Path) -> None:
     assert card.is_file()
 
 
+@pytest.mark.by_hand  # the demonstration is a campaign of 22 tests like it
 @pytest.mark.endure
 def test_the_forty_tests_faster_than_real_time_and_their_parameters(tmp_path: Path, endurance: Endurance) -> None:
     """Tables 4.2 to 4.5 on the default simulated rig; the specimen's parameters come back.
