@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from benchmarks._lines import Line
 from benchmarks._timing import race
-from dampyr.campaigns.hybrid import HybridSetup, KalmanCompensator, PhaseLeadCompensator, perform_virtual, run_many
-from dampyr.campaigns.hybrid.setup import IDEAL
-from dampyr.campaigns.hybrid.virtual_test import ground_history
 from dampyr.ground_motions import el_centro
+from dampyr.hybrid import HybridSetup, KalmanCompensator, PhaseLeadCompensator, perform_virtual, run_many
+from dampyr.hybrid.setup import IDEAL
+from dampyr.hybrid.virtual_test import ground_history
 from dampyr.studies.vrths_2020.benchmark import structure
 
 Array = NDArray[np.float64]

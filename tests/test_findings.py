@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from dampyr.campaigns.hybrid.prepare import delayed_result
 from dampyr.cli import cli
 from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import OF_DAMPER, Finding, Findings, handed_on, worst_first
 from dampyr.ground_motions import el_centro
+from dampyr.hybrid import delayed_result
 from dampyr.models import Damper, Interpolation
 from dampyr.structures import SimulateOptions, respond, simulate, two_storey
 

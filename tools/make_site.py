@@ -44,7 +44,7 @@ LISTED = re.compile(r"^- \[([^]]+)\]\(([^)\s]+)\)", re.MULTILINE)
 ALONE = ("errors", "units", "registry")  # modules of the public face that are no packages
 FACE = (
     "records", "models", "models.published", "identification", "ground_motions", "structures", "campaigns", "planning",
-    "campaigns.hybrid", "rig", "figures", "report", "export", "studies", "console", *ALONE,
+    "hybrid", "rig", "figures", "report", "export", "studies", "console", *ALONE,
 )  # fmt: skip
 
 

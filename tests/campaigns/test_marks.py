@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from dampyr import records
-from dampyr.campaigns import campaign_of, hybrid, perform, read_journal
+from dampyr.campaigns import campaign_of, perform, planned_hybrid, read_journal
 from dampyr.campaigns.marks import (
     Measured,
     created_energy,
@@ -269,7 +269,7 @@ def test_each_run_with_a_saturated_amplifier_is_marked_and_no_healthy_one(tmp_pa
 @pytest.mark.parametrize("voltage", [0.0, 0.5, 0.8712, 1.5])
 def test_a_healthy_hybrid_test_has_no_mark(tmp_path: Path, voltage: float) -> None:
     """The documented command, and other voltages."""
-    plan = hybrid.planned_hybrid({"kind": "hybrid", "voltage": voltage, "duration": 10.0})
+    plan = planned_hybrid({"kind": "hybrid", "voltage": voltage, "duration": 10.0})
     (record,) = records.read_campaign(perform(plan, simulated(in_process=True), tmp_path / "out"))
     assert record.marks == ()
 
@@ -284,7 +284,7 @@ def test_a_healthy_hybrid_test_has_no_mark(tmp_path: Path, voltage: float) -> No
     ],
 )
 def test_a_fault_in_a_hybrid_test_is_marked(tmp_path: Path, fault: str, words: str) -> None:
-    plan = hybrid.planned_hybrid({"kind": "hybrid", "voltage": 0.8712, "duration": 5.0})
+    plan = planned_hybrid({"kind": "hybrid", "voltage": 0.8712, "duration": 5.0})
     try:
         perform(plan, simulated(faults=[fault], in_process=True), tmp_path / "out")
     except RigFault as problem:

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 import dampyr as dp
-from dampyr.campaigns import hybrid
+from dampyr import hybrid
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.figures import laws as law_figures
 from dampyr.figures import style

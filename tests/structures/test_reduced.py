@@ -209,7 +209,7 @@ def test_what_is_left_out_stands_in_every_output(tmp_path: Path) -> None:
 
 
 def test_a_hybrid_test_computes_the_building_of_its_response() -> None:
-    from dampyr.campaigns.hybrid.prepare import delayed_result
+    from dampyr.hybrid import delayed_result
 
     damper = dashpot(3e6)
     made, whole = (

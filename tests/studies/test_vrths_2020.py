@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import dampyr as dp
-from dampyr.campaigns.hybrid import (
+from dampyr.errors import FileError, InputError, MissingData
+from dampyr.ground_motions import GroundMotion
+from dampyr.hybrid import (
     CRITERIA,
     HybridSetup,
     KalmanCompensator,
@@ -18,8 +20,6 @@ from dampyr.campaigns.hybrid import (
     perform_virtual,
     run_many,
 )
-from dampyr.errors import FileError, InputError, MissingData
-from dampyr.ground_motions import GroundMotion
 from dampyr.studies import vrths_2020
 from dampyr.studies.vrths_2020.vrths_study import (
     COMMAND_ONLY,

@@ -12,6 +12,7 @@ A kind of step is one file in the package ``dampyr.campaigns.steps``; `available
 from dampyr.campaigns.campaign import Campaign, Header, Test, campaign_of, read
 from dampyr.campaigns.check import Violation, largest, violations_of
 from dampyr.campaigns.force_prediction import envelope, specimen
+from dampyr.campaigns.hybrid_campaign import hybrid_result, planned_hybrid
 from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import available_steps, kind
 from dampyr.campaigns.perform import perform
@@ -33,6 +34,8 @@ __all__ = [
     "PlannedTest",
     "plan",
     "planned",
+    "planned_hybrid",
+    "hybrid_result",
     "Violation",
     "violations_of",
     "largest",

@@ -16,7 +16,7 @@ from dampyr.errors import DampyrError, InputError
 
 if TYPE_CHECKING:
     from dampyr.campaigns import Plan
-    from dampyr.campaigns.hybrid import HybridResult
+    from dampyr.hybrid import HybridResult
 
 
 @click.command(
@@ -72,7 +72,7 @@ def command(
     scaled to what the rig can do, or the building's time passes slower (--clock). What would be unstable is refused before
     anything moves. The result stands beside the same building with the damper's model in its place. Exit codes: as dampyr run.
     """
-    from dampyr.campaigns import hybrid
+    from dampyr import campaigns
 
     table = {
         "kind": "hybrid", "structure": structure, "motion": motion, "scale": scale, "storey": storey, "voltage": voltage,
@@ -91,7 +91,7 @@ def command(
         raise InputError("--lag-error is of --delay; leave it out")
     if out is None and not dry_run:
         raise InputError("--out is missing; give the folder where the record goes, or --dry-run to see the plan only")
-    plan = hybrid.planned_hybrid(table, rig)
+    plan = campaigns.planned_hybrid(table, rig)
     test = plan.tests[0]
     if dry_run or plan.refusals:
         _tell_plan(plan, as_json)
@@ -105,7 +105,7 @@ def command(
     if code:
         return code
     with findings_below():
-        result = hybrid.hybrid_result(out / f"{test.name}.h5")
+        result = campaigns.hybrid_result(out / f"{test.name}.h5")
     _tell(result, report, as_json)
     return None
 
@@ -114,8 +114,7 @@ def _on_delayed_actuator(
     structure: str, motion: str, model: str, table: dict[str, Any], delay: float, lag_error: float
 ) -> HybridResult:
     """The test with an actuator that is computed too; without a card with the damper of Raminelli (2020)."""
-    from dampyr import studies
-    from dampyr.campaigns import hybrid
+    from dampyr import hybrid, studies
     from dampyr.campaigns.steps.hybrid import Hybrid, building_of, motion_of
 
     damper = studies.load_damper(model or studies.THESIS)

@@ -77,7 +77,7 @@ def _hybrid(data: Path | None, plants: int, out: Path, as_json: bool) -> None:
 
 
 def _print_hybrid(study: HybridStudy) -> None:
-    from dampyr.campaigns.hybrid import CRITERIA
+    from dampyr.hybrid import CRITERIA
 
     rows = [
         [motion, name, case, *(f"{value:.3g}" for value in true)]

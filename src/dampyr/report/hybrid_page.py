@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from dampyr.campaigns.hybrid import HybridResult
 from dampyr.figures.building import building_response
 from dampyr.figures.ground_motion import ground_motion
 from dampyr.figures.loops import loops
 from dampyr.figures.style import DISPLACEMENT
+from dampyr.hybrid import HybridResult
 from dampyr.origin import OriginKind
 from dampyr.report.blocks import FigureBlock, Section, Table, Text, to_look_at
 from dampyr.report.html_page import page, write_page

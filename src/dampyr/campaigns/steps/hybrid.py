@@ -1,4 +1,4 @@
-r"""Hybrid: a damper on the rig in a building that is computed; see `dampyr.campaigns.hybrid.substructure`.
+r"""Hybrid: a damper on the rig in a building that is computed; see `dampyr.hybrid.substructure`.
 
 .. math:: M \ddot q + C \dot q + K q = -M \iota\, s\, a_g - \lambda f
 
@@ -21,13 +21,13 @@ from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 
-from dampyr.campaigns.hybrid.delayed_actuator import run_delayed
-from dampyr.campaigns.hybrid.rig_drive import STOPPING, HybridDrive, way_back
-from dampyr.campaigns.hybrid.substructure import Substructure, SubstructureRun, substructure_of
 from dampyr.campaigns.paths import AFTER, Array, Piece, hold, raised, sampled
 from dampyr.campaigns.step import Length, Peaks, Period, Rest, Time, Volts, at_least, check_ranges
 from dampyr.errors import DampyrWarning, FileError, MissingData
 from dampyr.ground_motions import GroundMotion, el_centro, read
+from dampyr.hybrid.delayed_actuator import run_delayed
+from dampyr.hybrid.rig_drive import STOPPING, HybridDrive, way_back
+from dampyr.hybrid.substructure import Substructure, SubstructureRun, substructure_of
 from dampyr.models import Damper, published
 from dampyr.rig import RigSettings
 from dampyr.rig.specimen import specimen_of

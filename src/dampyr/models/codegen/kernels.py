@@ -33,7 +33,7 @@ from dampyr.source_digest import source_digest
 
 BOUND = tuple(SIGNATURES)
 KERNEL_SOURCES = (
-    "models", "structures", "rig/simulation", "rig/firmware", "campaigns/hybrid", "export",
+    "models", "structures", "rig/simulation", "rig/firmware", "hybrid", "export",
     "ground_motions/oscillator.py", "identification/bounded_least_squares.py", "identification/normal_equations.py",
 )  # fmt: skip
 MORE = ("decide",)

@@ -11,7 +11,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.hybrid import (
+from dampyr.ground_motions import GroundMotion
+from dampyr.hybrid import (
     CRITERIA,
     BatchResult,
     Compensator,
@@ -22,7 +23,6 @@ from dampyr.campaigns.hybrid import (
     perform_virtual,
     run_many,
 )
-from dampyr.ground_motions import GroundMotion
 from dampyr.origin import VIRTUAL, Origin
 from dampyr.report import Block, Cell, FigureBlock, Section, Table, Text, building_response, page, write_page
 from dampyr.representation import Representation, Summary, data_frame

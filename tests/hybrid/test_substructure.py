@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dampyr.campaigns.hybrid import Lag, Substructure, delayed_result, lag_of, run_delayed
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
+from dampyr.hybrid import Lag, Substructure, delayed_result, lag_of, run_delayed
 from dampyr.models import Damper
 from dampyr.structures import Building, respond, two_storey
 from dampyr.studies import raminelli_2020

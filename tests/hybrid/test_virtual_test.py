@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from dampyr.campaigns.hybrid import (
+from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion
+from dampyr.hybrid import (
     HybridSetup,
     KalmanCompensator,
     ModelBasedCompensator,
@@ -17,10 +19,8 @@ from dampyr.campaigns.hybrid import (
     perform_virtual,
     run_many,
 )
-from dampyr.campaigns.hybrid.random_plants import draw_plants
-from dampyr.campaigns.hybrid.setup import IDEAL
-from dampyr.errors import InputError
-from dampyr.ground_motions import GroundMotion
+from dampyr.hybrid.random_plants import draw_plants
+from dampyr.hybrid.setup import IDEAL
 from dampyr.structures import Building
 from dampyr.structures.damping import modal
 

@@ -9,11 +9,11 @@ import pytest
 from click.testing import CliRunner
 
 from dampyr import campaigns, records
-from dampyr.campaigns import perform, plan
-from dampyr.campaigns.hybrid import HybridResult, hybrid_result, planned_hybrid
-from dampyr.campaigns.hybrid.rig_drive import STOPPING, way_back
+from dampyr.campaigns import hybrid_result, perform, plan, planned_hybrid
 from dampyr.cli import cli
 from dampyr.errors import InputError, RigFault
+from dampyr.hybrid import HybridResult
+from dampyr.hybrid.rig_drive import STOPPING, way_back
 from dampyr.report import write_hybrid_page
 from dampyr.rig import Rig, simulated
 from dampyr.studies import raminelli_2020

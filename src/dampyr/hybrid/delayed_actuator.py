@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.hybrid import substructure_kernel
-from dampyr.campaigns.hybrid.substructure import Substructure, SubstructureRun
 from dampyr.errors import InputError
+from dampyr.hybrid import substructure_kernel
+from dampyr.hybrid.substructure import Substructure, SubstructureRun
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
 

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.hybrid.substructure import GAINS, LARGEST_LAG, Substructure, lag_of
 from dampyr.errors import RigFault
+from dampyr.hybrid.substructure import GAINS, LARGEST_LAG, Substructure, lag_of
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import MAX_POINTS
 from dampyr.rig.interlock import Samples

@@ -3,8 +3,9 @@
 The computed part (the numerical substructure) gives the displacement that the machine (the transfer system) has to impose on
 the specimen, and the force that is measured goes back into the computation. Here the machine and the specimen are simulated
 too, with their noise, converters and delays: a virtual hybrid test. One of a damper on the rig is a step of a campaign
-(`dampyr.campaigns.steps.hybrid`, ``dampyr hybrid``); `Substructure` is its computed part, `run_delayed` runs it on an actuator
-that is late by a fixed time, and `hybrid_result` says what its record has shown.
+(`dampyr.campaigns.steps.hybrid`, ``dampyr hybrid``): `dampyr.campaigns.planned_hybrid` plans it, and
+`dampyr.campaigns.hybrid_result` says what its record has shown. `Substructure` is its computed part, and `run_delayed` runs it
+on an actuator that is late by a fixed time.
 
 ::
 
@@ -15,22 +16,22 @@ that is late by a fixed time, and `hybrid_result` says what its record has shown
     run_many(setup, compensator, motion, 1000)      # over random plants, in parallel threads
 """
 
-from dampyr.campaigns.hybrid.compensators import (
+from dampyr.hybrid.compensators import (
     Compensator,
     KalmanCompensator,
     ModelBasedCompensator,
     PhaseLeadCompensator,
     inverse_coefficients,
 )
-from dampyr.campaigns.hybrid.delayed_actuator import run_delayed
-from dampyr.campaigns.hybrid.loop_stability import LoopStability, loop_stability
-from dampyr.campaigns.hybrid.prepare import delayed_result, planned_hybrid
-from dampyr.campaigns.hybrid.random_plants import BatchResult, run_many
-from dampyr.campaigns.hybrid.rig_result import HybridResult, hybrid_result
-from dampyr.campaigns.hybrid.setup import HybridSetup, Sensors, Specimen, TransferSystem, Uncertainty
-from dampyr.campaigns.hybrid.substructure import Lag, Substructure, SubstructureRun, lag_of
-from dampyr.campaigns.hybrid.tracking_criteria import CRITERIA, Criteria, tracking_criteria
-from dampyr.campaigns.hybrid.virtual_test import VirtualRun, perform_virtual
+from dampyr.hybrid.delayed_actuator import run_delayed
+from dampyr.hybrid.delayed_hybrid import delayed_result
+from dampyr.hybrid.loop_stability import LoopStability, loop_stability
+from dampyr.hybrid.random_plants import BatchResult, run_many
+from dampyr.hybrid.result import HybridResult
+from dampyr.hybrid.setup import HybridSetup, Sensors, Specimen, TransferSystem, Uncertainty
+from dampyr.hybrid.substructure import Lag, Substructure, SubstructureRun, lag_of
+from dampyr.hybrid.tracking_criteria import CRITERIA, Criteria, tracking_criteria
+from dampyr.hybrid.virtual_test import VirtualRun, perform_virtual
 
 __all__ = [
     "HybridSetup",
@@ -55,8 +56,6 @@ __all__ = [
     "lag_of",
     "run_delayed",
     "HybridResult",
-    "hybrid_result",
-    "planned_hybrid",
     "delayed_result",
     "Criteria",
     "CRITERIA",

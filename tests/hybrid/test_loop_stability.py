@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from dampyr.campaigns.hybrid import (
+from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion
+from dampyr.hybrid import (
     Compensator,
     HybridSetup,
     KalmanCompensator,
@@ -13,9 +15,7 @@ from dampyr.campaigns.hybrid import (
     loop_stability,
     perform_virtual,
 )
-from dampyr.campaigns.hybrid.setup import IDEAL
-from dampyr.errors import InputError
-from dampyr.ground_motions import GroundMotion
+from dampyr.hybrid.setup import IDEAL
 from dampyr.structures import Building
 from dampyr.structures.damping import modal
 

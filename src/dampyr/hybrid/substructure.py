@@ -3,7 +3,7 @@ r"""The computed part of a hybrid test with a damper: a building that takes the 
 .. math:: M \ddot q + C \dot q + K q = -M \iota\, s\, a_g - \lambda f, \qquad x = \lambda^T q
 
 with the scale s, the measured force f and the displacement x that the specimen is to have. A set point has to leave its host
-``lead`` before its time; until then the force is predicted (`dampyr.campaigns.hybrid.substructure_kernel`). What is still late
+``lead`` before its time; until then the force is predicted (`dampyr.hybrid.substructure_kernel`). What is still late
 is compensated: the achieved displacement y is compared with what was sent, u, by recursive least squares that forget,
 
 .. math:: y = g\,u - g\,\delta\,\dot u, \qquad u = (x + \delta \dot x + \tfrac12 \delta^2 \ddot x)/g
@@ -30,9 +30,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.hybrid import substructure_kernel
-from dampyr.campaigns.hybrid.setup import building_step
 from dampyr.errors import InputError
+from dampyr.hybrid import substructure_kernel
+from dampyr.hybrid.setup import building_step
 from dampyr.models import Damper, compose
 from dampyr.models.codegen.kernels import bind
 from dampyr.representation import Representation, Summary

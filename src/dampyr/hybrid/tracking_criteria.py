@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.hybrid.loop_kernel import lag_products
 from dampyr.errors import InputError
+from dampyr.hybrid.loop_kernel import lag_products
 from dampyr.models.codegen.kernels import compile_cached
 
 Array = NDArray[np.float64]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from dampyr.campaigns.hybrid import tracking_criteria
 from dampyr.errors import InputError
+from dampyr.hybrid import tracking_criteria
 
 DT = 1.0 / 4096.0
 

@@ -16,7 +16,7 @@ DIVERGED = 1.0  # m: far beyond any actuator; the run ends there
 
 
 class Numerical(NamedTuple):
-    """The numerical part: see `dampyr.campaigns.hybrid.setup.numerical_step`."""
+    """The numerical part: see `dampyr.hybrid.setup.numerical_step`."""
 
     states: Any  # (2n, 2n)
     ground: Any  # (2n, 2)
@@ -44,7 +44,7 @@ class Plant(NamedTuple):
 
 
 class Law(NamedTuple):
-    """The compensator: see `dampyr.campaigns.hybrid.compensators`; what a kind does not use is zeros."""
+    """The compensator: see `dampyr.hybrid.compensators`; what a kind does not use is zeros."""
 
     kind: int
     linear: Any  # (5,): Kp, Ki dt/2, and b0, b1, a1 of the phase lead

@@ -1,47 +1,22 @@
-"""A hybrid test from its settings: its plan on a rig, or its result on an actuator that is computed too."""
+"""A hybrid test without a rig: a damper's model on an actuator that is late, which is computed too."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dampyr.campaigns.campaign import campaign_of
-from dampyr.campaigns.force_prediction import specimen
-from dampyr.campaigns.hybrid.delayed_actuator import run_delayed
-from dampyr.campaigns.hybrid.rig_result import HybridResult, modelled_force
-from dampyr.campaigns.hybrid.substructure import LARGEST_LAG, substructure_of
-from dampyr.campaigns.plan import Plan, plan
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
-from dampyr.models import Damper, published
+from dampyr.hybrid.delayed_actuator import run_delayed
+from dampyr.hybrid.result import HybridResult, modelled_force
+from dampyr.hybrid.substructure import LARGEST_LAG, substructure_of
+from dampyr.models import Damper
 from dampyr.origin import VIRTUAL
-from dampyr.rig import RigSettings, load_settings
 from dampyr.structures import Building, respond
 
 STEP = 0.001  # s of the computed part where the actuator is computed too
-
-
-def planned_hybrid(settings: Mapping[str, Any], rig: str | Path | None = None) -> Plan:
-    """The plan of a campaign of one hybrid test; ``settings`` as of a ``[[step]]`` of that kind, its files as seen from here.
-
-    ``rig`` is a ``rig.toml``, None the original rig. The plan's refusals say what the rig cannot do, and what is unstable.
-    """
-    chosen = RigSettings() if rig is None else load_settings(rig)
-    folder = None if rig is None else Path(rig).parent
-    table = dict(settings)
-    if (
-        not table.get("model")
-        and chosen.specimen.card
-        and folder
-        and chosen.specimen.card not in published.available_sets()
-    ):
-        table["model"] = str((folder / chosen.specimen.card).resolve())
-    named = {"name": "hybrid", "rest_between": 0.0}
-    return plan(campaign_of(named | {"step": [table]}, Path.cwd()), chosen, specimen(chosen, folder))
 
 
 def delayed_result(

@@ -27,9 +27,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.hybrid.loop_kernel import KALMAN, MODEL_BASED, ORDER, PHASE_LEAD, Law
-from dampyr.campaigns.hybrid.setup import HybridSetup, Uncertainty
 from dampyr.errors import InputError
+from dampyr.hybrid.loop_kernel import KALMAN, MODEL_BASED, ORDER, PHASE_LEAD, Law
+from dampyr.hybrid.setup import HybridSetup, Uncertainty
 from dampyr.units import Quantity
 
 Array = NDArray[np.float64]

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.hybrid import substructure_kernel
-from dampyr.campaigns.hybrid.rig_drive import HybridDrive, static_force
-from dampyr.campaigns.hybrid.substructure import LARGEST_LAG, Substructure, SubstructureRun, lag_of
-from dampyr.campaigns.kinds import kind
-from dampyr.config import fill
 from dampyr.errors import InputError
-from dampyr.findings import Finding, as_dicts, handed_on, worst_first
+from dampyr.findings import Finding, as_dicts, worst_first
+from dampyr.hybrid import substructure_kernel
+from dampyr.hybrid.rig_drive import HybridDrive, static_force
+from dampyr.hybrid.substructure import Substructure, SubstructureRun
 from dampyr.models.codegen.kernels import bind
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.records import Record, read
 from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.rig import RigSettings
 from dampyr.structures import Response
@@ -151,33 +146,6 @@ class HybridResult(Representation):
             )
         ]
         return ("floor", f"{self.tested} [mm]", "computed [mm]", "difference [%]"), rows
-
-
-def hybrid_result(source: Record | str | Path) -> HybridResult:
-    """What the record of a test of the kind ``hybrid`` has shown.
-
-    Its building is computed anew with the force of the record. :class:`~dampyr.errors.InputError` for a record of another kind,
-    and MissingData where a file that the test names has gone.
-    """
-    record = source if isinstance(source, Record) else read(source)
-    if record.provenance.get("kind") != "hybrid":
-        raise InputError(
-            f"{record.name} is a test of the kind {record.provenance.get('kind', 'unknown')!r}, and not hybrid"
-        )
-    step = fill(kind("hybrid"), json.loads(record.provenance["step"]))
-    settings = (
-        RigSettings() if not record.provenance.get("rig") else fill(RigSettings, json.loads(record.provenance["rig"]))
-    )
-    drive: HybridDrive = step.drive(settings)
-    run, static = replayed(drive, record.displacement, record.force, settings)
-    lag, gain = lag_of(run.target, run.achieved, drive.substructure.h, LARGEST_LAG)
-    n = drive.substructure.building.n_floors
-    return HybridResult(
-        step.title, step.scale, step.clock, step.voltage, np.asarray(np.arange(run.now + 1) * drive.substructure.h, float),
-        np.ascontiguousarray(run.z[:, :n].T), run.target, run.achieved, run.force,
-        modelled_force(drive.substructure, run), static, lag, gain, run.energy_error,
-        step.computed(settings), record.origin, handed_on([record]),
-    )  # fmt: skip
 
 
 def modelled_force(about: Substructure, run: SubstructureRun) -> Array:

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.hybrid.compensators import Compensator
-from dampyr.campaigns.hybrid.loop_kernel import MODEL_BASED
-from dampyr.campaigns.hybrid.setup import HybridSetup
+from dampyr.hybrid.compensators import Compensator
+from dampyr.hybrid.loop_kernel import MODEL_BASED
+from dampyr.hybrid.setup import HybridSetup
 
 Array = NDArray[np.float64]
 
