@@ -16,7 +16,7 @@ from dampyr.campaigns.plan import Plan, plan
 from dampyr.config import fill
 from dampyr.errors import InputError
 from dampyr.findings import handed_on
-from dampyr.hybrid.result import HybridResult, modelled_force, replayed
+from dampyr.hybrid.hybrid_result import HybridResult, modelled_force, replayed
 from dampyr.hybrid.rig_drive import HybridDrive
 from dampyr.hybrid.substructure import LARGEST_LAG, lag_of
 from dampyr.models import published

@@ -25,9 +25,9 @@ from dampyr.hybrid.compensators import (
 )
 from dampyr.hybrid.delayed_actuator import run_delayed
 from dampyr.hybrid.delayed_hybrid import delayed_result
+from dampyr.hybrid.hybrid_result import HybridResult
 from dampyr.hybrid.loop_stability import LoopStability, loop_stability
 from dampyr.hybrid.random_plants import BatchResult, run_many
-from dampyr.hybrid.result import HybridResult
 from dampyr.hybrid.setup import HybridSetup, Sensors, Specimen, TransferSystem, Uncertainty
 from dampyr.hybrid.substructure import Lag, Substructure, SubstructureRun, lag_of
 from dampyr.hybrid.tracking_criteria import CRITERIA, Criteria, tracking_criteria

@@ -10,7 +10,7 @@ import numpy as np
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid.delayed_actuator import run_delayed
-from dampyr.hybrid.result import HybridResult, modelled_force
+from dampyr.hybrid.hybrid_result import HybridResult, modelled_force
 from dampyr.hybrid.substructure import LARGEST_LAG, substructure_of
 from dampyr.models import Damper
 from dampyr.origin import VIRTUAL
