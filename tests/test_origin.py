@@ -66,10 +66,10 @@ def test_an_origin_comes_back_from_json_and_from_a_card(tmp_path: Path) -> None:
     ("line", "words"),
     [
         ('sources = ["me.csv"]', "'me.csv' is not a SHA-256"),
-        ('sources = "me.csv"', "give a list"),
-        ('operators = "me"', "give a list"),
+        ('sources = "me.csv"', "'me.csv' is not a SHA-256"),
+        ("operators = [3]", "origin.operators = 3 must be a text"),
         ('colour = ["red"]', "origin.colour is not known; choose from kind, sources"),
-        ('data_sets = [{ title = "mine" }]', "its entries are tables of name, doi, licence"),
+        ('data_sets = [{ title = "mine" }]', "origin.data_sets.title is not known; choose from name, doi, licence"),
     ],
 )
 def test_a_card_with_another_origin_is_refused_in_one_sentence(tmp_path: Path, line: str, words: str) -> None:

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, get_args
 
+from dampyr.config import fill
 from dampyr.errors import InputError
+from dampyr.representation import listing
 from dampyr.source_digest import full_version
-from dampyr.source_file import SourceFile
+from dampyr.source_file import SHOWN_DIGITS, SourceFile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +33,6 @@ SIMULATED_SERIAL = "01A2B3C4"  # of the NI board whose other end is the simulate
 MIXED_FITS = "mixed_origins=True (--mixed-origins)"  # how a fit of records of both kinds is asked for
 FEW = 6  # names of operators, specimens or sessions that a page lists one by one
 DAY = len("2026-03-01")  # of a date with a time of day
-SHOWN_DIGITS = 12  # of a checksum in one line: enough to tell any two files apart
 
 
 @dataclass(frozen=True, order=True)
@@ -87,25 +88,8 @@ class Origin:
     @classmethod
     def from_dict(cls, table: Mapping[str, Any]) -> Origin:
         """The inverse of `as_dict`; InputError for what is not an origin's."""
-        types: Mapping[str, type] = {"sources": SourceFile, "data_sets": PublishedData}
-        allowed = [field.name for field in fields(cls)]
-        values: dict[str, Any] = {}
-        for name, value in table.items():
-            if name not in allowed:
-                raise InputError(f"origin.{name} is not known; choose from {', '.join(allowed)}")
-            if name != "kind" and not isinstance(value, list):
-                raise InputError(f"origin.{name} = {value!r} is not allowed; give a list")
-            try:
-                made = types.get(name, str)
-                values[name] = (
-                    value if name == "kind" else tuple(made(**x) if name in types else made(x) for x in value)
-                )
-            except TypeError:
-                keys = ", ".join(field.name for field in fields(types[name]))
-                raise InputError(
-                    f"origin.{name} = {value!r} is not allowed; its entries are tables of {keys}"
-                ) from None
-        return cls(**values)
+        lists = {name: value for name, value in table.items() if name != "kind"}
+        return replace(fill(cls, lists, "origin"), kind=table.get("kind", NOT_STATED.kind))
 
     def as_json(self) -> str:
         """`as_dict` as text, for an attribute of a file."""
@@ -126,6 +110,13 @@ class Origin:
         """What a figure calls the curve of a record: "measured" unless it is simulated or virtual."""
         return self.kind if self.notice else "measured"
 
+    def stamp(self, figure: Figure) -> Figure:
+        """Write what `notice` begins with across a figure, once; the figure."""
+        word, _, _ = self.notice.partition(":")
+        if word and all(text.get_text() != word for text in figure.texts):
+            figure.text(0.5, 0.5, word, size=40, color="#79828c", alpha=0.3, rotation=20, ha="center", va="center")
+        return figure
+
     def facts(self) -> dict[str, str]:
         """What is stated, as a page and the head of an export list it: name -> value."""
         dates = [self.dates[0], self.dates[-1]] if len(self.dates) > 2 else self.dates
@@ -138,12 +129,12 @@ class Origin:
             "data set": [str(data_set) for data_set in self.data_sets],
             "earlier versions": [f"dampyr {version}" for version in self.versions if version != full_version()],
         }
-        return {name: _listing(values) for name, values in stated.items() if values}
+        return {name: listing(values, FEW) for name, values in stated.items() if values}
 
     def in_words(self) -> str:
         """`facts` and the first of the files in one line, for the comment of an export; empty where nothing is stated."""
         files = [f"{file.name} (SHA-256 {file.sha256[:SHOWN_DIGITS]})" for file in self.sources]
-        stated = self.facts() | ({"files": _listing(files)} if files else {})
+        stated = self.facts() | ({"files": listing(files, FEW)} if files else {})
         return "; ".join(f"{name}: {value}" for name, value in stated.items())
 
 
@@ -213,20 +204,7 @@ def check_one_kind(records: Iterable[Source]) -> None:
         )
 
 
-def stamp(figure: Figure, origin: Origin) -> Figure:
-    """Write what `Origin.notice` begins with across a figure, once; the figure."""
-    word, _, _ = origin.notice.partition(":")
-    if word and all(text.get_text() != word for text in figure.texts):
-        figure.text(0.5, 0.5, word, size=40, color="#79828c", alpha=0.3, rotation=20, ha="center", va="center")
-    return figure
-
-
 def _some(records: list[Source]) -> str:
     more = f" and {len(records) - 2} more" if len(records) > 2 else ""
     words = " or ".join(dict.fromkeys(record.origin.kind for record in records))
     return f"{', '.join(record.name for record in records[:2])}{more} ({words})"
-
-
-def _listing(names: Iterable[str]) -> str:
-    names = list(names)
-    return ", ".join(names[:FEW]) + (f" and {len(names) - FEW} more" if len(names) > FEW else "")

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dampyr.errors import InputError
-from dampyr.origin import NOT_STATED, stamp
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,9 +57,9 @@ class Representation:
     def _whole_summary(self) -> Summary:
         """The summary, before it what an ``origin`` that is not measured says, and the worst of the ``findings``."""
         title, rows = self._summary()
-        text = getattr(self, "origin", NOT_STATED).notice
-        origin = [("origin", text)] if text else []
-        return title, [*origin, *findings_row(getattr(self, "findings", ())), *rows]
+        origin = getattr(self, "origin", None)
+        of_origin = [("origin", origin.notice)] if origin is not None and origin.notice else []
+        return title, [*of_origin, *findings_row(getattr(self, "findings", ())), *rows]
 
     def __repr__(self) -> str:
         return as_text(*self._whole_summary())
@@ -68,7 +67,8 @@ class Representation:
     def _repr_html_(self) -> str:
         figure = self._small_figure()
         if figure is not None:
-            stamp(figure, getattr(self, "origin", NOT_STATED))
+            origin = getattr(self, "origin", None)
+            figure = figure if origin is None else origin.stamp(figure)
         return as_html(*self._whole_summary(), table=self._table(), figure=figure)
 
 

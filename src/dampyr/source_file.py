@@ -10,6 +10,7 @@ from pathlib import Path
 from dampyr.errors import InputError
 
 BLOCK = 1 << 20  # bytes that are in memory at a time
+SHOWN_DIGITS = 12  # of a checksum that a line has room for: enough to tell any two files apart
 
 
 @dataclass(frozen=True, order=True)

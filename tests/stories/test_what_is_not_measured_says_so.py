@@ -22,7 +22,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.export import available_kinds
 from dampyr.identification import fit
 from dampyr.models import Damper, published
-from dampyr.origin import NOTICES, ORIGIN_KINDS, SIMULATED, Origin, as_origin, combined, of_board, stamp
+from dampyr.origin import NOTICES, ORIGIN_KINDS, SIMULATED, Origin, as_origin, combined, of_board
 from dampyr.records import Record, convert, read, read_campaign, write
 from dampyr.records.record_files import REGISTRY as FORMATS
 from dampyr.representation import Representation
@@ -379,6 +379,6 @@ def test_a_figure_is_stamped_once() -> None:
 
     figure = Figure()
     for _ in range(2):
-        stamp(figure, SIMULATED)
+        SIMULATED.stamp(figure)
     assert [text.get_text() for text in figure.texts] == [WORD]
-    assert not stamp(Figure(), Origin("measured")).texts
+    assert not Origin("measured").stamp(Figure()).texts

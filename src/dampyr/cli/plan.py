@@ -117,7 +117,6 @@ def command(
     """
     from dampyr import planning
     from dampyr.models import published
-    from dampyr.origin import stamp
     from dampyr.units import parse
 
     if records and card:
@@ -154,7 +153,7 @@ def command(
     if out is not None:
         proposal.save(out)
     if figure is not None:
-        _draw(stamp(proposal.envelope_figure(), proposal.origin), figure)
+        _draw(proposal.origin.stamp(proposal.envelope_figure()), figure)
     state_origin(proposal.origin)
     if as_json:
         print_json(proposal.as_dict())
@@ -201,7 +200,6 @@ def _perform(
     """Run the rounds, and say how it went."""
     from dampyr import planning
     from dampyr.cli._running import stopped_by_signals
-    from dampyr.origin import stamp
     from dampyr.rig.connect import open_rig
 
     assert out is not None
@@ -216,7 +214,7 @@ def _perform(
     if planned.fit.damper is not None:
         planned.fit.damper.save(out / "damper.toml")
     if figure is not None:
-        _draw(stamp(planned.widths_figure(), planned.origin), figure)
+        _draw(planned.origin.stamp(planned.widths_figure()), figure)
     state_origin(planned.origin)
     if as_json:
         print_json(planned.as_dict())

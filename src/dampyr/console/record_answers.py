@@ -13,7 +13,6 @@ from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS
 from dampyr.console.page_words import in_page_words
 from dampyr.console.record_formats import FIGURE, NEED_VELOCITY
 from dampyr.errors import DampyrError, FileError, InputError
-from dampyr.origin import stamp
 from dampyr.records import Record
 from dampyr.to_json import plain
 
@@ -94,7 +93,7 @@ def export_record(data: Path, key: str, path: Path) -> str:
 
         shown = _with_velocity(record)
         drawn = loops(shown.displacement, shown.velocity, shown.force, title=record.name)
-        save(stamp(drawn, record.origin), path)
+        save(record.origin.stamp(drawn), path)
     else:
         records.write(_with_velocity(record) if path.suffix in NEED_VELOCITY else record, path)
     return record.name

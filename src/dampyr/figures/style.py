@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dampyr.origin import NOT_STATED, Origin, stamp
+from dampyr.origin import NOT_STATED, Origin
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -162,7 +162,7 @@ def in_pyplot(draw: Callable[..., Figure], *args: Any, origin: Origin = NOT_STAT
     finally:
         _for_pyplot.reset(token)
     fig.patch.set_alpha(1.0)
-    stamp(fig, origin)
+    origin.stamp(fig)
     return np.array(fig.axes)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -125,13 +125,16 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
 
 def _origin(tables: dict[str, Any]) -> Origin:
     """Kind and what else is stated; a card of dampyr up to 0.3.0 has the version among its provenance, and no files."""
-    stated = dict(tables.get("origin", {}))
-    version = tables.get("provenance", {}).get("dampyr")
-    if version and "versions" not in stated:
-        stated["versions"] = [version]
-    if isinstance(lines := stated.get("sources"), list):
-        stated["sources"] = [asdict(SourceFile.from_line(str(line))) for line in lines]
-    return Origin.from_dict(stated | {"kind": tables["damper"].get("origin", NOT_STATED.kind)})
+    stated = tables.get("origin", {})
+    if not isinstance(stated, dict):
+        raise InputError(f"origin = {stated!r} must be a table; its kind stands in damper.origin")
+    lists = {name: value for name, value in stated.items() if name != "sources"}
+    if version := tables.get("provenance", {}).get("dampyr"):
+        lists = {"versions": [version]} | lists
+    lines = stated.get("sources", ())
+    sources = tuple(SourceFile.from_line(str(line)) for line in ([lines] if isinstance(lines, str) else lines))
+    kind = tables["damper"].get("origin", NOT_STATED.kind)
+    return replace(Origin.from_dict(lists | {"kind": kind}), sources=sources)
 
 
 def _findings(tables: Any) -> tuple[Finding, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -17,18 +17,17 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
-from dampyr.origin import NOT_STATED, Origin, stamp
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
 from dampyr.report.figure_files import keep
 from dampyr.report.how_made import how_made, moment
 from dampyr.report.svg import inline_svg
 from dampyr.report.typography import as_html, raised, with_powers
 from dampyr.source_digest import full_version
-from dampyr.source_file import SourceFile
+from dampyr.source_file import SHOWN_DIGITS
 
 DASH = "–"
 STYLES = ("look.css", "page.css")
-DIGITS = 12  # of a checksum that paper shows: enough to tell any two files apart
 MAX_PLACES = 6  # decimals of a column; smaller numbers have powers of ten
 MARGIN = 64  # letters of the title at the foot of a printed page
 _MARKS = {
@@ -53,7 +52,6 @@ def page(
     provenance: str | Mapping[str, str] = "",
     *,
     facts: Mapping[str, str] | None = None,
-    files: Iterable[SourceFile] = (),
     call: str = "",
     origin: Origin = NOT_STATED,
 ) -> str:
@@ -61,14 +59,13 @@ def page(
 
     ``subtitle`` stands under the title, and below it the date, the version and facts: those of the ``origin``, and ``facts``
     (name -> value). ``provenance`` (a sentence, or name -> value) at the foot says where the numbers came from. There stand,
-    too, the command (`made_by`, else ``call`` of a writer) and the checksums of the origin's files, of ``files`` and of those
-    of the command. All text is escaped: none of it is taken for HTML. Where ``origin`` is not measured, the first line says
-    so, and every figure.
+    too, the command (`made_by`, else ``call`` of a writer) and the checksums of the origin's files and of the command's. All
+    text is escaped: none of it is taken for HTML. Where ``origin`` is not measured, the first line says so, and every figure.
     """
     if not sections:
         raise InputError("a page needs at least one section")
     for figure in (block.figure for section in sections for block in section.blocks if isinstance(block, FigureBlock)):
-        stamp(figure, origin)
+        origin.stamp(figure)
     ids = _anchors([section.title for section in sections])
     template, labels, counted = _template(), _table_names(sections), count(1)
     ready = [
@@ -101,8 +98,8 @@ def page(
             version=full_version(),
             facts=origin.facts() | dict(facts or {}),
             command=source.command,
-            files=sorted({*origin.sources, *files, *source.files}),
-            digits=DIGITS,
+            files=sorted({*origin.sources, *source.files}),
+            digits=SHOWN_DIGITS,
             margin=_in_the_margin(f"{_shortened(title)} · {date}"),
         )
     )
