@@ -15,9 +15,9 @@ PAGE = REPOSITORY / "docs" / "reference" / "endurance.md"
 _endured: list[tuple[str, str, str, str]] = []
 
 
-def count(in_full: int) -> int:
-    """How often, of so many times in full: a twentieth of it, but for ``--endure``."""
-    return in_full if FULL else max(1, in_full // 20)
+def count(in_full: int, part: int = 20) -> int:
+    """How often, of so many times in full: a twentieth of it, or the ``part``-th, but for ``--endure``."""
+    return in_full if FULL else max(1, in_full // part)
 
 
 @dataclass
@@ -27,9 +27,9 @@ class Endurance:
     name: str
     full: bool = FULL
 
-    def count(self, in_full: int) -> int:
-        """How often, of so many times in full."""
-        return count(in_full)
+    def count(self, in_full: int, part: int = 20) -> int:
+        """How often, of so many times in full; ``part`` is more than 20 where each time is long."""
+        return count(in_full, part)
 
     def report(self, what: str, seed: int | None, figures: str) -> None:
         """What came out, in a sentence."""

@@ -11,11 +11,14 @@ from click.testing import CliRunner
 
 from dampyr.cli import cli
 from dampyr.errors import FileError, InputError
+from dampyr.ground_motions import el_centro
+from dampyr.hybrid import delayed_result
 from dampyr.models import Damper
 from dampyr.origin import NOT_STATED, Origin, PublishedData, as_origin, combined
 from dampyr.records import datasets, read, write
 from dampyr.source_digest import full_version
 from dampyr.source_file import SourceFile, source_file
+from dampyr.structures import two_storey
 from tests.identification.synthetic import sine
 
 DAHL = Damper("dahl", {"dahl.kx": 1200.0, "dahl.kw": 200.0, "dahl.rho": 2000.0})
@@ -107,6 +110,12 @@ def test_the_day_of_a_record_is_that_of_its_first_time_stamp(tmp_path: Path) -> 
     path = tmp_path / "stamped.csv"
     path.write_text("\n".join(["time,displacement [mm],force [N]", *lines]), "utf-8")
     assert read(path, voltage=0.0).origin.dates == ("2026-03-01",)
+
+
+def test_a_hybrid_test_without_a_rig_is_virtual_and_has_the_origin_of_its_card() -> None:
+    result = delayed_result(two_storey(), el_centro().scaled(0.1), replace(DAHL, origin=ONE), 0.001)
+    assert result.origin == replace(combined([ONE]), kind="virtual")
+    assert result.as_dict()["origin"]["specimens"] == ["MR-7"]
 
 
 def test_a_fitted_record_is_known_by_its_file_and_not_by_its_name(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from dampyr.hybrid.delayed_actuator import run_delayed
 from dampyr.hybrid.hybrid_result import HybridResult, modelled_force
 from dampyr.hybrid.substructure import LARGEST_LAG, substructure_of
 from dampyr.models import Damper
-from dampyr.origin import VIRTUAL
+from dampyr.origin import combined
 from dampyr.structures import Building, respond
 
 STEP = 0.001  # s of the computed part where the actuator is computed too
@@ -55,5 +55,5 @@ def delayed_result(
         np.ascontiguousarray(run.z[:, : building.n_floors].T),
         run.target, run.achieved, run.force, modelled_force(about, run), 0.0,
         delay - run.lag.lag, run.lag.gain, run.energy_error, computed,
-        origin=VIRTUAL,
+        origin=replace(combined([damper.origin]), kind="virtual"),
     )  # fmt: skip

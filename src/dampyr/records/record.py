@@ -197,7 +197,7 @@ class Record(Representation):
             object.__setattr__(self, name, tuple(map(str, getattr(self, name))))
         for name in GROUPS:
             object.__setattr__(self, name, as_group(name, getattr(self, name)))
-        object.__setattr__(self, "origin", _whole_origin(self))
+        object.__setattr__(self, "origin", _origin_of(self))
         _check_shapes(self)
         _check_values(self)
         if self.voltage is not None and self.current is not None:
@@ -314,23 +314,23 @@ class Record(Representation):
         return self.replace(note=note, **{c: v[window] for c, v in channels.items() if isinstance(v, np.ndarray)})
 
 
-def _whole_origin(record: Record) -> Origin:
+def _origin_of(record: Record) -> Origin:
     """The kind that was given, with what the record says of itself."""
     about = record.provenance
 
-    def stated(value: Any) -> tuple[Any, ...]:
+    def entries(value: Any) -> tuple[Any, ...]:
         return (value,) if value else ()
 
     data_set = about.get("data_set", "")
     return Origin(
         as_origin(record.origin).kind,
-        sources=stated(record.source_file),
-        operators=stated(about.get("operator")),
-        specimens=stated(record.specimen),
-        sessions=stated(record.measurement_session),
-        dates=stated((about.get("date") or about.get("started", ""))[:DAY]),
-        data_sets=stated(data_set and PublishedData(data_set, about.get("doi", ""), about.get("licence", ""))),
-        versions=stated(about.get("dampyr")),
+        sources=entries(record.source_file),
+        operators=entries(about.get("operator")),
+        specimens=entries(record.specimen),
+        sessions=entries(record.measurement_session),
+        dates=entries((about.get("date") or about.get("started", ""))[:DAY]),
+        data_sets=entries(data_set and PublishedData(data_set, about.get("doi", ""), about.get("licence", ""))),
+        versions=entries(about.get("dampyr")),
     )
 
 

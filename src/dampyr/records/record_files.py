@@ -12,7 +12,7 @@ import numpy as np
 
 from dampyr import registry
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
-from dampyr.records.datasets import set_of_file
+from dampyr.records.datasets import data_set_of_file
 from dampyr.records.folder_metadata import KEYS, FolderReading, reading_of
 from dampyr.records.integrated_displacement import INTEGRATED, is_integrated
 from dampyr.records.lowpass import as_lowpass, with_lowpass
@@ -223,7 +223,7 @@ def read_file(path: Path, **said: Any) -> Record:
         request = _request(metadata, path, {name: value for name, value in said.items() if value is not None})
         record = _as_said(registry.member(REGISTRY, kind).read(path, request), request, metadata, path)
         source = source_file(path)
-        dataset = set_of_file(source)
+        dataset = data_set_of_file(source)
         published = (
             {"data_set": dataset.name, "doi": dataset.doi, "licence": dataset.licence_in_words} if dataset else {}
         )

@@ -35,7 +35,7 @@ from dampyr.source_file import SourceFile
 
 __all__ = [
     "DataFile", "DataSet", "available_data_sets", "data_root", "data_set", "describe", "fetch", "locate", "missing_files",
-    "set_of_file",
+    "data_set_of_file",
 ]  # fmt: skip
 
 SUMS = "SHA256SUMS"
@@ -158,7 +158,7 @@ def _set_by_sha256() -> Mapping[str, DataSet]:
     return {file.sha256: dataset for dataset in _sets().values() for file in dataset.contents if file.sha256}
 
 
-def set_of_file(file: SourceFile) -> DataSet | None:
+def data_set_of_file(file: SourceFile) -> DataSet | None:
     """The data set of which ``file`` is a file, by its SHA-256, whatever it is called; None where dampyr knows none."""
     return _set_by_sha256().get(file.sha256)
 
