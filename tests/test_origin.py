@@ -1,9 +1,12 @@
 """Origins are combined, told and read back whole; files of published data are recognised; fitted records, too."""
 
 import json
+import os
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from click.testing import CliRunner
 from dampyr.cli import cli
 from dampyr.errors import FileError, InputError
 from dampyr.ground_motions import el_centro
+from dampyr.ground_motions import read as read_motion
 from dampyr.hybrid import delayed_result
 from dampyr.models import Damper
 from dampyr.origin import NOT_STATED, Origin, PublishedData, as_origin, combined
@@ -110,6 +114,16 @@ def test_the_day_of_a_record_is_that_of_its_first_time_stamp(tmp_path: Path) -> 
     path = tmp_path / "stamped.csv"
     path.write_text("\n".join(["time,displacement [mm],force [N]", *lines]), "utf-8")
     assert read(path, voltage=0.0).origin.dates == ("2026-03-01",)
+
+
+@pytest.mark.parametrize("reader", [read, read_motion])
+def test_a_file_whose_name_no_card_can_hold_is_refused_in_one_sentence(
+    tmp_path: Path, reader: Callable[..., Any]
+) -> None:
+    path = tmp_path / os.fsdecode(b"prueba\xf1.csv")
+    path.write_text("t [s],a [m/s2]\n0,0\n1,1\n")
+    with pytest.raises(FileError, match="not in UTF-8; rename it"):
+        reader(path)
 
 
 def test_a_hybrid_test_without_a_rig_is_virtual_and_has_the_origin_of_its_card() -> None:

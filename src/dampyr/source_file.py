@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from dampyr.errors import InputError
+from dampyr.errors import FileError, InputError
 
 BLOCK = 1 << 20  # bytes that are in memory at a time
 SHOWN_DIGITS = 12  # of a checksum that a line has room for: enough to tell any two files apart
@@ -41,3 +41,11 @@ def source_file(path: str | Path) -> SourceFile:
         while block := file.read(BLOCK):
             digest.update(block)
     return SourceFile(path.name, digest.hexdigest())
+
+
+def check_name(path: Path) -> None:
+    """Raise :class:`~dampyr.errors.FileError` for a name that no card, page or JSON can hold, as old archives have them."""
+    try:
+        path.name.encode()
+    except UnicodeEncodeError:
+        raise FileError(ascii(path.name), "the name of this file is not in UTF-8; rename it") from None

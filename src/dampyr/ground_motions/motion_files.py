@@ -7,6 +7,7 @@ from pathlib import Path
 from dampyr import registry
 from dampyr.errors import FileError, MissingData
 from dampyr.ground_motions.motion import GroundMotion
+from dampyr.source_file import check_name
 
 REGISTRY = "dampyr.ground_motions.formats"
 
@@ -41,6 +42,7 @@ def read(path: str | Path, units: str | None = None, dt: float | None = None) ->
     file = Path(path)
     if not file.is_file():
         raise MissingData(f"{file}: there is no such file; check the path of the ground motion")
+    check_name(file)
     for _, module in registry.members(REGISTRY):
         if file.suffix.lower() in module.SUFFIXES:
             motion: GroundMotion = module.read(file, units, dt)

@@ -20,7 +20,7 @@ from dampyr.records.moving_average import Declaration
 from dampyr.records.nominal_input import agrees
 from dampyr.records.record import CHANNELS, GROUPS, Array, Record, as_group
 from dampyr.records.smoothing import with_smoothing
-from dampyr.source_file import source_file
+from dampyr.source_file import check_name, source_file
 
 REGISTRY = "dampyr.records.formats"
 
@@ -218,6 +218,7 @@ def read_file(path: Path, **said: Any) -> Record:
         raise FileError(path, f"the suffix {path.suffix!r} is not known; choose from {_suffixes(available)}")
     if not path.is_file():
         raise MissingData(f"{path}: there is no such file; check the path")
+    check_name(path)
     try:
         metadata = reading_of(path.parent)
         request = _request(metadata, path, {name: value for name, value in said.items() if value is not None})
