@@ -9,14 +9,16 @@ import sys
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dampyr.errors import FindingWarning
 from dampyr.findings import Finding
-from dampyr.origin import Origin
 from dampyr.to_json import plain
+
+if TYPE_CHECKING:
+    from dampyr.origin import Origin  # loads numpy, which help does without
 
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for machines, in SI units.")
 """The option that every command takes; it comes as ``as_json``."""
